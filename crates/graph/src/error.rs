@@ -1,0 +1,108 @@
+//! Errors that say where, what and what to do.
+
+use std::fmt;
+
+/// A file that is not a sound pose graph, or cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// The bytes did not arrive.
+    #[error("{source_name}: cannot be read: {error}")]
+    Io {
+        /// The file's name.
+        source_name: String,
+        /// What the system said.
+        error: std::io::Error,
+    },
+    /// The bytes are no sound pose graph.
+    #[error("{0}")]
+    Format(Box<FormatProblem>),
+}
+
+/// Place, problem and remedy of a fault in a file.
+#[derive(Debug)]
+pub struct FormatProblem {
+    /// The file's name.
+    pub source_name: String,
+    /// The line, counted from 1; 0 where the whole file is meant.
+    pub line: u64,
+    /// The record, such as `landmark 2574`, as far as known.
+    pub record: Option<String>,
+    /// The field, as far as known.
+    pub field: Option<String>,
+    /// What is wrong.
+    pub problem: String,
+    /// What to do about it.
+    pub remedy: String,
+}
+
+impl fmt::Display for FormatProblem {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.source_name)?;
+        if self.line > 0 {
+            write!(formatter, ", line {}", self.line)?;
+        }
+        if let Some(record) = &self.record {
+            write!(formatter, ", {record}")?;
+        }
+        if let Some(field) = &self.field {
+            write!(formatter, ", field \"{field}\"")?;
+        }
+        write!(formatter, ": {}; {}", self.problem, self.remedy)
+    }
+}
+
+/// What is wrong with one record, before file and line are known.
+#[derive(Debug)]
+pub(crate) struct Problem {
+    pub(crate) record: Option<String>,
+    pub(crate) field: Option<String>,
+    pub(crate) problem: String,
+    pub(crate) remedy: String,
+}
+
+impl Problem {
+    pub(crate) fn new(problem: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self { record: None, field: None, problem: problem.into(), remedy: remedy.into() }
+    }
+
+    pub(crate) fn record(mut self, record: impl Into<String>) -> Self {
+        self.record = Some(record.into());
+        self
+    }
+
+    pub(crate) fn field(mut self, field: impl Into<String>) -> Self {
+        self.field = Some(field.into());
+        self
+    }
+
+    pub(crate) fn at(self, source_name: &str, line: u64) -> ReadError {
+        ReadError::Format(Box::new(FormatProblem {
+            source_name: source_name.to_owned(),
+            line,
+            record: self.record,
+            field: self.field,
+            problem: self.problem,
+            remedy: self.remedy,
+        }))
+    }
+}
+
+/// A graph that cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// The system refused the bytes.
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
+    /// A number that JSON cannot hold. The remedy lies with whoever computed it.
+    #[error(
+        "{record}, field \"{field}\": the value is {value}, and NaN and infinity are not written; look at the stage's own input and options, or report it as a fault of the stage"
+    )]
+    NotFinite {
+        /// The record, such as `node 17`.
+        record: String,
+        /// The field.
+        field: &'static str,
+        /// NaN or an infinity.
+        value: f64,
+    },
+}

@@ -1,0 +1,92 @@
+//! A whole pose graph in memory.
+
+use std::io::{BufRead, Write};
+
+use crate::read::read_graph;
+use crate::write::write_graph;
+use crate::{Edge, EdgeKind, Header, Node, ReadError, WriteError};
+
+/// A pose graph: header, nodes by id, edges by id, and the lines nobody here understands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoseGraph {
+    /// Format, dimension, shared noise models, provenance.
+    pub header: Header,
+    /// Nodes in ascending order of id.
+    pub nodes: Vec<Node>,
+    /// Edges in ascending order of id.
+    pub edges: Vec<Edge>,
+    /// Records of unknown kind, as read, in their order; they are written after the edges.
+    pub unknown: Vec<String>,
+}
+
+impl PoseGraph {
+    /// A graph without nodes.
+    pub fn new(header: Header) -> Self {
+        Self { header, nodes: Vec::new(), edges: Vec::new(), unknown: Vec::new() }
+    }
+
+    /// Reads and validates a graph; `source_name` is what errors call it. Nodes and edges may stand in any
+    /// order after the header; they are sorted by id. O(size).
+    pub fn read(source_name: &str, reader: impl BufRead) -> Result<Self, ReadError> {
+        read_graph(source_name, reader)
+    }
+
+    /// Writes the canonical form: header, nodes by id, edges by id, unknown records. Numbers are checked
+    /// before the first byte is written.
+    pub fn write(&self, writer: impl Write) -> Result<(), WriteError> {
+        write_graph(self, writer)
+    }
+
+    /// The place of a node in `nodes`. O(1) where ids count from 0, else O(log n).
+    pub fn node_index(&self, id: u64) -> Option<usize> {
+        let guess = usize::try_from(id).ok()?;
+        if self.nodes.get(guess).is_some_and(|node| node.id == id) {
+            return Some(guess);
+        }
+        self.nodes.binary_search_by_key(&id, |node| node.id).ok()
+    }
+
+    /// The information of an edge: its own, or that of its noise model.
+    pub fn information<'a>(&'a self, edge: &'a Edge) -> Option<&'a [f64]> {
+        if let Some(information) = &edge.information {
+            return Some(information);
+        }
+        let name = edge.noise.as_deref()?;
+        self.header.noise_model(name).map(|model| model.information.as_slice())
+    }
+
+    /// Edges of one kind.
+    pub fn edges_of(&self, kind: EdgeKind) -> impl Iterator<Item = &Edge> {
+        self.edges.iter().filter(move |edge| edge.kind == kind)
+    }
+
+    /// The session names in the order of their first node.
+    pub fn sessions(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        let mut last = None;
+        for node in &self.nodes {
+            let name = node.session.as_deref();
+            if name == last {
+                continue;
+            }
+            last = name;
+            if let Some(name) = name
+                && !names.contains(&name)
+            {
+                names.push(name);
+            }
+        }
+        names
+    }
+
+    /// Takes the edges that a stage rejected out of the graph, for tools that do not know the mark.
+    pub fn drop_rejected(&mut self) {
+        self.edges.retain(Edge::in_use);
+    }
+
+    /// Sorts nodes and edges by id, as files have them.
+    pub fn sort(&mut self) {
+        self.nodes.sort_by_key(|node| node.id);
+        self.edges.sort_by_key(|edge| edge.id);
+    }
+}

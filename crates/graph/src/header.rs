@@ -1,0 +1,73 @@
+//! The first line of a file: format, dimension, shared noise models, and where the data came from.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::{Dimension, Extra};
+
+/// The header record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Header {
+    /// Plane or space, for all records of the file.
+    pub dimension: Dimension,
+    /// Information matrices that edges share by name (`"noise":"odometry"`), in the order read.
+    pub noise_models: Vec<(String, NoiseModel)>,
+    /// What each stage did so far, oldest first. Kept as read: other people's stages may write their own fields.
+    pub provenance: Vec<Value>,
+    /// Unknown fields, passed through.
+    pub extra: Extra,
+}
+
+impl Header {
+    /// A header without history.
+    pub fn new(dimension: Dimension) -> Self {
+        Self { dimension, noise_models: Vec::new(), provenance: Vec::new(), extra: Extra::new() }
+    }
+
+    /// The noise model of that name.
+    pub fn noise_model(&self, name: &str) -> Option<&NoiseModel> {
+        self.noise_models.iter().find(|(known, _)| known == name).map(|(_, model)| model)
+    }
+
+    /// Adds one stage's entry at the end of the history.
+    pub fn push_provenance(&mut self, entry: &Provenance) {
+        // A struct of strings, numbers and values always converts.
+        if let Ok(value) = serde_json::to_value(entry) {
+            self.provenance.push(value);
+        }
+    }
+}
+
+/// An information matrix with a name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NoiseModel {
+    /// Upper triangle, row-major, 6 or 21 terms.
+    pub information: Vec<f64>,
+    /// Unknown fields, passed through.
+    pub extra: Extra,
+}
+
+/// What one stage did: enough to do it again. Holds no wall times, host names or paths, so that the same
+/// input, arguments and seed give the same bytes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Provenance {
+    /// The stage's name, such as `pcm`.
+    pub stage: String,
+    /// The stage's version.
+    pub version: String,
+    /// The options that shape the result.
+    pub arguments: Value,
+    /// The seed of its random numbers, if it drew any.
+    pub seed: Option<u64>,
+    /// The files it read.
+    pub inputs: Vec<InputDigest>,
+}
+
+/// A file that a stage read, by role and content.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct InputDigest {
+    /// The role of the input (`graph`) or the file's own name without folders.
+    pub name: String,
+    /// SHA-256 of the content, decompressed, in hexadecimal.
+    pub sha256: String,
+}

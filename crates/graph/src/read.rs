@@ -1,0 +1,258 @@
+//! Reading a file record by record, or whole.
+
+use std::io::{BufRead, Read};
+
+use crate::error::Problem;
+use crate::parse::{kind_of, parse_edge, parse_header, parse_node};
+use crate::validate::Validator;
+use crate::{Edge, EdgeKind, Header, Node, PoseGraph, ReadError, Record};
+
+/// A line longer than this is no record of a pose graph: 16 MiB.
+const LONGEST_LINE: u64 = 16 << 20;
+
+/// Reads records one by one, each checked by itself and against the header. What concerns several records
+/// (duplicate ids, dangling edges) is checked by [`PoseGraph::read`], which holds them all.
+pub struct RecordReader<R> {
+    reader: R,
+    source_name: String,
+    line: u64,
+    buffer: Vec<u8>,
+    header: Header,
+    header_pending: bool,
+    validator: Validator,
+}
+
+impl<R: BufRead> RecordReader<R> {
+    /// Reads the header line; `source_name` is what errors call the file.
+    pub fn new(source_name: &str, reader: R) -> Result<Self, ReadError> {
+        let mut lines = Lines { reader, line: 0 };
+        let mut buffer = Vec::new();
+        let found = lines.next_into(&mut buffer).map_err(|fault| fault.at(source_name, lines.line))?;
+        if !found {
+            return Err(Problem::new("the file is empty", "a pose graph starts with a header line").at(source_name, 0));
+        }
+        let fault = |problem: Problem, line| problem.at(source_name, line);
+        let text = text(&buffer).map_err(|problem| fault(problem, lines.line))?;
+        let kind = kind_of(text).map_err(|problem| fault(problem, lines.line))?;
+        if kind != "header" {
+            return Err(fault(
+                Problem::new(
+                    format!("the first record is of kind \"{kind}\""),
+                    "a pose graph starts with {\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":…}",
+                ),
+                lines.line,
+            ));
+        }
+        let header = parse_header(text).map_err(|problem| fault(problem, lines.line))?;
+        let validator = Validator::new(&header).map_err(|problem| fault(problem, lines.line))?;
+        Ok(Self {
+            reader: lines.reader,
+            source_name: source_name.to_owned(),
+            line: lines.line,
+            buffer,
+            header,
+            header_pending: true,
+            validator,
+        })
+    }
+
+    /// The header, known from the start.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// The line of the record returned last, counted from 1.
+    pub fn line(&self) -> u64 {
+        self.line
+    }
+
+    fn next_record(&mut self) -> Result<Option<Record>, ReadError> {
+        if std::mem::take(&mut self.header_pending) {
+            return Ok(Some(Record::Header(self.header.clone())));
+        }
+        let mut lines = Lines { reader: &mut self.reader, line: self.line };
+        let found = lines.next_into(&mut self.buffer);
+        self.line = lines.line;
+        if !found.map_err(|fault| fault.at(&self.source_name, self.line))? {
+            return Ok(None);
+        }
+        parse_record(&self.buffer, &mut self.validator)
+            .map(Some)
+            .map_err(|problem| problem.at(&self.source_name, self.line))
+    }
+}
+
+impl<R: BufRead> Iterator for RecordReader<R> {
+    type Item = Result<Record, ReadError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.next_record().transpose()
+    }
+}
+
+fn parse_record(line: &[u8], validator: &mut Validator) -> Result<Record, Problem> {
+    let line = text(line)?;
+    match kind_of(line)?.as_ref() {
+        "header" => {
+            Err(Problem::new("a second header", "a file has one header; join graphs with posecut-construct"))
+        }
+        "node" => {
+            let node = parse_node(line)?;
+            validator.node(&node)?;
+            Ok(Record::Node(node))
+        }
+        "odometry" => edge(line, EdgeKind::Odometry, validator),
+        "landmark" => edge(line, EdgeKind::Landmark, validator),
+        _ => {
+            // It passes through as it stands, so it must at least be JSON.
+            serde_json::from_str::<serde::de::IgnoredAny>(line).map_err(|error| {
+                Problem::new(format!("this is not JSON: {error}"), "write one JSON object a line")
+            })?;
+            Ok(Record::Unknown(line.to_owned()))
+        }
+    }
+}
+
+fn edge(line: &str, kind: EdgeKind, validator: &mut Validator) -> Result<Record, Problem> {
+    let edge = parse_edge(line, kind)?;
+    validator.edge(&edge)?;
+    Ok(Record::Edge(edge))
+}
+
+fn text(line: &[u8]) -> Result<&str, Problem> {
+    std::str::from_utf8(line).map_err(|error| {
+        Problem::new(
+            format!("byte {} of the line is not UTF-8", error.valid_up_to() + 1),
+            "write the file in UTF-8; a compressed file is recognised by its first bytes, so it may be damaged",
+        )
+    })
+}
+
+struct Lines<R> {
+    reader: R,
+    line: u64,
+}
+
+enum LineFault {
+    Io(std::io::Error),
+    TooLong,
+}
+
+impl LineFault {
+    fn at(self, source_name: &str, line: u64) -> ReadError {
+        match self {
+            Self::Io(error) => ReadError::Io { source_name: source_name.to_owned(), error },
+            Self::TooLong => Problem::new(
+                format!("the line is longer than {} MiB", LONGEST_LINE >> 20),
+                "write one record a line",
+            )
+            .at(source_name, line),
+        }
+    }
+}
+
+impl<R: BufRead> Lines<R> {
+    /// The next line that is not blank, without its end; false at the end of the file.
+    fn next_into(&mut self, buffer: &mut Vec<u8>) -> Result<bool, LineFault> {
+        loop {
+            buffer.clear();
+            self.line += 1;
+            let read = (&mut self.reader)
+                .take(LONGEST_LINE + 1)
+                .read_until(b'\n', buffer)
+                .map_err(LineFault::Io)?;
+            if read == 0 {
+                return Ok(false);
+            }
+            if read as u64 > LONGEST_LINE {
+                return Err(LineFault::TooLong);
+            }
+            if self.line == 1 && buffer.starts_with(b"\xEF\xBB\xBF") {
+                buffer.drain(..3);
+            }
+            while buffer.last().is_some_and(u8::is_ascii_whitespace) {
+                buffer.pop();
+            }
+            if !buffer.is_empty() {
+                return Ok(true);
+            }
+        }
+    }
+}
+
+pub(crate) fn read_graph(source_name: &str, reader: impl BufRead) -> Result<PoseGraph, ReadError> {
+    let mut records = RecordReader::new(source_name, reader)?;
+    let mut graph = PoseGraph::new(records.header().clone());
+    let mut node_lines = Vec::new();
+    let mut edge_lines = Vec::new();
+    while let Some(record) = records.next_record()? {
+        match record {
+            Record::Header(_) => {}
+            Record::Node(node) => {
+                graph.nodes.push(node);
+                node_lines.push(records.line());
+            }
+            Record::Edge(edge) => {
+                graph.edges.push(edge);
+                edge_lines.push(records.line());
+            }
+            Record::Unknown(line) => graph.unknown.push(line),
+        }
+    }
+    let node_lines = sort_with_lines(&mut graph.nodes, node_lines, |node| node.id);
+    let edge_lines = sort_with_lines(&mut graph.edges, edge_lines, |edge| edge.id);
+    check_unique(source_name, &graph.nodes, &node_lines, |node: &Node| (node.id, format!("node {}", node.id)))?;
+    check_unique(source_name, &graph.edges, &edge_lines, |edge: &Edge| (edge.id, edge.name()))?;
+    check_ends(source_name, &graph, &edge_lines)?;
+    Ok(graph)
+}
+
+/// Sorts records by id and keeps each with its line. Files in canonical form are left as they are.
+fn sort_with_lines<T>(records: &mut Vec<T>, lines: Vec<u64>, id: impl Fn(&T) -> u64) -> Vec<u64> {
+    if records.is_sorted_by_key(&id) {
+        return lines;
+    }
+    let mut pairs: Vec<(T, u64)> = std::mem::take(records).into_iter().zip(lines).collect();
+    pairs.sort_by_key(|(record, _)| id(record));
+    let (sorted, lines) = pairs.into_iter().unzip();
+    *records = sorted;
+    lines
+}
+
+fn check_unique<T>(
+    source_name: &str,
+    records: &[T],
+    lines: &[u64],
+    identity: impl Fn(&T) -> (u64, String),
+) -> Result<(), ReadError> {
+    for (pair, lines) in records.windows(2).zip(lines.windows(2)) {
+        let (first, second) = (identity(&pair[0]), identity(&pair[1]));
+        if first.0 == second.0 {
+            return Err(Problem::new(
+                format!("its id stands already in line {} ({})", lines[0], first.1),
+                "ids are unique among nodes, and among edges of all kinds; number them anew",
+            )
+            .record(second.1)
+            .field("id")
+            .at(source_name, lines[1]));
+        }
+    }
+    Ok(())
+}
+
+fn check_ends(source_name: &str, graph: &PoseGraph, lines: &[u64]) -> Result<(), ReadError> {
+    for (edge, line) in graph.edges.iter().zip(lines) {
+        for (field, id) in [("from", edge.from), ("to", edge.to)] {
+            if graph.node_index(id).is_none() {
+                return Err(Problem::new(
+                    format!("there is no node {id} in the file"),
+                    "add the node, or remove the edge",
+                )
+                .record(edge.name())
+                .field(field)
+                .at(source_name, *line));
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,153 @@
+//! Nodes and edges as they stand in a file.
+
+use crate::{Dimension, Extra, Header};
+
+/// One line of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Record {
+    /// The first line.
+    Header(Header),
+    /// A viewpoint.
+    Node(Node),
+    /// An odometry or landmark edge.
+    Edge(Edge),
+    /// A record of a kind this crate does not know: the line as read, without its end.
+    Unknown(String),
+}
+
+/// A viewpoint (keyframe).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Node {
+    /// Identity, unique among nodes.
+    pub id: u64,
+    /// The session (experience) it belongs to.
+    pub session: Option<String>,
+    /// The frame number within the down-sampled session.
+    pub frame: Option<i64>,
+    /// Microseconds, UTC.
+    pub utime: Option<i64>,
+    /// The current estimate, world from body.
+    pub pose: Option<Vec<f64>>,
+    /// The landmark (component of the multicut) it was assigned to.
+    pub landmark: Option<u64>,
+    /// What only construction and evaluation may look at.
+    pub truth: Option<NodeTruth>,
+    /// Unknown fields, passed through.
+    pub extra: Extra,
+}
+
+/// The truth about a node.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NodeTruth {
+    /// The ground-truth pose, world from body.
+    pub pose: Option<Vec<f64>>,
+    /// Unknown fields, passed through.
+    pub extra: Extra,
+}
+
+/// What an edge claims to know.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum EdgeKind {
+    /// Motion between successive nodes of a session.
+    Odometry,
+    /// A recognised place: a loop closure, right or wrong.
+    Landmark,
+}
+
+impl EdgeKind {
+    /// The value of `"kind"`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Odometry => "odometry",
+            Self::Landmark => "landmark",
+        }
+    }
+}
+
+/// A relative measurement between two nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Edge {
+    /// Odometry or landmark.
+    pub kind: EdgeKind,
+    /// Identity, unique among edges of both kinds.
+    pub id: u64,
+    /// The node in whose frame the measurement is given.
+    pub from: u64,
+    /// The node that is measured.
+    pub to: u64,
+    /// The pose of `to` in the frame of `from`. A landmark edge may have none.
+    pub measurement: Option<Vec<f64>>,
+    /// Upper triangle of the information matrix, row-major.
+    pub information: Option<Vec<f64>>,
+    /// A noise model of the header, in place of `information`.
+    pub noise: Option<String>,
+    /// What only construction and evaluation may look at.
+    pub truth: Option<EdgeTruth>,
+    /// The stage that rejected the edge; absent while it is in use.
+    pub rejected_by: Option<String>,
+    /// The multicut's cost of cutting it.
+    pub cost: Option<f64>,
+    /// The confidence of whoever proposed it.
+    pub score: Option<f64>,
+    /// Unknown fields, passed through.
+    pub extra: Extra,
+}
+
+impl Edge {
+    /// An edge without a measurement.
+    pub fn new(kind: EdgeKind, id: u64, from: u64, to: u64) -> Self {
+        Self {
+            kind,
+            id,
+            from,
+            to,
+            measurement: None,
+            information: None,
+            noise: None,
+            truth: None,
+            rejected_by: None,
+            cost: None,
+            score: None,
+            extra: Extra::new(),
+        }
+    }
+
+    /// Whether no stage has rejected it.
+    pub fn in_use(&self) -> bool {
+        self.rejected_by.is_none()
+    }
+
+    /// Marks the edge as rejected by a stage; the first to reject it stays named.
+    pub fn reject(&mut self, stage: &str) {
+        self.rejected_by.get_or_insert_with(|| stage.to_owned());
+    }
+
+    /// Whether the truth says it is a correct edge; `None` if nobody knows.
+    pub fn truth_correct(&self) -> Option<bool> {
+        self.truth.as_ref().and_then(|truth| truth.correct)
+    }
+
+    /// Kind and id, as messages name it.
+    pub fn name(&self) -> String {
+        format!("{} {}", self.kind.name(), self.id)
+    }
+}
+
+/// The truth about an edge.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EdgeTruth {
+    /// Whether its two nodes really see the same place.
+    pub correct: Option<bool>,
+    /// Unknown fields, passed through.
+    pub extra: Extra,
+}
+
+impl Node {
+    /// The estimate, if there is one, else the identity of that dimension.
+    pub fn pose_or_identity(&self, dimension: Dimension) -> Vec<f64> {
+        self.pose.clone().unwrap_or_else(|| match dimension {
+            Dimension::Two => vec![0.0; 3],
+            Dimension::Three => vec![0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+        })
+    }
+}

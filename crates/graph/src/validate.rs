@@ -1,0 +1,156 @@
+//! What a record must satisfy beyond being JSON with the right fields.
+
+use std::collections::HashSet;
+
+use crate::definiteness::negative_eigenvalue;
+use crate::error::Problem;
+use crate::{Dimension, Edge, EdgeKind, Header, Node};
+
+/// How far the norm of a quaternion may be from 1.
+const QUATERNION_TOLERANCE: f64 = 1e-3;
+
+/// Checks records against a header; remembers the last information matrix, since neighbours share it.
+pub(crate) struct Validator {
+    pub(crate) dimension: Dimension,
+    noise_models: HashSet<String>,
+    last_definite: Vec<f64>,
+}
+
+impl Validator {
+    pub(crate) fn new(header: &Header) -> Result<Self, Problem> {
+        let mut validator = Self {
+            dimension: header.dimension,
+            noise_models: HashSet::new(),
+            last_definite: Vec::new(),
+        };
+        for (name, model) in &header.noise_models {
+            validator
+                .information(&model.information)
+                .map_err(|problem| problem.record("header").field(format!("noise_models.{name}.information")))?;
+            if !validator.noise_models.insert(name.clone()) {
+                return Err(Problem::new(
+                    format!("the noise model \"{name}\" is defined twice"),
+                    "keep one definition",
+                )
+                .record("header")
+                .field("noise_models"));
+            }
+        }
+        Ok(validator)
+    }
+
+    pub(crate) fn node(&self, node: &Node) -> Result<(), Problem> {
+        let name = || format!("node {}", node.id);
+        if let Some(pose) = &node.pose {
+            self.pose(pose).map_err(|problem| problem.record(name()).field("pose"))?;
+        }
+        if let Some(pose) = node.truth.as_ref().and_then(|truth| truth.pose.as_ref()) {
+            self.pose(pose).map_err(|problem| problem.record(name()).field("truth.pose"))?;
+        }
+        Ok(())
+    }
+
+    pub(crate) fn edge(&mut self, edge: &Edge) -> Result<(), Problem> {
+        if edge.from == edge.to {
+            return Err(Problem::new(
+                format!("it joins node {} to itself", edge.from),
+                "remove the edge or correct its ends",
+            )
+            .record(edge.name())
+            .field("to"));
+        }
+        if let Some(measurement) = &edge.measurement {
+            self.pose(measurement).map_err(|problem| problem.record(edge.name()).field("measurement"))?;
+        }
+        if let Some(information) = &edge.information {
+            self.information(information)
+                .map_err(|problem| problem.record(edge.name()).field("information"))?;
+        }
+        if let Some(noise) = &edge.noise
+            && !self.noise_models.contains(noise)
+        {
+            return Err(Problem::new(
+                format!("the header has no noise model \"{noise}\""),
+                "add it to the header's noise_models, or give the edge its own information",
+            )
+            .record(edge.name())
+            .field("noise"));
+        }
+        if edge.noise.is_some() && edge.information.is_some() {
+            return Err(Problem::new(
+                "it has both \"noise\" and \"information\", and they may disagree",
+                "keep one of the two",
+            )
+            .record(edge.name())
+            .field("noise"));
+        }
+        self.completeness(edge)
+    }
+
+    fn completeness(&self, edge: &Edge) -> Result<(), Problem> {
+        let weighed = edge.information.is_some() || edge.noise.is_some();
+        let layout = self.dimension.pose_layout();
+        if edge.measurement.is_none() && edge.kind == EdgeKind::Odometry {
+            return Err(Problem::new(
+                "an odometry edge must say how it moved",
+                format!("add \"measurement\": {layout}"),
+            )
+            .record(edge.name())
+            .field("measurement"));
+        }
+        if edge.measurement.is_some() && !weighed {
+            return Err(Problem::new(
+                "there is a measurement, but nothing says how sure it is",
+                format!(
+                    "add \"information\" ({} terms) or \"noise\" (a name from the header)",
+                    self.dimension.information_terms()
+                ),
+            )
+            .record(edge.name())
+            .field("information"));
+        }
+        Ok(())
+    }
+
+    fn pose(&self, pose: &[f64]) -> Result<(), Problem> {
+        let expected = self.dimension.pose_components();
+        if pose.len() != expected {
+            return Err(Problem::new(
+                format!("expected {expected} numbers, found {}", pose.len()),
+                format!("a pose of dimension {} is {}", self.dimension, self.dimension.pose_layout()),
+            ));
+        }
+        if self.dimension == Dimension::Three {
+            let norm = pose[3..].iter().map(|component| component * component).sum::<f64>().sqrt();
+            if !((norm - 1.0).abs() <= QUATERNION_TOLERANCE) {
+                return Err(Problem::new(
+                    format!("the quaternion has norm {norm}, not 1"),
+                    "normalise it; the order is qx, qy, qz, qw",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn information(&mut self, information: &[f64]) -> Result<(), Problem> {
+        let expected = self.dimension.information_terms();
+        if information.len() != expected {
+            return Err(Problem::new(
+                format!("expected {expected} numbers, found {}", information.len()),
+                "write the upper triangle of the information matrix row by row",
+            ));
+        }
+        if information == self.last_definite {
+            return Ok(());
+        }
+        if let Some(eigenvalue) = negative_eigenvalue(self.dimension, information) {
+            return Err(Problem::new(
+                format!("the matrix is not positive semidefinite: its smallest eigenvalue is {eigenvalue:e}"),
+                "correct it at its source: an information matrix is the inverse of a covariance",
+            ));
+        }
+        self.last_definite.clear();
+        self.last_definite.extend_from_slice(information);
+        Ok(())
+    }
+}

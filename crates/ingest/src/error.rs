@@ -1,0 +1,46 @@
+//! What can be wrong with a session's files.
+
+/// A session that cannot be ingested: cause, place and remedy.
+#[derive(Debug, thiserror::Error)]
+pub enum IngestError {
+    /// The system refused to give the bytes.
+    #[error("{place}: cannot be read: {error}")]
+    Io {
+        /// File or archive.
+        place: String,
+        /// What the system said.
+        error: std::io::Error,
+    },
+    /// A row that is not what the layout says.
+    #[error("{file}, line {line}: {problem}; {remedy}")]
+    Row {
+        /// The CSV file.
+        file: String,
+        /// The line, counted from 1.
+        line: u64,
+        /// What is wrong.
+        problem: String,
+        /// What to do about it.
+        remedy: String,
+    },
+    /// A file as a whole is not usable.
+    #[error("{place}: {problem}; {remedy}")]
+    Session {
+        /// File, archive or directory.
+        place: String,
+        /// What is wrong.
+        problem: String,
+        /// What to do about it.
+        remedy: String,
+    },
+}
+
+impl IngestError {
+    pub(crate) fn session(place: &str, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self::Session { place: place.to_owned(), problem: problem.into(), remedy: remedy.into() }
+    }
+
+    pub(crate) fn row(file: &str, line: u64, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self::Row { file: file.to_owned(), line, problem: problem.into(), remedy: remedy.into() }
+    }
+}

@@ -1,0 +1,25 @@
+//! From the files of an NCLT session (Carlevaris-Bianco, Ushani, Eustice, IJRR 35(9), 2016) to a pose graph
+//! of one session: keyframes down-sampled from the camera's clock, odometry edges with covariances, and
+//! ground truth at the keyframes.
+//!
+//! NCLT's frames are kept: the local frame has x north, y east, z down; the body x forward, y right,
+//! z down; `R = Rz(yaw) Ry(pitch) Rx(roll)`. Lengths are metres, angles radians, times microseconds UTC.
+
+mod assemble;
+mod clock;
+mod covariance;
+mod error;
+mod odometry;
+mod options;
+mod session;
+mod table;
+mod trajectory;
+
+pub use assemble::{Ingested, ingest};
+pub use clock::{ClockSource, keyframe_times};
+pub use error::IngestError;
+pub use odometry::{HeadingSource, OdometrySource};
+pub use options::Options;
+pub use session::{FileKind, SessionFiles};
+pub use table::Table;
+pub use trajectory::Trajectory;

@@ -1,0 +1,53 @@
+//! `posecut-ingest`: NCLT session files to one session's pose graph.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Parser;
+use posecut_ingest::{Options, SessionFiles, ingest};
+use posecut_stage::{CommonArguments, Identity, Outcome, run};
+
+#[derive(Parser)]
+struct Command {
+    /// The session: a directory with NCLT's CSV files, or its DATE_sen.tar.gz
+    #[arg(value_name = "SESSION")]
+    session: PathBuf,
+
+    /// The ground-truth file, if it does not lie in the directory or beside the archive
+    #[arg(long, value_name = "FILE")]
+    ground_truth: Option<PathBuf>,
+
+    /// A folder of images named UTIME.tiff that set the keyframes; lb3/Cam5 in the directory is found by itself
+    #[arg(long, value_name = "DIRECTORY")]
+    images: Option<PathBuf>,
+
+    #[command(flatten)]
+    options: Options,
+
+    #[command(flatten)]
+    common: CommonArguments,
+}
+
+fn main() -> ExitCode {
+    let identity = Identity {
+        name: "ingest",
+        version: env!("CARGO_PKG_VERSION"),
+        about: "Read an NCLT session and write its pose graph: keyframes, odometry, ground truth",
+    };
+    run::<Command>(
+        identity,
+        |command| &command.common,
+        |command, context| {
+            command.options.check()?;
+            let mut files =
+                SessionFiles::find(&command.session, command.ground_truth.as_deref(), command.images.as_deref())?;
+            let progress = context.progress(0, "reading");
+            let mut ingested = ingest(&mut files, &command.options, &progress)?;
+            context.inputs.extend_from_slice(files.digests());
+            context.statistics = ingested.statistics;
+            context.record_provenance(&mut ingested.graph, &command.options, None)?;
+            context.write_graph(&ingested.graph)?;
+            Ok(Outcome::Done)
+        },
+    )
+}

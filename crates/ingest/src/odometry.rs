@@ -1,0 +1,122 @@
+//! Odometry of a session from whichever of its sources is there.
+
+mod integrated;
+mod wheels;
+
+use posecut_stage::{ProgressBar, info, warn};
+use serde::Serialize;
+
+use crate::covariance::StepCovariances;
+use crate::{FileKind, IngestError, Options, SessionFiles, Table, Trajectory};
+
+/// Which files give the odometry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum OdometrySource {
+    /// The first of the following that is there
+    Auto,
+    /// odometry_mu.csv: poses relative to the previous image
+    Relative,
+    /// odometry_mu_100hz.csv: poses integrated from the start
+    Integrated,
+    /// wheels.csv with a heading: raw dead reckoning
+    Wheels,
+}
+
+/// Which file gives the heading for dead reckoning with the wheels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum HeadingSource {
+    /// The first of the following that is there
+    Auto,
+    /// kvh.csv: the fibre-optic gyro
+    Kvh,
+    /// ms25_euler.csv: the IMU's own heading, which its magnetometer steers
+    Euler,
+    /// ms25.csv: the IMU's yaw rate, integrated
+    Gyro,
+}
+
+/// The odometry of a session.
+pub(crate) struct Odometry {
+    pub(crate) source: OdometrySource,
+    pub(crate) heading: Option<HeadingSource>,
+    pub(crate) trajectory: Trajectory,
+    /// Covariances of the steps between rows, where the session has them.
+    pub(crate) covariances: Option<StepCovariances>,
+    pub(crate) dropped_rows: usize,
+}
+
+/// Reads tables of one session, counting what they drop.
+pub(crate) struct Reader<'a> {
+    pub(crate) files: &'a mut SessionFiles,
+    pub(crate) progress: &'a ProgressBar,
+    pub(crate) dropped_rows: usize,
+}
+
+impl Reader<'_> {
+    /// The table of a file that must be there.
+    pub(crate) fn table(&mut self, kind: FileKind, columns: usize) -> Result<Table, IngestError> {
+        let found = self.files.found();
+        let Some((file, bytes)) = self.files.content(kind)? else {
+            return Err(IngestError::session(
+                self.files.place(),
+                format!("there is no file for {kind:?}; found {found}"),
+                "complete the session with scripts/fetch-nclt.sh, or choose another source (--odometry, --heading)",
+            ));
+        };
+        self.progress.inc_length(bytes.len() as u64);
+        let table = Table::parse(&file, &bytes, columns, self.progress)?;
+        if table.dropped > 0 {
+            let reversal = table
+                .first_reversal
+                .map_or_else(String::new, |line| format!("; time first fails to advance in line {line}"));
+            warn!("{file}: {} rows left out (NaN, or time not advancing){reversal}", table.dropped);
+        }
+        self.dropped_rows += table.dropped;
+        Ok(table)
+    }
+}
+
+/// Reads the odometry that the options ask for, or the best there is.
+pub(crate) fn read(reader: &mut Reader<'_>, options: &Options) -> Result<Odometry, IngestError> {
+    let source = choose(reader.files, options.odometry)?;
+    let longest = (options.longest_silence * 1e6) as i64;
+    let before = reader.dropped_rows;
+    let (heading, trajectory, covariances) = match source {
+        OdometrySource::Relative => {
+            let (trajectory, covariances) = integrated::from_relative(reader, longest)?;
+            (None, trajectory, covariances)
+        }
+        OdometrySource::Integrated | OdometrySource::Auto => {
+            let (trajectory, covariances) = integrated::from_integrated(reader, longest)?;
+            (None, trajectory, covariances)
+        }
+        OdometrySource::Wheels => {
+            let (heading, trajectory) =
+                wheels::dead_reckoning(reader, options.heading, options.wheel_scale, longest)?;
+            (Some(heading), trajectory, None)
+        }
+    };
+    Ok(Odometry { source, heading, trajectory, covariances, dropped_rows: reader.dropped_rows - before })
+}
+
+fn choose(files: &SessionFiles, wanted: OdometrySource) -> Result<OdometrySource, IngestError> {
+    if wanted != OdometrySource::Auto {
+        return Ok(wanted);
+    }
+    let candidates = [
+        (FileKind::RelativeOdometry, OdometrySource::Relative),
+        (FileKind::IntegratedOdometry, OdometrySource::Integrated),
+        (FileKind::Wheels, OdometrySource::Wheels),
+    ];
+    let Some(&(kind, source)) = candidates.iter().find(|(kind, _)| files.has(*kind)) else {
+        return Err(IngestError::session(
+            files.place(),
+            format!("there is no odometry; found {}", files.found()),
+            "one of odometry_mu.csv, odometry_mu_100hz.csv or wheels.csv is needed; scripts/fetch-nclt.sh downloads them",
+        ));
+    };
+    info!("odometry from {kind:?} (choose another with --odometry)");
+    Ok(source)
+}

@@ -1,0 +1,73 @@
+//! The options of ingestion.
+
+use serde::Serialize;
+
+use crate::{HeadingSource, OdometrySource};
+
+/// What shapes the session's graph.
+#[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
+pub struct Options {
+    /// Name of the session in the graph; its date unless given
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
+
+    /// 2: poses in the ground plane (x north, y east, heading); 3: six degrees of freedom
+    #[arg(long, value_name = "2|3", default_value_t = 2, value_parser = clap::value_parser!(u64).range(2..=3))]
+    pub dimension: u64,
+
+    /// Where the odometry comes from
+    #[arg(long, value_enum, default_value_t = OdometrySource::Auto, help_heading = "Odometry")]
+    pub odometry: OdometrySource,
+
+    /// Where the heading comes from when the wheels give the odometry
+    #[arg(long, value_enum, default_value_t = HeadingSource::Auto, help_heading = "Odometry")]
+    pub heading: HeadingSource,
+
+    /// Factor on the wheels' speed; NCLT's wheels over-read by 6 to 8 %, which 0.93 corrects
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, help_heading = "Odometry")]
+    pub wheel_scale: f64,
+
+    /// Standard deviation of each translation axis, metres per keyframe step; overrides odometry_cov*.csv
+    #[arg(long, value_name = "METRES", help_heading = "Odometry")]
+    pub sigma_translation: Option<f64>,
+
+    /// Standard deviation of each rotation axis, radians per keyframe step; overrides odometry_cov*.csv
+    #[arg(long, value_name = "RADIANS", help_heading = "Odometry")]
+    pub sigma_rotation: Option<f64>,
+
+    /// Keep every N-th image (the paper: 10, from 5 Hz to 0.5 Hz)
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..), help_heading = "Keyframes")]
+    pub keep_every: u32,
+
+    /// Seconds between images where neither images nor odometry_mu.csv tell
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.2, help_heading = "Keyframes")]
+    pub period: f64,
+
+    /// A silence longer than this is a gap: nothing is interpolated across it
+    #[arg(long, value_name = "SECONDS", default_value_t = 5.0, help_heading = "Keyframes")]
+    pub longest_silence: f64,
+}
+
+impl Options {
+    /// Standard deviations where no covariance file is used: metres and radians per keyframe step.
+    pub const DEFAULT_SIGMA: (f64, f64) = (0.1, 0.02);
+
+    /// Refuses numbers that mean nothing, with a sentence.
+    pub fn check(&self) -> anyhow::Result<()> {
+        let positive = [
+            ("--wheel-scale", Some(self.wheel_scale)),
+            ("--sigma-translation", self.sigma_translation),
+            ("--sigma-rotation", self.sigma_rotation),
+            ("--period", Some(self.period)),
+            ("--longest-silence", Some(self.longest_silence)),
+        ];
+        for (name, value) in positive {
+            if let Some(value) = value
+                && !(value > 0.0 && value.is_finite())
+            {
+                anyhow::bail!("{name} is {value}, and must be a positive number");
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,129 @@
+//! What a running stage has at hand.
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Context as _, bail};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use posecut_graph::{InputDigest, PoseGraph, Provenance};
+use serde::Serialize;
+
+use crate::{CommonArguments, Identity, Source, Statistics, input, output};
+
+/// Inputs read so far, statistics, and the common arguments.
+pub struct Context {
+    /// Figures for `--stats`.
+    pub statistics: Statistics,
+    /// The digests of the files read, for the provenance.
+    pub inputs: Vec<InputDigest>,
+    identity: Identity,
+    common: CommonArguments,
+    started: Instant,
+}
+
+impl Context {
+    pub(crate) fn new(identity: Identity, common: CommonArguments) -> Self {
+        Self {
+            statistics: Statistics::default(),
+            inputs: Vec::new(),
+            identity,
+            common,
+            started: Instant::now(),
+        }
+    }
+
+    /// The number of threads the user allows; 0 means all processors.
+    pub fn threads(&self) -> usize {
+        self.common.threads
+    }
+
+    /// Reads a pose graph. `role` is what the provenance calls it: never a path, so that a pipe and a file
+    /// give the same bytes.
+    pub fn read_graph(&mut self, source: &Source, role: &str) -> anyhow::Result<PoseGraph> {
+        let mut input = input::open(source)?;
+        let name = input.name.clone();
+        let graph = PoseGraph::read(&name, &mut input)?;
+        let sha256 = input.finish().with_context(|| format!("{name}: cannot be read to its end"))?;
+        self.inputs.push(InputDigest { name: role.to_owned(), sha256 });
+        Ok(graph)
+    }
+
+    /// Adds this run to the history of a graph.
+    pub fn record_provenance<A: Serialize>(
+        &self,
+        graph: &mut PoseGraph,
+        arguments: &A,
+        seed: Option<u64>,
+    ) -> anyhow::Result<()> {
+        let arguments = serde_json::to_value(arguments).context("the arguments cannot be written as JSON")?;
+        graph.header.push_provenance(&Provenance {
+            stage: self.identity.name.to_owned(),
+            version: self.identity.version.to_owned(),
+            arguments,
+            seed,
+            inputs: self.inputs.clone(),
+        });
+        Ok(())
+    }
+
+    /// Writes the stage's graph to its output.
+    pub fn write_graph(&self, graph: &PoseGraph) -> anyhow::Result<()> {
+        output::write_output(&self.common.output, |writer| Ok(graph.write(writer)?))
+    }
+
+    /// Writes the stage's output, whatever it is.
+    pub fn write_bytes(&self, bytes: &[u8]) -> anyhow::Result<()> {
+        output::write_output(&self.common.output, |writer| Ok(writer.write_all(bytes)?))
+    }
+
+    /// A progress bar over a known amount of work; drawn only where somebody can see it.
+    pub fn progress(&self, length: u64, what: &str) -> ProgressBar {
+        let target = if self.common.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let style = ProgressStyle::with_template("{msg} [{bar:30}] {percent}% {eta}")
+            .unwrap_or_else(|_| ProgressStyle::default_bar());
+        ProgressBar::with_draw_target(Some(length), target).with_style(style).with_message(what.to_owned())
+    }
+
+    /// Refuses outputs that would overwrite each other.
+    pub(crate) fn check_outputs(&self) -> anyhow::Result<()> {
+        let (Some(output), Some(stats)) = (self.common.output.path(), self.common.stats.as_deref()) else {
+            return Ok(());
+        };
+        if same_file(output, stats) && !is_device(output) {
+            bail!(
+                "{}: is named both as output and for --stats, and one would overwrite the other; name two files",
+                output.display()
+            );
+        }
+        Ok(())
+    }
+
+    pub(crate) fn write_statistics(&self) -> anyhow::Result<()> {
+        let Some(path) = &self.common.stats else { return Ok(()) };
+        let mut all = Statistics::default();
+        all.note("stage", self.identity.name);
+        all.note("version", self.identity.version);
+        for (name, value) in self.statistics.as_map() {
+            all.note(name, value);
+        }
+        all.note("seconds", self.started.elapsed().as_secs_f64());
+        output::write_atomically(path, |writer| {
+            serde_json::to_writer_pretty(&mut *writer, all.as_map())?;
+            Ok(writer.write_all(b"\n")?)
+        })
+    }
+}
+
+fn same_file(first: &Path, second: &Path) -> bool {
+    let real = |path: &Path| {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        std::fs::canonicalize(path)
+            .ok()
+            .or_else(|| Some(std::fs::canonicalize(folder).ok()?.join(path.file_name()?)))
+    };
+    first == second || real(first).is_some_and(|first| Some(first) == real(second))
+}
+
+fn is_device(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|metadata| !metadata.is_file())
+}

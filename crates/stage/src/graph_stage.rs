@@ -1,0 +1,65 @@
+//! Stages from graph to graph.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use posecut_graph::PoseGraph;
+use serde::Serialize;
+
+use crate::{CommonArguments, Context, Identity, Outcome, Source, run};
+
+/// A stage that reads one pose graph and writes it again with its own findings in it.
+///
+/// The options are the fields of the implementing type: clap reads them, and their JSON goes into the
+/// provenance, so they must hold everything that shapes the result and nothing else.
+pub trait GraphStage: clap::Args + Serialize {
+    /// The stage's name without `posecut-`.
+    const NAME: &'static str;
+
+    /// One sentence on what it does.
+    const ABOUT: &'static str;
+
+    /// The seed, for a stage that draws random numbers.
+    fn seed(&self) -> Option<u64> {
+        None
+    }
+
+    /// Does the work on a graph that has been read and validated.
+    fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()>;
+}
+
+#[derive(Parser)]
+struct GraphCommand<S: GraphStage> {
+    /// The pose graph to read (JSON Lines, may be compressed); `-` is standard input
+    #[arg(value_name = "INPUT", default_value = "-")]
+    input: Source,
+
+    #[command(flatten)]
+    stage: S,
+
+    /// Leave rejected edges out of the output instead of marking them
+    #[arg(long, help_heading = "Output")]
+    drop_rejected: bool,
+
+    #[command(flatten)]
+    common: CommonArguments,
+}
+
+/// The `main` of a stage from graph to graph.
+pub fn run_graph_stage<S: GraphStage>(version: &'static str) -> ExitCode {
+    let identity = Identity { name: S::NAME, version, about: S::ABOUT };
+    run::<GraphCommand<S>>(
+        identity,
+        |command| &command.common,
+        |command, context| {
+            let mut graph = context.read_graph(&command.input, "graph")?;
+            command.stage.run(&mut graph, context)?;
+            context.record_provenance(&mut graph, &command.stage, command.stage.seed())?;
+            if command.drop_rejected {
+                graph.drop_rejected();
+            }
+            context.write_graph(&graph)?;
+            Ok(Outcome::Done)
+        },
+    )
+}

@@ -1,0 +1,36 @@
+//! What all posecut stage binaries share: reading and writing files and pipes, exit codes, logs, progress,
+//! seeds, digests and provenance.
+//!
+//! The contract: `posecut-STAGE [OPTIONS] [INPUT] [-o OUTPUT]`, where `-` is standard input or output and
+//! the default. Logs and progress go to standard error, a JSON summary to `--stats FILE`. Exit status 0:
+//! done; 1: a check failed; 2: an error, told in a sentence. Output appears whole or not at all. A closed
+//! pipe is no error. The same input, arguments and seed give the same bytes.
+//!
+//! A stage from graph to graph implements [`GraphStage`] and is run by [`run_graph_stage`]; everything else
+//! describes its command line with clap and is run by [`run`].
+
+mod arguments;
+mod context;
+mod graph_stage;
+mod input;
+mod interrupt;
+mod logging;
+mod output;
+mod program;
+mod randomness;
+mod statistics;
+
+pub use arguments::{CommonArguments, Source, Target};
+pub use context::Context;
+pub use graph_stage::{GraphStage, run_graph_stage};
+pub use input::{Input, digest, open, open_file};
+pub use output::{write_atomically, write_output};
+pub use program::{Identity, Outcome, run};
+pub use randomness::random;
+pub use statistics::Statistics;
+
+// What stages write their messages with, so that they need no logging crate of their own.
+pub use indicatif::ProgressBar;
+pub use rand;
+pub use rand_chacha::ChaCha8Rng;
+pub use tracing::{debug, info, warn};
