@@ -1,0 +1,55 @@
+//! Requests that cannot be met.
+
+/// Why a multi-session graph cannot be constructed.
+#[derive(Debug, thiserror::Error)]
+pub enum ConstructError {
+    /// An option has a value that means nothing.
+    #[error("{option} is {value}, and must be {expected}")]
+    Option {
+        /// The option.
+        option: &'static str,
+        /// What was given.
+        value: f64,
+        /// What would do.
+        expected: &'static str,
+    },
+    /// The graphs cannot stand in one file.
+    #[error("{problem}; {remedy}")]
+    Join {
+        /// What is wrong.
+        problem: String,
+        /// What to do about it.
+        remedy: String,
+    },
+    /// No node of some session knows where it truly was.
+    #[error(
+        "no node of the graph has truth, so nobody knows which viewpoints see the same place; ingest the session together with its ground truth"
+    )]
+    NoTruth,
+    /// The experiences never come near each other.
+    #[error(
+        "no two viewpoints of different experiences lie within {radius} m and {heading} degrees of heading, so there is no landmark edge to construct; widen --radius or --heading, or take sessions that overlap"
+    )]
+    NoOverlap {
+        /// Metres.
+        radius: f64,
+        /// Degrees.
+        heading: f64,
+    },
+    /// There are not so many wrong pairs.
+    #[error(
+        "a rate of {rate} asks for {wanted} incorrect landmark edges, but only {found} pairs of viewpoints further than {distance} m apart were found in {attempts} draws; lower --incorrect-rate or --incorrect-distance"
+    )]
+    TooFewWrongPairs {
+        /// The rate asked for.
+        rate: f64,
+        /// Edges that it means.
+        wanted: usize,
+        /// Pairs found.
+        found: usize,
+        /// Metres.
+        distance: f64,
+        /// Draws made.
+        attempts: usize,
+    },
+}

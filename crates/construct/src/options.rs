@@ -1,0 +1,107 @@
+//! The options of construction; their defaults are this project's reading of the paper.
+
+use serde::Serialize;
+
+use crate::ConstructError;
+
+/// Whether sessions are split into two experiences.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Split {
+    /// A lone session is split at its middle, several stay whole
+    Auto,
+    /// Every session is split at its middle keyframe
+    Middle,
+    /// No session is split
+    None,
+}
+
+impl Split {
+    pub(crate) fn applies(self, sessions: usize) -> bool {
+        match self {
+            Self::Auto => sessions == 1,
+            Self::Middle => true,
+            Self::None => false,
+        }
+    }
+}
+
+/// What shapes the multi-session graph.
+#[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
+pub struct Options {
+    /// Whether sessions are split into two experiences, /a and /b
+    #[arg(long, value_enum, default_value_t = Split::Auto)]
+    pub split: Split,
+
+    /// Viewpoints this near each other see the same place, metres
+    #[arg(long, value_name = "METRES", default_value_t = 3.0, help_heading = "Correct landmark edges")]
+    pub radius: f64,
+
+    /// … if their headings differ by at most this, degrees
+    #[arg(long, value_name = "DEGREES", default_value_t = 30.0, help_heading = "Correct landmark edges")]
+    pub heading: f64,
+
+    /// … and at least this many seconds lie between them
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, help_heading = "Correct landmark edges")]
+    pub minimum_interval: f64,
+
+    /// Standard deviation of a landmark edge's translation, metres per axis
+    #[arg(long, value_name = "METRES", default_value_t = 0.1, help_heading = "Correct landmark edges")]
+    pub landmark_sigma_translation: f64,
+
+    /// Standard deviation of a landmark edge's rotation, radians per axis
+    #[arg(long, value_name = "RADIANS", default_value_t = 0.02, help_heading = "Correct landmark edges")]
+    pub landmark_sigma_rotation: f64,
+
+    /// Share of incorrect edges among all landmark edges, from 0 to below 1
+    #[arg(long, value_name = "RATE", default_value_t = 0.1, help_heading = "Incorrect landmark edges")]
+    pub incorrect_rate: f64,
+
+    /// Incorrect edges join viewpoints further apart than this, metres
+    #[arg(long, value_name = "METRES", default_value_t = 10.0, help_heading = "Incorrect landmark edges")]
+    pub incorrect_distance: f64,
+
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+}
+
+impl Options {
+    /// Refuses values that mean nothing.
+    pub fn check(&self) -> Result<(), ConstructError> {
+        let refuse = |option, value, expected| Err(ConstructError::Option { option, value, expected });
+        if !(0.0..1.0).contains(&self.incorrect_rate) {
+            return refuse(
+                "--incorrect-rate",
+                self.incorrect_rate,
+                "at least 0 and below 1: at 1 no correct edge would be left to imitate",
+            );
+        }
+        let positive = [
+            ("--radius", self.radius),
+            ("--heading", self.heading),
+            ("--landmark-sigma-translation", self.landmark_sigma_translation),
+            ("--landmark-sigma-rotation", self.landmark_sigma_rotation),
+        ];
+        for (option, value) in positive {
+            if !(value > 0.0 && value.is_finite()) {
+                return refuse(option, value, "a positive number");
+            }
+        }
+        let not_negative =
+            [("--minimum-interval", self.minimum_interval), ("--incorrect-distance", self.incorrect_distance)];
+        for (option, value) in not_negative {
+            if !(value >= 0.0 && value.is_finite()) {
+                return refuse(option, value, "zero or a positive number");
+            }
+        }
+        if self.incorrect_distance < self.radius {
+            return refuse(
+                "--incorrect-distance",
+                self.incorrect_distance,
+                "at least --radius: nearer pairs are correct edges",
+            );
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,56 @@
+//! One session becomes two experiences.
+
+use std::collections::HashMap;
+
+use posecut_geometry::{LieGroup, SE2, SE3};
+use posecut_graph::{Dimension, EdgeKind, Node, PoseGraph};
+
+use crate::ConstructError;
+
+/// Splits every session at its middle keyframe into the experiences `/a` and `/b`. The odometry edges across
+/// the cut go, and the poses of each second half start anew at the origin: where it lies in the first
+/// half's frame is what the landmark edges must tell.
+pub fn split_at_middle(graph: &mut PoseGraph) -> Result<(), ConstructError> {
+    let names: Vec<String> = graph.sessions().into_iter().map(str::to_owned).collect();
+    let mut second_half: HashMap<u64, ()> = HashMap::new();
+    for name in names {
+        let members: Vec<usize> =
+            (0..graph.nodes.len()).filter(|&index| graph.nodes[index].session.as_deref() == Some(&name)).collect();
+        if members.len() < 2 {
+            return Err(ConstructError::Join {
+                problem: format!("the session \"{name}\" has {} keyframes and cannot be split", members.len()),
+                remedy: "take a longer session, or say --split none".to_owned(),
+            });
+        }
+        let (first, second) = members.split_at(members.len() / 2);
+        for &index in first {
+            graph.nodes[index].session = Some(format!("{name}/a"));
+        }
+        let start = graph.nodes[second[0]].pose.clone();
+        for &index in second {
+            let node = &mut graph.nodes[index];
+            node.session = Some(format!("{name}/b"));
+            second_half.insert(node.id, ());
+            restart(graph.header.dimension, start.as_deref(), node);
+        }
+    }
+    graph.edges.retain(|edge| {
+        edge.kind != EdgeKind::Odometry
+            || second_half.contains_key(&edge.from) == second_half.contains_key(&edge.to)
+    });
+    for (index, edge) in graph.edges.iter_mut().enumerate() {
+        edge.id = index as u64;
+    }
+    Ok(())
+}
+
+fn restart(dimension: Dimension, start: Option<&[f64]>, node: &mut Node) {
+    fn relative<G: LieGroup<DOF>, const DOF: usize>(start: &[f64], pose: &[f64]) -> Option<Vec<f64>> {
+        Some(G::from_components(start)?.between(&G::from_components(pose)?).components())
+    }
+    let (Some(start), Some(pose)) = (start, node.pose.as_deref()) else { return };
+    node.pose = match dimension {
+        Dimension::Two => relative::<SE2, 3>(start, pose),
+        Dimension::Three => relative::<SE3, 6>(start, pose),
+    };
+}

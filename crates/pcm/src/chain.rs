@@ -1,0 +1,187 @@
+//! Odometry chains: accumulated poses and covariances.
+
+use nalgebra::{SMatrix, SVector};
+use posecut_geometry::LieGroup;
+use posecut_geometry::covariance::{covariance_from_information, unpack_upper_triangle};
+use posecut_graph::{Edge, EdgeKind, PoseGraph};
+use posecut_stage::warn;
+
+use crate::PcmError;
+
+/// A stretch of nodes joined one to the next by odometry.
+///
+/// `poses[n]` is P_n in the frame of the chain's first node, `covariances[n]` the sum of the step covariances
+/// up to n, each carried to that frame: S_(n+1) = S_n + Ad(P_(n+1)) Q_n Ad(P_(n+1))^T. The covariance of the
+/// stretch from i to j, in that frame, is then S_j - S_i, exact to first order for independent steps.
+#[derive(Clone, Debug)]
+pub struct Chain<G, const DOF: usize> {
+    /// Accumulated poses.
+    pub poses: Vec<G>,
+    /// Accumulated covariances.
+    pub covariances: Vec<SMatrix<f64, DOF, DOF>>,
+}
+
+impl<G: LieGroup<DOF>, const DOF: usize> Chain<G, DOF> {
+    /// The covariance of the stretch between two places of the chain, in the chain's frame. O(1).
+    pub fn covariance_between(&self, one: usize, other: usize) -> SMatrix<f64, DOF, DOF> {
+        let (early, late) = (one.min(other), one.max(other));
+        self.covariances[late] - self.covariances[early]
+    }
+
+    fn start() -> Self {
+        Self { poses: vec![G::identity()], covariances: vec![SMatrix::zeros()] }
+    }
+
+    fn push(&mut self, step: &Step<G, DOF>) {
+        let last = self.poses.len() - 1;
+        let pose = self.poses[last].compose(&step.motion);
+        let adjoint = pose.adjoint();
+        self.covariances.push(self.covariances[last] + adjoint * step.covariance * adjoint.transpose());
+        self.poses.push(pose);
+    }
+}
+
+/// All chains of a graph, and where its nodes stand in them.
+#[derive(Clone, Debug)]
+pub struct Chains<G, const DOF: usize> {
+    /// The chains, by their node of lowest id.
+    pub chains: Vec<Chain<G, DOF>>,
+    /// For each node of the graph: its chain and its place there.
+    pub places: Vec<(usize, usize)>,
+}
+
+struct Step<G, const DOF: usize> {
+    motion: G,
+    covariance: SMatrix<f64, DOF, DOF>,
+}
+
+impl<G: LieGroup<DOF>, const DOF: usize> Chains<G, DOF> {
+    /// Follows the odometry edges of a graph. Every node gets a place; one without odometry is a chain of its
+    /// own. Where odometry branches or closes a ring, edges of higher id are left out with a warning. O(edges).
+    pub fn of(graph: &PoseGraph) -> Result<Self, PcmError> {
+        let links = Links::of(graph);
+        let mut places = vec![(usize::MAX, 0); graph.nodes.len()];
+        let mut chains = Vec::new();
+        for start in 0..graph.nodes.len() {
+            if places[start].0 != usize::MAX || links.degree(start) > 1 {
+                continue;
+            }
+            let mut chain = Chain::start();
+            places[start] = (chains.len(), 0);
+            let mut here = start;
+            while let Some((edge, next)) = links.next(here, |node| places[node].0 != usize::MAX) {
+                chain.push(&step(graph, edge, graph.nodes[here].id == edge.from)?);
+                places[next] = (chains.len(), chain.poses.len() - 1);
+                here = next;
+            }
+            chains.push(chain);
+        }
+        Ok(Self { chains, places })
+    }
+}
+
+/// The motion along an odometry edge with its covariance, in the direction walked.
+fn step<G: LieGroup<DOF>, const DOF: usize>(
+    graph: &PoseGraph,
+    edge: &Edge,
+    forward: bool,
+) -> Result<Step<G, DOF>, PcmError> {
+    let motion = edge.measurement.as_deref().and_then(G::from_components).unwrap_or_else(G::identity);
+    let covariance = covariance::<DOF>(graph, edge)?;
+    if forward {
+        return Ok(Step { motion, covariance });
+    }
+    let adjoint = motion.adjoint();
+    Ok(Step { motion: motion.inverse(), covariance: adjoint * covariance * adjoint.transpose() })
+}
+
+/// The covariance of an edge's measurement: the inverse of its information.
+pub(crate) fn covariance<const DOF: usize>(
+    graph: &PoseGraph,
+    edge: &Edge,
+) -> Result<SMatrix<f64, DOF, DOF>, PcmError> {
+    let refused = |reason: String| PcmError::Covariance { edge: edge.name(), reason };
+    let packed = graph.information(edge).ok_or_else(|| refused("it has none".to_owned()))?;
+    let information = unpack_upper_triangle::<DOF>(packed).map_err(|error| refused(error.to_string()))?;
+    covariance_from_information(&information).map_err(|error| refused(error.to_string()))
+}
+
+/// log(E)^T Sigma^-1 log(E) by Cholesky factorisation; `None` if Sigma is not positive definite.
+pub(crate) fn squared_mahalanobis<const DOF: usize>(
+    covariance: &SMatrix<f64, DOF, DOF>,
+    error: &SVector<f64, DOF>,
+) -> Option<f64> {
+    let mut factor = *covariance;
+    let mut whitened = *error;
+    let mut sum = 0.0;
+    for row in 0..DOF {
+        for column in 0..=row {
+            let mut value = factor[(row, column)];
+            for earlier in 0..column {
+                value -= factor[(row, earlier)] * factor[(column, earlier)];
+            }
+            if row == column {
+                if !(value > 0.0) {
+                    return None;
+                }
+                factor[(row, row)] = value.sqrt();
+            } else {
+                factor[(row, column)] = value / factor[(column, column)];
+            }
+        }
+        for earlier in 0..row {
+            whitened[row] -= factor[(row, earlier)] * whitened[earlier];
+        }
+        whitened[row] /= factor[(row, row)];
+        sum += whitened[row] * whitened[row];
+    }
+    sum.is_finite().then_some(sum)
+}
+
+/// At most two odometry edges a node, and no rings: the graph as paths.
+struct Links<'a> {
+    links: Vec<[Option<(&'a Edge, usize)>; 2]>,
+}
+
+impl<'a> Links<'a> {
+    fn of(graph: &'a PoseGraph) -> Self {
+        let mut links: Vec<[Option<(&Edge, usize)>; 2]> = vec![[None; 2]; graph.nodes.len()];
+        let mut parts: Vec<usize> = (0..graph.nodes.len()).collect();
+        let mut left_out = 0_usize;
+        for edge in graph.edges_of(EdgeKind::Odometry).filter(|edge| edge.in_use()) {
+            let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to)) else { continue };
+            let (part_from, part_to) = (find(&mut parts, from), find(&mut parts, to));
+            let full = links[from][1].is_some() || links[to][1].is_some();
+            if full || part_from == part_to {
+                left_out += 1;
+                continue;
+            }
+            parts[part_to] = part_from;
+            for (here, there) in [(from, to), (to, from)] {
+                let free = usize::from(links[here][0].is_some());
+                links[here][free] = Some((edge, there));
+            }
+        }
+        if left_out > 0 {
+            warn!("{left_out} odometry edges branch off or close a ring and are left out of the chains");
+        }
+        Self { links }
+    }
+
+    fn degree(&self, node: usize) -> usize {
+        self.links[node].iter().flatten().count()
+    }
+
+    fn next(&self, node: usize, seen: impl Fn(usize) -> bool) -> Option<(&'a Edge, usize)> {
+        self.links[node].iter().flatten().find(|(_, there)| !seen(*there)).copied()
+    }
+}
+
+/// Union-find with path halving.
+fn find(parts: &mut [usize], mut node: usize) -> usize {
+    while parts[node] != node {
+        parts[node] = parts[parts[node]];
+        node = parts[node];
+    }
+    node
+}
