@@ -1,0 +1,18 @@
+//! How good an estimate is: the error of its poses against a reference, and how many of the landmark edges
+//! it uses are right.
+//!
+//! - [`alignment`]: the rigid motion (or similarity) that brings two sets of points closest (Umeyama 1991).
+//! - [`summary`]: the statistics that SLAM users know: rmse, mean, median, std, min, max, sse.
+//! - [`trajectory`]: absolute and relative trajectory errors (Sturm et al., IROS 2012).
+//! - [`edges`]: precision and recall of the landmark edges in use.
+//! - [`result`]: all of it as one JSON document that names its alignment.
+
+pub mod alignment;
+pub mod edges;
+mod error;
+pub mod result;
+pub mod summary;
+pub mod trajectory;
+
+pub use error::EvaluateError;
+pub use result::{EvaluationResult, Options, evaluate};

@@ -1,0 +1,53 @@
+//! `posecut-evaluate`: an estimate against a reference, as one JSON result.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use posecut_evaluate::{Options, evaluate};
+use posecut_stage::{CommonArguments, Identity, Outcome, Source, info, run};
+
+#[derive(Parser)]
+struct Command {
+    /// The estimate: an optimised pose graph; `-` is standard input
+    #[arg(value_name = "ESTIMATE", default_value = "-")]
+    estimate: Source,
+
+    /// The reference graph, matched by node ids; the estimate's own ground truth unless given
+    #[arg(long, value_name = "FILE")]
+    reference: Option<Source>,
+
+    #[command(flatten)]
+    options: Options,
+
+    #[command(flatten)]
+    common: CommonArguments,
+}
+
+fn main() -> ExitCode {
+    let identity = Identity {
+        name: "evaluate",
+        version: env!("CARGO_PKG_VERSION"),
+        about: "Compare an estimate with a reference: RMSE, ATE, RPE, and precision and recall of landmark edges",
+    };
+    run::<Command>(
+        identity,
+        |command| &command.common,
+        |command, context| {
+            let estimate = context.read_graph(&command.estimate, "estimate")?;
+            let reference =
+                command.reference.as_ref().map(|source| context.read_graph(source, "reference")).transpose()?;
+            let result = evaluate(&estimate, reference.as_ref(), &command.options)?;
+            info!(
+                "RMSE {:.3} m over {} poses after {:?} alignment, {:?}",
+                result.rmse, result.poses, result.alignment.freedom, result.alignment.scope
+            );
+            context.statistics.note("rmse", result.rmse);
+            context.statistics.note("poses", result.poses);
+            context.statistics.note("edges", &result.edges);
+            let mut bytes = serde_json::to_vec_pretty(&result)?;
+            bytes.push(b'\n');
+            context.write_bytes(&bytes)?;
+            Ok(Outcome::Done)
+        },
+    )
+}

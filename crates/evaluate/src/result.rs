@@ -1,0 +1,213 @@
+//! One JSON document on one estimate.
+
+use std::collections::BTreeMap;
+
+use posecut_geometry::{LieGroup, SE2, SE3};
+use posecut_graph::{Dimension, PoseGraph};
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::EvaluateError;
+use crate::alignment::{Alignment, Freedom};
+use crate::edges::{EdgeScores, score};
+use crate::summary::Summary;
+use crate::trajectory::{AbsoluteError, Match, RelativeError, align, errors, relative_error};
+
+/// Whether sessions are aligned together or each by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scope {
+    /// One alignment for all poses: a session in the wrong place counts as an error
+    Joint,
+    /// One alignment a session: only its shape counts
+    PerSession,
+}
+
+/// The options of evaluation.
+#[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
+pub struct Options {
+    /// Motions that the alignment may use; SE(2) for planar graphs and SE(3) for others unless given
+    #[arg(long, value_enum)]
+    pub align: Option<Freedom>,
+
+    /// Whether sessions are aligned together or each by itself
+    #[arg(long, value_enum, default_value_t = Scope::Joint)]
+    pub scope: Scope,
+
+    /// Frames over which relative errors are taken
+    #[arg(long, value_name = "FRAMES", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub rpe_delta: u32,
+
+    /// NAME=VALUE, kept in the result for tables; may be given several times
+    #[arg(long = "label", value_name = "NAME=VALUE")]
+    pub labels: Vec<String>,
+}
+
+/// What an evaluation found.
+#[derive(Clone, Debug, Serialize)]
+pub struct EvaluationResult {
+    format: &'static str,
+    version: u64,
+    /// What the caller calls this run.
+    pub labels: BTreeMap<String, Value>,
+    /// Root mean square distance over all common poses after alignment, metres.
+    pub rmse: f64,
+    /// How the poses were aligned before anything was measured.
+    pub alignment: AlignmentUsed,
+    /// Nodes compared.
+    pub poses: usize,
+    /// Nodes of the estimate without counterpart.
+    pub poses_unmatched: usize,
+    /// Absolute trajectory error.
+    pub ate: AbsoluteError,
+    /// Relative pose error.
+    pub rpe: RelativeError,
+    /// The absolute translation error of each session under the same alignment.
+    pub sessions: BTreeMap<String, Summary>,
+    /// Precision and recall of landmark edges; absent if no edge's truth is known.
+    pub edges: Option<EdgeScores>,
+    /// The estimate's history.
+    pub provenance: Vec<Value>,
+}
+
+/// The name and numbers of an alignment.
+#[derive(Clone, Debug, Serialize)]
+pub struct AlignmentUsed {
+    /// The motions allowed.
+    pub freedom: Freedom,
+    /// Together or apart.
+    pub scope: Scope,
+    /// What was found: one for all, or one a session.
+    pub found: BTreeMap<String, AlignmentFound>,
+}
+
+/// p -> scale * Exp(`rotation_vector`) p + translation.
+#[derive(Clone, Debug, Serialize)]
+pub struct AlignmentFound {
+    /// Radians.
+    pub rotation_vector: [f64; 3],
+    /// Metres.
+    pub translation: [f64; 3],
+    /// 1 for rigid motions.
+    pub scale: f64,
+}
+
+/// Compares an estimate with a reference graph, or with the estimate's own ground truth. O(nodes log nodes).
+pub fn evaluate(
+    estimate: &PoseGraph,
+    reference: Option<&PoseGraph>,
+    options: &Options,
+) -> Result<EvaluationResult, EvaluateError> {
+    if let Some(reference) = reference
+        && reference.header.dimension != estimate.header.dimension
+    {
+        return Err(EvaluateError::Dimension {
+            estimate: estimate.header.dimension.number(),
+            reference: reference.header.dimension.number(),
+        });
+    }
+    let matches = matches(estimate, reference);
+    if matches.is_empty() {
+        return Err(EvaluateError::NothingInCommon {
+            estimate: estimate.nodes.len(),
+            reference: reference.map_or(0, |reference| reference.nodes.len()),
+            hint: if reference.is_some() { "" } else { ", and without --reference the nodes must carry truth" },
+        });
+    }
+    let freedom = options.align.unwrap_or(match estimate.header.dimension {
+        Dimension::Two => Freedom::Se2,
+        Dimension::Three => Freedom::Se3,
+    });
+    let groups = groups(&matches, options.scope);
+    let mut found = BTreeMap::new();
+    let (mut distances, mut angles) = (Vec::new(), Vec::new());
+    let mut by_session: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for (name, members) in &groups {
+        let alignment = align(members, freedom);
+        let (group_distances, group_angles) = errors(members, &alignment);
+        for (member, distance) in members.iter().zip(&group_distances) {
+            by_session.entry(member.session.clone()).or_default().push(*distance);
+        }
+        distances.extend(group_distances);
+        angles.extend(group_angles);
+        found.insert(name.clone(), describe(&alignment));
+    }
+    let translation_m = Summary::of(&distances);
+    Ok(EvaluationResult {
+        format: "posecut-result",
+        version: 1,
+        labels: labels(&options.labels)?,
+        rmse: translation_m.map_or(0.0, |summary| summary.rmse),
+        alignment: AlignmentUsed { freedom, scope: options.scope, found },
+        poses: matches.len(),
+        poses_unmatched: estimate.nodes.len() - matches.len(),
+        ate: AbsoluteError { translation_m, rotation_rad: Summary::of(&angles) },
+        rpe: relative_error(&matches, options.rpe_delta as usize),
+        sessions: by_session.into_iter().filter_map(|(name, errors)| Some((name, Summary::of(&errors)?))).collect(),
+        edges: score(estimate),
+        provenance: estimate.header.provenance.clone(),
+    })
+}
+
+/// Numbers stay numbers, everything else is text.
+fn labels(pairs: &[String]) -> Result<BTreeMap<String, Value>, EvaluateError> {
+    pairs
+        .iter()
+        .map(|pair| {
+            let refused = || EvaluateError::Label { label: pair.clone() };
+            let (name, value) = pair.split_once('=').ok_or_else(refused)?;
+            let value = value.parse::<u64>().map_or_else(|_| Value::from(value), Value::from);
+            if name.is_empty() { Err(refused()) } else { Ok((name.to_owned(), value)) }
+        })
+        .collect()
+}
+
+/// Common nodes, by session and frame.
+fn matches(estimate: &PoseGraph, reference: Option<&PoseGraph>) -> Vec<Match> {
+    let dimension = estimate.header.dimension;
+    let mut matches: Vec<Match> = estimate
+        .nodes
+        .iter()
+        .filter_map(|node| {
+            let known = match reference {
+                Some(reference) => reference.nodes.get(reference.node_index(node.id)?)?.pose.as_deref()?,
+                None => node.truth.as_ref()?.pose.as_deref()?,
+            };
+            Some(Match {
+                session: node.session.clone().unwrap_or_default(),
+                frame: node.frame.unwrap_or(i64::try_from(node.id).unwrap_or(i64::MAX)),
+                estimate: spatial(dimension, node.pose.as_deref()?)?,
+                reference: spatial(dimension, known)?,
+            })
+        })
+        .collect();
+    matches.sort_by(|first, second| (&first.session, first.frame).cmp(&(&second.session, second.frame)));
+    matches
+}
+
+fn spatial(dimension: Dimension, components: &[f64]) -> Option<SE3> {
+    match dimension {
+        Dimension::Two => SE2::from_components(components).map(|pose| pose.to_spatial()),
+        Dimension::Three => SE3::from_components(components),
+    }
+}
+
+fn groups(matches: &[Match], scope: Scope) -> BTreeMap<String, Vec<&Match>> {
+    let mut groups: BTreeMap<String, Vec<&Match>> = BTreeMap::new();
+    for found in matches {
+        let name = match scope {
+            Scope::Joint => "all".to_owned(),
+            Scope::PerSession => found.session.clone(),
+        };
+        groups.entry(name).or_default().push(found);
+    }
+    groups
+}
+
+fn describe(alignment: &Alignment) -> AlignmentFound {
+    AlignmentFound {
+        rotation_vector: alignment.rotation.scaled_axis().into(),
+        translation: alignment.translation.into(),
+        scale: alignment.scale,
+    }
+}

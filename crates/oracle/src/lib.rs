@@ -1,0 +1,68 @@
+//! The rejection stage that knows the truth. Optimising what it leaves gives the paper's pseudo ground
+//! truth, and the best result any rejection can hope for.
+//!
+//! It is the one rejection stage that looks at `truth`, which is why it is a program of its own and not an
+//! option of another.
+
+use anyhow::bail;
+use posecut_graph::{EdgeKind, PoseGraph};
+use posecut_stage::{Context, GraphStage, info};
+use serde::Serialize;
+
+/// The oracle has no options.
+#[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
+pub struct Options {}
+
+impl GraphStage for Options {
+    const NAME: &'static str = "oracle";
+    const ABOUT: &'static str = "Reject the landmark edges that the truth calls incorrect";
+
+    fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
+        let (rejected, unknown) = reject_incorrect(graph);
+        if unknown > 0 {
+            bail!(
+                "{unknown} landmark edges carry no \"truth\":{{\"correct\":…}}, so their correctness is unknown; use graphs from posecut-construct, or label the edges"
+            );
+        }
+        info!("{rejected} incorrect landmark edges rejected");
+        context.statistics.note("landmark_edges", graph.edges_of(EdgeKind::Landmark).count());
+        context.statistics.note("rejected", rejected);
+        Ok(())
+    }
+}
+
+/// Rejects what the truth calls incorrect; returns how many edges that are, and of how many nothing is known.
+pub fn reject_incorrect(graph: &mut PoseGraph) -> (usize, usize) {
+    let (mut rejected, mut unknown) = (0, 0);
+    for edge in graph.edges.iter_mut().filter(|edge| edge.kind == EdgeKind::Landmark) {
+        match edge.truth_correct() {
+            Some(true) => {}
+            Some(false) => {
+                edge.reject(Options::NAME);
+                rejected += 1;
+            }
+            None => unknown += 1,
+        }
+    }
+    (rejected, unknown)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn incorrect_edges_are_rejected_and_unknown_ones_counted() {
+        let text = r#"{"kind":"header","format":"posecut","version":1,"dimension":2}
+{"kind":"node","id":0}
+{"kind":"node","id":1}
+{"kind":"landmark","id":0,"from":0,"to":1,"truth":{"correct":true}}
+{"kind":"landmark","id":1,"from":0,"to":1,"truth":{"correct":false}}
+{"kind":"landmark","id":2,"from":0,"to":1}
+"#;
+        let mut graph = PoseGraph::read("test", text.as_bytes()).unwrap();
+        assert_eq!(reject_incorrect(&mut graph), (1, 1));
+        let marks: Vec<Option<&str>> = graph.edges.iter().map(|edge| edge.rejected_by.as_deref()).collect();
+        assert_eq!(marks, [None, Some("oracle"), None]);
+    }
+}
