@@ -2,8 +2,8 @@
 
 use std::collections::HashSet;
 
-use rand::RngExt as _;
 use rand::Rng;
+use rand::RngExt as _;
 
 use crate::landmark::Viewpoint;
 use crate::{ConstructError, Options};
@@ -30,8 +30,13 @@ pub(crate) fn random_pairs(
         if pairs.len() == wanted {
             break;
         }
-        let (one, other) = (random.random_range(0..viewpoints.len()), random.random_range(0..viewpoints.len()));
-        let pair = if viewpoints[one].experience < viewpoints[other].experience { (one, other) } else { (other, one) };
+        let (one, other) =
+            (random.random_range(0..viewpoints.len()), random.random_range(0..viewpoints.len()));
+        let pair = if viewpoints[one].experience < viewpoints[other].experience {
+            (one, other)
+        } else {
+            (other, one)
+        };
         let (from, to) = (&viewpoints[pair.0], &viewpoints[pair.1]);
         let wrong = from.experience != to.experience && from.distance(to) > options.incorrect_distance;
         if wrong && chosen.insert(pair) {

@@ -18,7 +18,10 @@ pub fn join(graphs: Vec<PoseGraph>) -> Result<PoseGraph, ConstructError> {
     for graph in graphs {
         if graph.header.dimension != joined.header.dimension {
             return Err(refused(
-                &format!("one graph has dimension {}, another {}", joined.header.dimension, graph.header.dimension),
+                &format!(
+                    "one graph has dimension {}, another {}",
+                    joined.header.dimension, graph.header.dimension
+                ),
                 "ingest all sessions with the same --dimension",
             ));
         }

@@ -89,7 +89,10 @@ fn add<G: LieGroup<DOF>, const DOF: usize>(
     Ok(())
 }
 
-fn viewpoints<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph, heading: impl Fn(&G) -> f64) -> Vec<Viewpoint> {
+fn viewpoints<G: LieGroup<DOF>, const DOF: usize>(
+    graph: &PoseGraph,
+    heading: impl Fn(&G) -> f64,
+) -> Vec<Viewpoint> {
     let sessions: Vec<&str> = graph.sessions();
     let mut viewpoints = Vec::new();
     let mut last = (None, 0);
@@ -123,7 +126,11 @@ const fn translations(degrees_of_freedom: usize) -> usize {
 }
 
 fn sigma<const DOF: usize>(options: &Options, axis: usize) -> f64 {
-    if axis < translations(DOF) { options.landmark_sigma_translation } else { options.landmark_sigma_rotation }
+    if axis < translations(DOF) {
+        options.landmark_sigma_translation
+    } else {
+        options.landmark_sigma_rotation
+    }
 }
 
 fn draw_noise<const DOF: usize>(options: &Options, random: &mut ChaCha8Rng) -> SVector<f64, DOF> {

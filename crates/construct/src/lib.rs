@@ -21,7 +21,10 @@ use posecut_graph::PoseGraph;
 use posecut_stage::Statistics;
 
 /// Builds the multi-session graph from session graphs. O(nodes + landmark edges).
-pub fn construct(graphs: Vec<PoseGraph>, options: &Options) -> Result<(PoseGraph, Statistics), ConstructError> {
+pub fn construct(
+    graphs: Vec<PoseGraph>,
+    options: &Options,
+) -> Result<(PoseGraph, Statistics), ConstructError> {
     options.check()?;
     let mut graph = join(graphs)?;
     if options.split.applies(graph.sessions().len()) {

@@ -88,8 +88,10 @@ impl Options {
                 return refuse(option, value, "a positive number");
             }
         }
-        let not_negative =
-            [("--minimum-interval", self.minimum_interval), ("--incorrect-distance", self.incorrect_distance)];
+        let not_negative = [
+            ("--minimum-interval", self.minimum_interval),
+            ("--incorrect-distance", self.incorrect_distance),
+        ];
         for (option, value) in not_negative {
             if !(value >= 0.0 && value.is_finite()) {
                 return refuse(option, value, "zero or a positive number");

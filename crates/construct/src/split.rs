@@ -14,11 +14,15 @@ pub fn split_at_middle(graph: &mut PoseGraph) -> Result<(), ConstructError> {
     let names: Vec<String> = graph.sessions().into_iter().map(str::to_owned).collect();
     let mut second_half: HashMap<u64, ()> = HashMap::new();
     for name in names {
-        let members: Vec<usize> =
-            (0..graph.nodes.len()).filter(|&index| graph.nodes[index].session.as_deref() == Some(&name)).collect();
+        let members: Vec<usize> = (0..graph.nodes.len())
+            .filter(|&index| graph.nodes[index].session.as_deref() == Some(&name))
+            .collect();
         if members.len() < 2 {
             return Err(ConstructError::Join {
-                problem: format!("the session \"{name}\" has {} keyframes and cannot be split", members.len()),
+                problem: format!(
+                    "the session \"{name}\" has {} keyframes and cannot be split",
+                    members.len()
+                ),
                 remedy: "take a longer session, or say --split none".to_owned(),
             });
         }

@@ -98,7 +98,8 @@ mod tests {
     use proptest::prelude::*;
 
     fn points() -> impl Strategy<Value = Vec<Vector3<f64>>> {
-        let point = (-50.0_f64..50.0, -50.0_f64..50.0, -50.0_f64..50.0).prop_map(|(x, y, z)| Vector3::new(x, y, z));
+        let point =
+            (-50.0_f64..50.0, -50.0_f64..50.0, -50.0_f64..50.0).prop_map(|(x, y, z)| Vector3::new(x, y, z));
         proptest::collection::vec(point, 4..12)
     }
 

@@ -34,8 +34,11 @@ fn main() -> ExitCode {
         |command| &command.common,
         |command, context| {
             let estimate = context.read_graph(&command.estimate, "estimate")?;
-            let reference =
-                command.reference.as_ref().map(|source| context.read_graph(source, "reference")).transpose()?;
+            let reference = command
+                .reference
+                .as_ref()
+                .map(|source| context.read_graph(source, "reference"))
+                .transpose()?;
             let result = evaluate(&estimate, reference.as_ref(), &command.options)?;
             info!(
                 "RMSE {:.3} m over {} poses after {:?} alignment, {:?}",

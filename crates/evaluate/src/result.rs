@@ -111,7 +111,11 @@ pub fn evaluate(
         return Err(EvaluateError::NothingInCommon {
             estimate: estimate.nodes.len(),
             reference: reference.map_or(0, |reference| reference.nodes.len()),
-            hint: if reference.is_some() { "" } else { ", and without --reference the nodes must carry truth" },
+            hint: if reference.is_some() {
+                ""
+            } else {
+                ", and without --reference the nodes must carry truth"
+            },
         });
     }
     let freedom = options.align.unwrap_or(match estimate.header.dimension {
@@ -143,7 +147,10 @@ pub fn evaluate(
         poses_unmatched: estimate.nodes.len() - matches.len(),
         ate: AbsoluteError { translation_m, rotation_rad: Summary::of(&angles) },
         rpe: relative_error(&matches, options.rpe_delta as usize),
-        sessions: by_session.into_iter().filter_map(|(name, errors)| Some((name, Summary::of(&errors)?))).collect(),
+        sessions: by_session
+            .into_iter()
+            .filter_map(|(name, errors)| Some((name, Summary::of(&errors)?)))
+            .collect(),
         edges: score(estimate),
         provenance: estimate.header.provenance.clone(),
     })

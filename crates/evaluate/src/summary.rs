@@ -37,7 +37,8 @@ impl Summary {
         let mut sorted = errors.to_vec();
         sorted.sort_by(f64::total_cmp);
         let middle = sorted.len() / 2;
-        let median = if sorted.len() % 2 == 1 { sorted[middle] } else { 0.5 * (sorted[middle - 1] + sorted[middle]) };
+        let median =
+            if sorted.len() % 2 == 1 { sorted[middle] } else { 0.5 * (sorted[middle - 1] + sorted[middle]) };
         Some(Self {
             rmse: (sse / count).sqrt(),
             mean,

@@ -53,7 +53,8 @@ pub fn errors(matches: &[&Match], alignment: &Alignment) -> (Vec<f64>, Vec<f64>)
     matches
         .iter()
         .map(|found| {
-            let distance = (alignment.apply(&found.estimate.translation) - found.reference.translation).norm();
+            let distance =
+                (alignment.apply(&found.estimate.translation) - found.reference.translation).norm();
             let turned = alignment.rotation * found.estimate.rotation.to_rotation_matrix();
             (distance, turned.angle_to(&found.reference.rotation.to_rotation_matrix()))
         })

@@ -7,7 +7,15 @@ fn chain(nodes: u64) -> PoseGraph {
     let mut graph = PoseGraph::new(Header::new(Dimension::Three));
     for id in 0..nodes {
         let angle = id as f64 * 0.001;
-        let pose = vec![angle.sin() * 321.0, angle.cos() * 123.0, angle * 0.1, 0.0, 0.0, (angle / 2.0).sin(), (angle / 2.0).cos()];
+        let pose = vec![
+            angle.sin() * 321.0,
+            angle.cos() * 123.0,
+            angle * 0.1,
+            0.0,
+            0.0,
+            (angle / 2.0).sin(),
+            (angle / 2.0).cos(),
+        ];
         graph.nodes.push(Node {
             id,
             session: Some("2012-01-22/a".to_owned()),
@@ -20,7 +28,11 @@ fn chain(nodes: u64) -> PoseGraph {
         if id > 0 {
             let mut edge = Edge::new(EdgeKind::Odometry, id - 1, id - 1, id);
             edge.measurement = Some(pose);
-            edge.information = Some((0..21).map(|term| if [0, 6, 11, 15, 18, 20].contains(&term) { 11.111_111_1 } else { 0.0 }).collect());
+            edge.information = Some(
+                (0..21)
+                    .map(|term| if [0, 6, 11, 15, 18, 20].contains(&term) { 11.111_111_1 } else { 0.0 })
+                    .collect(),
+            );
             graph.edges.push(edge);
         }
     }

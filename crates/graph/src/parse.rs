@@ -3,12 +3,14 @@
 use std::cell::Cell;
 use std::fmt;
 
-use serde::de::{DeserializeOwned, DeserializeSeed, Deserializer, Error as _, MapAccess, Visitor};
 use serde::Deserialize;
+use serde::de::{DeserializeOwned, DeserializeSeed, Deserializer, Error as _, MapAccess, Visitor};
 use serde_json::Value;
 
 use crate::error::Problem;
-use crate::{Dimension, Edge, EdgeKind, EdgeTruth, Extra, FORMAT, Header, Node, NodeTruth, NoiseModel, VERSION};
+use crate::{
+    Dimension, Edge, EdgeKind, EdgeTruth, Extra, FORMAT, Header, Node, NodeTruth, NoiseModel, VERSION,
+};
 
 /// Parses a line whose kind is known.
 pub(crate) fn parse_header(line: &str) -> Result<Header, Problem> {
@@ -53,8 +55,11 @@ pub(crate) fn parse_node(line: &str) -> Result<Node, Problem> {
 }
 
 pub(crate) fn parse_edge(line: &str, kind: EdgeKind) -> Result<Edge, Problem> {
-    let fields =
-        parse(line, kind.name(), EdgeFields { id: None, from: None, to: None, edge: Edge::new(kind, 0, 0, 0) })?;
+    let fields = parse(
+        line,
+        kind.name(),
+        EdgeFields { id: None, from: None, to: None, edge: Edge::new(kind, 0, 0, 0) },
+    )?;
     let id = fields.id.ok_or_else(|| missing(kind.name(), "id"))?;
     let name = format!("{} {id}", kind.name());
     let from = fields.from.ok_or_else(|| missing(&name, "from"))?;
@@ -76,7 +81,8 @@ pub(crate) fn kind_of(line: &str) -> Result<std::borrow::Cow<'_, str>, Problem> 
     }
     let only: KindOnly = serde_json::from_str(line).map_err(|error| explain(line, &error))?;
     only.kind.map(Into::into).ok_or_else(|| {
-        Problem::new("the record has no kind", "give it \"kind\": header, node, odometry or landmark").field("kind")
+        Problem::new("the record has no kind", "give it \"kind\": header, node, odometry or landmark")
+            .field("kind")
     })
 }
 
@@ -266,16 +272,16 @@ fn explain(line: &str, error: &serde_json::Error) -> Problem {
                 "find out where the number was lost; leave a measurement that does not exist out",
             );
         }
-        return Problem::new(
-            format!("this is not JSON: {place}"),
-            "write one JSON object a line, in UTF-8",
-        );
+        return Problem::new(format!("this is not JSON: {place}"), "write one JSON object a line, in UTF-8");
     }
     Problem::new(place, "see the format's description in crates/graph/README.md")
 }
 
 /// Takes an optional field; `null` counts as absent.
-fn once<'de, A: MapAccess<'de>, T: Deserialize<'de>>(map: &mut A, slot: &mut Option<T>) -> Result<Option<String>, A::Error> {
+fn once<'de, A: MapAccess<'de>, T: Deserialize<'de>>(
+    map: &mut A,
+    slot: &mut Option<T>,
+) -> Result<Option<String>, A::Error> {
     if slot.is_some() {
         return Err(A::Error::custom("the field stands twice"));
     }
@@ -391,7 +397,9 @@ fn noise_model(value: Value) -> Result<NoiseModel, String> {
 fn take_known<T: DeserializeOwned>(fields: &mut Extra, name: &str) -> Result<Option<T>, String> {
     match fields.shift_remove(name) {
         None | Some(Value::Null) => Ok(None),
-        Some(value) => serde_json::from_value(value).map(Some).map_err(|error| format!("\"{name}\": {error}")),
+        Some(value) => {
+            serde_json::from_value(value).map(Some).map_err(|error| format!("\"{name}\": {error}"))
+        }
     }
 }
 

@@ -29,7 +29,8 @@ impl<R: BufRead> RecordReader<R> {
         let mut buffer = Vec::new();
         let found = lines.next_into(&mut buffer).map_err(|fault| fault.at(source_name, lines.line))?;
         if !found {
-            return Err(Problem::new("the file is empty", "a pose graph starts with a header line").at(source_name, 0));
+            return Err(Problem::new("the file is empty", "a pose graph starts with a header line")
+                .at(source_name, 0));
         }
         let fault = |problem: Problem, line| problem.at(source_name, line);
         let text = text(&buffer).map_err(|problem| fault(problem, lines.line))?;
@@ -157,10 +158,8 @@ impl<R: BufRead> Lines<R> {
         loop {
             buffer.clear();
             self.line += 1;
-            let read = (&mut self.reader)
-                .take(LONGEST_LINE + 1)
-                .read_until(b'\n', buffer)
-                .map_err(LineFault::Io)?;
+            let read =
+                (&mut self.reader).take(LONGEST_LINE + 1).read_until(b'\n', buffer).map_err(LineFault::Io)?;
             if read == 0 {
                 return Ok(false);
             }
@@ -201,7 +200,9 @@ pub(crate) fn read_graph(source_name: &str, reader: impl BufRead) -> Result<Pose
     }
     let node_lines = sort_with_lines(&mut graph.nodes, node_lines, |node| node.id);
     let edge_lines = sort_with_lines(&mut graph.edges, edge_lines, |edge| edge.id);
-    check_unique(source_name, &graph.nodes, &node_lines, |node: &Node| (node.id, format!("node {}", node.id)))?;
+    check_unique(source_name, &graph.nodes, &node_lines, |node: &Node| {
+        (node.id, format!("node {}", node.id))
+    })?;
     check_unique(source_name, &graph.edges, &edge_lines, |edge: &Edge| (edge.id, edge.name()))?;
     check_ends(source_name, &graph, &edge_lines)?;
     Ok(graph)

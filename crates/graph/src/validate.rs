@@ -18,15 +18,12 @@ pub(crate) struct Validator {
 
 impl Validator {
     pub(crate) fn new(header: &Header) -> Result<Self, Problem> {
-        let mut validator = Self {
-            dimension: header.dimension,
-            noise_models: HashSet::new(),
-            last_definite: Vec::new(),
-        };
+        let mut validator =
+            Self { dimension: header.dimension, noise_models: HashSet::new(), last_definite: Vec::new() };
         for (name, model) in &header.noise_models {
-            validator
-                .information(&model.information)
-                .map_err(|problem| problem.record("header").field(format!("noise_models.{name}.information")))?;
+            validator.information(&model.information).map_err(|problem| {
+                problem.record("header").field(format!("noise_models.{name}.information"))
+            })?;
             if !validator.noise_models.insert(name.clone()) {
                 return Err(Problem::new(
                     format!("the noise model \"{name}\" is defined twice"),

@@ -215,7 +215,9 @@ impl Line {
     /// notation that reads back to the same bits.
     fn number(&mut self, value: f64) -> Result<(), WriteError> {
         const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
-        let whole = value.trunc() == value && value.abs() < LARGEST_WHOLE && !(value == 0.0 && value.is_sign_negative());
+        let whole = value.trunc() == value
+            && value.abs() < LARGEST_WHOLE
+            && !(value == 0.0 && value.is_sign_negative());
         if whole { self.value(&(value as i64)) } else { self.value(&value) }
     }
 

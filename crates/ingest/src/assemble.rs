@@ -21,7 +21,11 @@ pub struct Ingested {
 }
 
 /// Reads a session. Everything is in memory once; O(rows).
-pub fn ingest(files: &mut SessionFiles, options: &Options, progress: &ProgressBar) -> Result<Ingested, IngestError> {
+pub fn ingest(
+    files: &mut SessionFiles,
+    options: &Options,
+    progress: &ProgressBar,
+) -> Result<Ingested, IngestError> {
     let name = options.name.clone().unwrap_or_else(|| files.name.clone());
     let mut reader = Reader { files, progress, dropped_rows: 0 };
     let odometry = odometry::read(&mut reader, options)?;
@@ -39,14 +43,20 @@ pub fn ingest(files: &mut SessionFiles, options: &Options, progress: &ProgressBa
 
 fn read_truth(reader: &mut Reader<'_>, options: &Options) -> Result<Option<Trajectory>, IngestError> {
     if !reader.files.has(FileKind::GroundTruth) {
-        warn!("{}: there is no ground truth (groundtruth_DATE.csv); nothing can be evaluated", reader.files.place());
+        warn!(
+            "{}: there is no ground truth (groundtruth_DATE.csv); nothing can be evaluated",
+            reader.files.place()
+        );
         return Ok(None);
     }
     let table: Table = reader.table(FileKind::GroundTruth, 6)?;
     let longest = (options.longest_silence * 1e6) as i64;
     let gaps = table.gaps(longest).collect();
-    let poses =
-        table.rows.iter().map(|row| SE3::from_euler(row[0], row[1], row[2], row[3], row[4], row[5])).collect();
+    let poses = table
+        .rows
+        .iter()
+        .map(|row| SE3::from_euler(row[0], row[1], row[2], row[3], row[4], row[5]))
+        .collect();
     Ok(Some(Trajectory { times: table.times, poses, gaps }))
 }
 
@@ -58,7 +68,11 @@ fn keyframes(
 ) -> Result<(ClockSource, Vec<i64>), IngestError> {
     let trajectory = &odometry.trajectory;
     let (Some(&first), Some(&last)) = (trajectory.times.first(), trajectory.times.last()) else {
-        return Err(IngestError::session(files.place(), "the odometry is empty", "download the session again"));
+        return Err(IngestError::session(
+            files.place(),
+            "the odometry is empty",
+            "download the session again",
+        ));
     };
     let (source, clock): (ClockSource, &[i64]) = if !files.image_times.is_empty() {
         (ClockSource::Images, &files.image_times)
@@ -71,12 +85,20 @@ fn keyframes(
     let all = keyframe_times(clock, period, options.keep_every as usize, first, last);
     let times: Vec<i64> = all.iter().copied().filter(|&time| trajectory.at(time).is_some()).collect();
     if times.len() < all.len() {
-        warn!("{}: {} keyframes fall into gaps of the odometry and are left out", files.place(), all.len() - times.len());
+        warn!(
+            "{}: {} keyframes fall into gaps of the odometry and are left out",
+            files.place(),
+            all.len() - times.len()
+        );
     }
     if times.len() < 2 {
         return Err(IngestError::session(
             files.place(),
-            format!("{} keyframes remain of {} images or periods, and a session needs two", times.len(), all.len()),
+            format!(
+                "{} keyframes remain of {} images or periods, and a session needs two",
+                times.len(),
+                all.len()
+            ),
             "keep more with --keep-every, or check that images and odometry are of the same session",
         ));
     }
@@ -122,7 +144,8 @@ impl Builder<'_> {
                 ..Node::default()
             });
             if let Some((before, from)) = previous {
-                let mut edge = Edge::new(EdgeKind::Odometry, index as u64 - 1, index as u64 - 1, index as u64);
+                let mut edge =
+                    Edge::new(EdgeKind::Odometry, index as u64 - 1, index as u64 - 1, index as u64);
                 edge.measurement = Some(self.relative(&from, &pose));
                 match from_file {
                     None => edge.noise = Some(NOISE_MODEL.to_owned()),
@@ -183,7 +206,10 @@ impl Builder<'_> {
         let mut statistics = Statistics::default();
         let gaps = self.odometry.trajectory.gaps.len();
         if gaps > 0 {
-            warn!("{}: the odometry has {gaps} gaps longer than {} s", self.name, self.options.longest_silence);
+            warn!(
+                "{}: the odometry has {gaps} gaps longer than {} s",
+                self.name, self.options.longest_silence
+            );
         }
         let times: Vec<i64> = graph.nodes.iter().filter_map(|node| node.utime).collect();
         let poses: Vec<Option<(SE3, SE3)>> = times
@@ -199,7 +225,8 @@ impl Builder<'_> {
             .collect();
         statistics.note("session", &self.name);
         statistics.note("keyframes", graph.nodes.len());
-        statistics.note("keyframes_with_truth", graph.nodes.iter().filter(|node| node.truth.is_some()).count());
+        statistics
+            .note("keyframes_with_truth", graph.nodes.iter().filter(|node| node.truth.is_some()).count());
         statistics.note("path_length_m", self.odometry.trajectory.path_length());
         statistics.note("true_path_length_m", self.truth.map(Trajectory::path_length));
         statistics.note("duration_s", seconds_between(&times));
@@ -209,7 +236,8 @@ impl Builder<'_> {
         statistics.note("gaps", gaps);
         statistics.note("truth_gaps", self.truth.map(|truth| truth.gaps.len()));
         statistics.note("covariance", if self.covariances().is_some() { "file" } else { "options" });
-        let axis = |pick: fn(&[f64; 6]) -> f64| -> Option<[f64; 2]> { spread(errors.iter().map(pick).collect()) };
+        let axis =
+            |pick: fn(&[f64; 6]) -> f64| -> Option<[f64; 2]> { spread(errors.iter().map(pick).collect()) };
         statistics.note("step_error_forward_m", axis(|error| error[0]));
         statistics.note("step_error_sideways_m", axis(|error| error[1]));
         statistics.note("step_error_heading_rad", axis(|error| error[5]));
@@ -229,7 +257,8 @@ fn spread(mut values: Vec<f64>) -> Option<[f64; 2]> {
     if values.is_empty() {
         return None;
     }
-    let root_mean_square = (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt();
+    let root_mean_square =
+        (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt();
     values.iter_mut().for_each(|value| *value = value.abs());
     values.sort_by(f64::total_cmp);
     Some([root_mean_square, 1.4826 * values[values.len() / 2]])

@@ -22,7 +22,9 @@ pub fn keyframe_times(clock: &[i64], period: i64, keep: usize, first: i64, last:
     let keep = keep.max(1);
     if clock.is_empty() {
         let step = period.max(1).saturating_mul(i64::try_from(keep).unwrap_or(i64::MAX));
-        return std::iter::successors(Some(first), |time| time.checked_add(step)).take_while(|&time| time <= last).collect();
+        return std::iter::successors(Some(first), |time| time.checked_add(step))
+            .take_while(|&time| time <= last)
+            .collect();
     }
     clock.iter().copied().filter(|time| (first..=last).contains(time)).step_by(keep).collect()
 }

@@ -39,8 +39,11 @@ fn main() -> ExitCode {
         |command| &command.common,
         |command, context| {
             command.options.check()?;
-            let mut files =
-                SessionFiles::find(&command.session, command.ground_truth.as_deref(), command.images.as_deref())?;
+            let mut files = SessionFiles::find(
+                &command.session,
+                command.ground_truth.as_deref(),
+                command.images.as_deref(),
+            )?;
             let progress = context.progress(0, "reading");
             let mut ingested = ingest(&mut files, &command.options, &progress)?;
             context.inputs.extend_from_slice(files.digests());

@@ -72,7 +72,11 @@ pub struct SessionFiles {
 
 impl SessionFiles {
     /// Finds the files of a session in a directory or in a `.tar.gz`.
-    pub fn find(path: &Path, ground_truth: Option<&Path>, images: Option<&Path>) -> Result<Self, IngestError> {
+    pub fn find(
+        path: &Path,
+        ground_truth: Option<&Path>,
+        images: Option<&Path>,
+    ) -> Result<Self, IngestError> {
         let place = path.display().to_string();
         let metadata = fs::metadata(path).map_err(|error| unknown_session(path, &error))?;
         let mut session = Self {
@@ -127,7 +131,8 @@ impl SessionFiles {
         let (shown, bytes) = match place {
             Place::File(path) => {
                 let shown = path.display().to_string();
-                let bytes = fs::read(&*path).map_err(|error| IngestError::Io { place: shown.clone(), error })?;
+                let bytes =
+                    fs::read(&*path).map_err(|error| IngestError::Io { place: shown.clone(), error })?;
                 (shown, bytes)
             }
             Place::Member(bytes) => (format!("{}: {name}", self.place), std::mem::take(bytes)),
@@ -149,8 +154,11 @@ impl SessionFiles {
                 continue;
             }
             let io = |error| IngestError::Io { place: folder.display().to_string(), error };
-            let mut entries: Vec<PathBuf> =
-                fs::read_dir(folder).map_err(io)?.map(|entry| Ok(entry?.path())).collect::<Result<_, _>>().map_err(io)?;
+            let mut entries: Vec<PathBuf> = fs::read_dir(folder)
+                .map_err(io)?
+                .map(|entry| Ok(entry?.path()))
+                .collect::<Result<_, _>>()
+                .map_err(io)?;
             entries.sort();
             for path in entries {
                 let kind = path.file_name().and_then(|name| FileKind::from_name(&name.to_string_lossy()));
@@ -186,7 +194,8 @@ impl SessionFiles {
             let Some(name) = member_path.file_name().map(|name| name.to_string_lossy().into_owned()) else {
                 continue;
             };
-            let Some(kind) = FileKind::from_name(&name).filter(|_| member.header().entry_type().is_file()) else {
+            let Some(kind) = FileKind::from_name(&name).filter(|_| member.header().entry_type().is_file())
+            else {
                 continue;
             };
             let mut bytes = Vec::new();
@@ -227,7 +236,8 @@ fn unknown_session(path: &Path, error: &std::io::Error) -> IngestError {
 /// The date in `2012-01-22_sen.tar.gz` or `…/2012-01-22`, or the whole name if there is none.
 fn session_name(path: &Path) -> String {
     let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let name = path.file_name().map_or_else(|| "session".to_owned(), |name| name.to_string_lossy().into_owned());
+    let name =
+        path.file_name().map_or_else(|| "session".to_owned(), |name| name.to_string_lossy().into_owned());
     name.split(['_', '.']).next().filter(|part| !part.is_empty()).map_or(name.clone(), str::to_owned)
 }
 

@@ -30,7 +30,12 @@ impl Table {
     /// Rows with NaN are left out and counted (NCLT's ground truth starts with some). So are rows whose time
     /// does not advance, unless they are more than one in a hundred. A short row, or a field that is no
     /// number, is refused with its line.
-    pub fn parse(file: &str, bytes: &[u8], columns: usize, progress: &ProgressBar) -> Result<Self, IngestError> {
+    pub fn parse(
+        file: &str,
+        bytes: &[u8],
+        columns: usize,
+        progress: &ProgressBar,
+    ) -> Result<Self, IngestError> {
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
             .flexible(true)
@@ -50,7 +55,12 @@ impl Table {
         let mut reported = 0;
         loop {
             let more = reader.read_byte_record(&mut record).map_err(|error| {
-                IngestError::row(file, error.position().map_or(0, csv::Position::line), error.to_string(), "correct the line")
+                IngestError::row(
+                    file,
+                    error.position().map_or(0, csv::Position::line),
+                    error.to_string(),
+                    "correct the line",
+                )
             })?;
             if !more {
                 break;
@@ -102,7 +112,10 @@ impl Table {
 
     /// Intervals longer than `longest` microseconds, as (row before, row after).
     pub fn gaps(&self, longest: i64) -> impl Iterator<Item = (i64, i64)> + '_ {
-        self.times.windows(2).map(|pair| (pair[0], pair[1])).filter(move |(before, after)| after - before > longest)
+        self.times
+            .windows(2)
+            .map(|pair| (pair[0], pair[1]))
+            .filter(move |(before, after)| after - before > longest)
     }
 }
 
@@ -135,7 +148,12 @@ fn parse_row(
     let time = number(0)?;
     let row: Vec<f64> = (1..=columns).map(number).collect::<Result<_, _>>()?;
     if let Some(column) = row.iter().position(|value| value.is_infinite()) {
-        return Err(IngestError::row(file, line, format!("column {} is infinite", column + 2), "correct or delete the line"));
+        return Err(IngestError::row(
+            file,
+            line,
+            format!("column {} is infinite", column + 2),
+            "correct or delete the line",
+        ));
     }
     if time.is_nan() || row.iter().any(|value| value.is_nan()) {
         return Ok(None);
@@ -184,7 +202,10 @@ mod tests {
     #[test]
     fn a_cut_line_is_refused_with_its_line() {
         let error = parse("1,0,0\n2,0\n").unwrap_err().to_string();
-        assert!(error.starts_with("wheels.csv, line 2: expected 3 columns, found 2; the line is cut short"), "{error}");
+        assert!(
+            error.starts_with("wheels.csv, line 2: expected 3 columns, found 2; the line is cut short"),
+            "{error}"
+        );
     }
 
     #[test]

@@ -67,7 +67,9 @@ pub fn group<G: LieGroup<DOF>, const DOF: usize>(
             unmeasured += 1;
             continue;
         };
-        let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to)) else { continue };
+        let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to)) else {
+            continue;
+        };
         let (mut from, mut to) = (chains.places[from], chains.places[to]);
         let (mut measurement, mut covariance) = (measurement, covariance::<DOF>(graph, edge)?);
         if from > to {

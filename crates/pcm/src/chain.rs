@@ -149,7 +149,9 @@ impl<'a> Links<'a> {
         let mut parts: Vec<usize> = (0..graph.nodes.len()).collect();
         let mut left_out = 0_usize;
         for edge in graph.edges_of(EdgeKind::Odometry).filter(|edge| edge.in_use()) {
-            let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to)) else { continue };
+            let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to)) else {
+                continue;
+            };
             let (part_from, part_to) = (find(&mut parts, from), find(&mut parts, to));
             let full = links[from][1].is_some() || links[to][1].is_some();
             if full || part_from == part_to {

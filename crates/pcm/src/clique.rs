@@ -70,14 +70,18 @@ mod tests {
     }
 
     fn is_clique(graph: &BitGraph, vertices: &[usize]) -> bool {
-        vertices.iter().enumerate().all(|(place, &a)| vertices[place + 1..].iter().all(|&b| graph.connected(a, b)))
+        vertices
+            .iter()
+            .enumerate()
+            .all(|(place, &a)| vertices[place + 1..].iter().all(|&b| graph.connected(a, b)))
     }
 
     /// The size of the largest clique, by trying every subset.
     fn enumerate(graph: &BitGraph) -> usize {
         (0_u32..1 << graph.len())
             .filter(|subset| {
-                let members: Vec<usize> = (0..graph.len()).filter(|vertex| subset >> vertex & 1 == 1).collect();
+                let members: Vec<usize> =
+                    (0..graph.len()).filter(|vertex| subset >> vertex & 1 == 1).collect();
                 is_clique(graph, &members)
             })
             .map(u32::count_ones)

@@ -73,7 +73,10 @@ impl Summary {
             );
         }
         if self.unmeasured > 0 {
-            warn!("{} landmark edges have no measurement and are neither tested nor rejected", self.unmeasured);
+            warn!(
+                "{} landmark edges have no measurement and are neither tested nor rejected",
+                self.unmeasured
+            );
         }
         let statistics = &mut context.statistics;
         statistics.note("candidates", self.candidates);
@@ -91,7 +94,10 @@ impl Summary {
     }
 }
 
-fn reject<G: LieGroup<DOF>, const DOF: usize>(options: &Options, graph: &mut PoseGraph) -> anyhow::Result<Summary> {
+fn reject<G: LieGroup<DOF>, const DOF: usize>(
+    options: &Options,
+    graph: &mut PoseGraph,
+) -> anyhow::Result<Summary> {
     let gate = Gate::new(options.test, options.probability, DOF)?;
     let chains = Chains::<G, DOF>::of(graph)?;
     let grouped = group(graph, &chains)?;

@@ -78,7 +78,8 @@ impl Context {
 
     /// A progress bar over a known amount of work; drawn only where somebody can see it.
     pub fn progress(&self, length: u64, what: &str) -> ProgressBar {
-        let target = if self.common.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let target =
+            if self.common.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let style = ProgressStyle::with_template("{msg} [{bar:30}] {percent}% {eta}")
             .unwrap_or_else(|_| ProgressStyle::default_bar());
         ProgressBar::with_draw_target(Some(length), target).with_style(style).with_message(what.to_owned())

@@ -99,8 +99,11 @@ pub fn open_file(path: &Path) -> anyhow::Result<Input> {
 
 fn decompressed(name: String, mut reader: Box<dyn BufRead>) -> anyhow::Result<Input> {
     let start = reader.fill_buf().with_context(|| format!("{name}: cannot be read"))?;
-    let reader: Box<dyn Read> =
-        if start.starts_with(&[0x1f, 0x8b]) { Box::new(MultiGzDecoder::new(reader)) } else { Box::new(reader) };
+    let reader: Box<dyn Read> = if start.starts_with(&[0x1f, 0x8b]) {
+        Box::new(MultiGzDecoder::new(reader))
+    } else {
+        Box::new(reader)
+    };
     let hashing = Hashing { reader, hash: Sha256::new() };
     Ok(Input { name, reader: BufReader::with_capacity(BUFFER, hashing) })
 }

@@ -27,7 +27,7 @@ impl Drop for Guard {
 pub(crate) fn install() {
     let installed = ctrlc::set_handler(|| {
         for path in TEMPORARY_FILES.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
-            let _ = std::fs::remove_file(path);
+            let _ = std::fs::remove_file(&path).or_else(|_| std::fs::remove_dir_all(&path));
         }
         #[expect(clippy::exit, reason = "an interrupt ends the process; everything to tidy up is tidied up")]
         std::process::exit(INTERRUPTED);

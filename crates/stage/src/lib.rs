@@ -11,6 +11,7 @@
 
 mod arguments;
 mod context;
+mod directory;
 mod graph_stage;
 mod input;
 mod interrupt;
@@ -22,6 +23,7 @@ mod statistics;
 
 pub use arguments::{CommonArguments, Source, Target};
 pub use context::Context;
+pub use directory::write_directory;
 pub use graph_stage::{GraphStage, run_graph_stage};
 pub use input::{Input, digest, open, open_file};
 pub use output::{write_atomically, write_output};

@@ -8,9 +8,9 @@ use rand_chacha::ChaCha8Rng;
 pub fn random(seed: u64, purpose: &str) -> ChaCha8Rng {
     let mut generator = ChaCha8Rng::seed_from_u64(seed);
     // FNV-1a: fixed for all time, unlike the standard library's hash.
-    let stream = purpose
-        .bytes()
-        .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
+    let stream = purpose.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    });
     generator.set_stream(stream);
     generator
 }

@@ -33,7 +33,8 @@ pub(super) fn dead_reckoning(
     let mut trajectory = Trajectory { times: vec![first], poses: vec![start], gaps: Vec::new() };
     let mut position = start.translation;
     for pair in covered.windows(2) {
-        let [(before, speed_before, attitude_before), (after, speed_after, attitude_after)] = [pair[0], pair[1]];
+        let [(before, speed_before, attitude_before), (after, speed_after, attitude_after)] =
+            [pair[0], pair[1]];
         let seconds = (after - before) as f64 * 1e-6;
         let middle = attitude_before.interpolate(&attitude_after, 0.5).rotation;
         let distance = 0.5 * (speed_before + speed_after) * seconds;
@@ -68,7 +69,11 @@ fn choose(files: &SessionFiles, wanted: HeadingSource) -> Result<HeadingSource, 
 }
 
 /// Attitudes over time, at the origin.
-fn attitude(reader: &mut Reader<'_>, heading: HeadingSource, longest: i64) -> Result<Trajectory, IngestError> {
+fn attitude(
+    reader: &mut Reader<'_>,
+    heading: HeadingSource,
+    longest: i64,
+) -> Result<Trajectory, IngestError> {
     let (table, poses) = match heading {
         HeadingSource::Kvh => {
             let table = reader.table(FileKind::FibreOpticGyro, 1)?;

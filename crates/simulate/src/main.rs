@@ -1,0 +1,49 @@
+//! `posecut-simulate`: a simulated session in NCLT's layouts.
+
+use std::process::ExitCode;
+
+use anyhow::{Context as _, bail};
+use clap::Parser;
+use posecut_simulate::{Options, simulate};
+use posecut_stage::{CommonArguments, Identity, Outcome, info, run, write_directory};
+
+#[derive(Parser)]
+struct Command {
+    #[command(flatten)]
+    options: Options,
+
+    /// Replace the output directory if it exists
+    #[arg(long)]
+    overwrite: bool,
+
+    #[command(flatten)]
+    common: CommonArguments,
+}
+
+fn main() -> ExitCode {
+    let identity = Identity {
+        name: "simulate",
+        version: env!("CARGO_PKG_VERSION"),
+        about: "Simulate a session and write NCLT's files into the directory given by -o, named by the session's date",
+    };
+    run::<Command>(
+        identity,
+        |command| &command.common,
+        |command, context| {
+            let Some(directory) = command.common.output.path() else {
+                bail!(
+                    "a session is a directory of files; name it with -o, such as -o data/simulated/2012-01-22"
+                );
+            };
+            let name = directory
+                .file_name()
+                .map(|name| name.to_string_lossy().into_owned())
+                .with_context(|| format!("{}: has no name to call the session by", directory.display()))?;
+            context.statistics = write_directory(directory, command.overwrite, |folder| {
+                simulate(folder, &name, &command.options)
+            })?;
+            info!("simulated session {name} in {}", directory.display());
+            Ok(Outcome::Done)
+        },
+    )
+}

@@ -1,0 +1,33 @@
+//! Noise that sensors have.
+
+use posecut_stage::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// A normally distributed number of mean 0 and the given standard deviation.
+pub(crate) fn normal(random: &mut ChaCha8Rng, sigma: f64) -> f64 {
+    let unit: f64 = StandardNormal.sample(random);
+    sigma * unit
+}
+
+/// Noise that forgets: an Ornstein-Uhlenbeck process of given standard deviation and correlation length
+/// (seconds or metres).
+#[derive(Clone, Debug)]
+pub(crate) struct Wander {
+    value: f64,
+    sigma: f64,
+    length: f64,
+}
+
+impl Wander {
+    /// Starts in its stationary distribution.
+    pub(crate) fn new(random: &mut ChaCha8Rng, sigma: f64, length: f64) -> Self {
+        Self { value: normal(random, sigma), sigma, length }
+    }
+
+    /// The value after a step.
+    pub(crate) fn step(&mut self, random: &mut ChaCha8Rng, step: f64) -> f64 {
+        let kept = (-step / self.length).exp();
+        self.value = kept * self.value + normal(random, self.sigma * (1.0 - kept * kept).sqrt());
+        self.value
+    }
+}

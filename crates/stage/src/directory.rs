@@ -1,0 +1,39 @@
+//! Directories that appear whole or not at all.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context as _, bail};
+
+use crate::interrupt;
+
+/// Fills a directory through a temporary neighbour that takes its name at the end. One that exists and is
+/// not empty is refused, or replaced if `overwrite` says so.
+pub fn write_directory<T>(
+    path: &Path,
+    overwrite: bool,
+    fill: impl FnOnce(&Path) -> anyhow::Result<T>,
+) -> anyhow::Result<T> {
+    let place = || format!("{}: cannot be written, and nothing was left there", path.display());
+    let occupied = fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some());
+    if path.is_file() || (occupied && !overwrite) {
+        bail!("{}: exists already; name another directory, or say --overwrite", path.display());
+    }
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::create_dir_all(parent).with_context(place)?;
+    let temporary =
+        tempfile::Builder::new().prefix(".posecut-").suffix(".tmp").tempdir_in(parent).with_context(place)?;
+    let guard = interrupt::delete_on_interrupt(temporary.path());
+    let result = fill(temporary.path())?;
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        fs::set_permissions(temporary.path(), fs::Permissions::from_mode(0o755)).with_context(place)?;
+    }
+    if path.exists() {
+        fs::remove_dir_all(path).with_context(place)?;
+    }
+    fs::rename(temporary.keep(), path).with_context(place)?;
+    drop(guard);
+    Ok(result)
+}
