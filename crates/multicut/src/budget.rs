@@ -1,0 +1,69 @@
+//! Limits of a search.
+
+use std::time::{Duration, Instant};
+
+/// What a search may still spend: seconds, which stop it anywhere, and units of work (about one visited edge
+/// each), which stop it at the same place on every machine.
+#[derive(Debug, Clone)]
+pub(crate) struct Budget {
+    deadline: Option<Instant>,
+    work: Option<u64>,
+    spent: u64,
+    next_look: u64,
+    over: bool,
+}
+
+/// Units of work between two looks at the clock.
+const LOOK: u64 = 1 << 16;
+
+impl Budget {
+    pub(crate) fn new(time: Option<Duration>, work: Option<u64>) -> Self {
+        // A limit beyond the clock's range is none.
+        let deadline = time.and_then(|time| Instant::now().checked_add(time));
+        Self { deadline, work, spent: 0, next_look: 0, over: false }
+    }
+
+    /// Books work; true while the budget lasts.
+    pub(crate) fn spend(&mut self, work: u64) -> bool {
+        self.spent = self.spent.saturating_add(work);
+        if self.work.is_some_and(|limit| self.spent > limit) {
+            self.over = true;
+        }
+        if self.spent >= self.next_look {
+            self.next_look = self.spent.saturating_add(LOOK);
+            if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                self.over = true;
+            }
+        }
+        !self.over
+    }
+
+    /// Whether a limit was reached.
+    pub(crate) fn is_over(&self) -> bool {
+        self.over
+    }
+
+    /// Work booked so far.
+    pub(crate) fn spent(&self) -> u64 {
+        self.spent
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_ends_at_its_limit_and_stays_over() {
+        let mut budget = Budget::new(None, Some(10));
+        assert!(budget.spend(10));
+        assert!(!budget.spend(1));
+        assert!(budget.is_over());
+    }
+
+    #[test]
+    fn a_past_deadline_is_seen_at_once() {
+        assert!(!Budget::new(Some(Duration::ZERO), None).spend(1));
+        assert!(Budget::new(Some(Duration::MAX), None).spend(u64::MAX));
+    }
+}

@@ -1,0 +1,37 @@
+//! How to solve.
+
+use std::time::Duration;
+
+/// Which algorithm runs on the kernels that reductions leave.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Solver {
+    /// Bounds, cycle relaxation and branching until the optimum is proved, or a limit is reached.
+    #[default]
+    Exact,
+    /// Greedy additive edge contraction, then Kernighan-Lin with joins.
+    Klj,
+    /// Greedy additive edge contraction alone.
+    Gaec,
+}
+
+/// Options of [`solve`](crate::solve()).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Options {
+    /// Algorithm for the kernels.
+    pub solver: Solver,
+    /// Time after which the best solution and bound so far are returned. When it strikes, the result depends on
+    /// the machine; when the proof completes earlier, it does not.
+    pub time_limit: Option<Duration>,
+    /// Work after which the same happens at the same place on every machine; one unit is about one visited edge, and
+    /// 10^8 units take seconds.
+    pub work_limit: Option<u64>,
+    /// Seed of the local search that improves what could not be proved optimal.
+    pub seed: u64,
+}
+
+impl Default for Options {
+    /// Exact, within 60 seconds.
+    fn default() -> Self {
+        Self { solver: Solver::Exact, time_limit: Some(Duration::from_secs(60)), work_limit: None, seed: 0 }
+    }
+}

@@ -1,0 +1,216 @@
+//! Branch and cut on kernels.
+
+use crate::budget::Budget;
+use crate::decomposition::decompose;
+use crate::greedy::additive_edge_contraction;
+use crate::kernel::Kernel;
+use crate::kernighan_lin::kernighan_lin_with_joins;
+use crate::options::Solver;
+use crate::packing::Packing;
+use crate::relaxation::{Relaxation, solve_relaxation};
+use crate::signed_graph::SignedGraph;
+use crate::sum::Sum;
+
+/// What is known about the optimum of a kernel.
+#[derive(Debug, Clone)]
+pub(crate) struct State {
+    pub(crate) labels: Vec<u32>,
+    /// Objective of `labels`: an upper bound.
+    pub(crate) objective: f64,
+    /// Lower bound; at least the optimum's, or the cutoff's.
+    pub(crate) bound: f64,
+    /// Gap that counts as closed.
+    tolerance: f64,
+    packing: Packing,
+}
+
+/// Differences of this share of the absolute costs count as none where costs are not integers.
+const TOLERANCE: f64 = 1e-10;
+
+/// Inside the tree differences must be smaller, so that their sum stays below [`TOLERANCE`].
+const INNER_TOLERANCE: f64 = 1e-12;
+
+fn magnitude(graph: &SignedGraph) -> f64 {
+    graph.edges().map(|(_, _, cost)| cost.abs()).sum()
+}
+
+impl State {
+    pub(crate) fn is_closed(&self) -> bool {
+        self.bound >= self.objective - self.tolerance
+    }
+
+    fn offer(&mut self, graph: &SignedGraph, labels: Vec<u32>) {
+        let objective = graph.objective(&labels);
+        if objective < self.objective {
+            self.objective = objective;
+            self.labels = labels;
+        }
+    }
+}
+
+/// Heuristic solution and packing bound of a kernel.
+pub(crate) fn survey(graph: &SignedGraph, solver: Solver, budget: &mut Budget) -> State {
+    let mut labels = additive_edge_contraction(graph.clone(), budget);
+    if solver != Solver::Gaec {
+        kernighan_lin_with_joins(graph, &mut labels, budget);
+    }
+    let kernel = Kernel::new(graph);
+    let mut packing = Packing::new(&kernel);
+    packing.extend(&kernel, budget);
+    let objective = graph.objective(&labels);
+    let tolerance = TOLERANCE * magnitude(graph);
+    State { labels, objective, bound: kernel.rounded(packing.bound), tolerance, packing }
+}
+
+/// Closes the gap of a kernel: relaxation, rounding, fixing, branching.
+pub(crate) fn close(graph: &SignedGraph, state: &mut State, budget: &mut Budget) {
+    let magnitude = magnitude(graph);
+    let tree = Tree { big: 1.0 + magnitude.ceil(), tolerance: INNER_TOLERANCE * magnitude };
+    tree.close(graph, state, f64::INFINITY, budget);
+}
+
+/// One kernel's branch-and-cut tree.
+struct Tree {
+    /// More than all costs of the kernel together: an edge of this cost is surely joined, one of minus twice this cost
+    /// surely cut. One number for the whole tree, or it would grow with the depth.
+    big: f64,
+    /// Gap that counts as closed within the tree; absolute, since big costs would swamp a relative one.
+    tolerance: f64,
+}
+
+impl Tree {
+    /// Closes the gap of a node, or raises its bound to `cutoff`, which allows for rounding already.
+    fn close(&self, graph: &SignedGraph, state: &mut State, cutoff: f64, budget: &mut Budget) {
+        let goal = |state: &State| cutoff.min(state.objective - self.tolerance);
+        if state.bound >= goal(state) || budget.is_over() {
+            return;
+        }
+        let kernel = Kernel::new(graph);
+        let relaxation = solve_relaxation(&kernel, std::mem::take(&mut state.packing), goal(state), budget);
+        state.bound = state.bound.max(kernel.rounded(relaxation.packing.bound));
+        round(graph, &kernel, &relaxation, state, budget);
+        if state.bound >= goal(state) || budget.is_over() {
+            state.packing = relaxation.packing;
+            return;
+        }
+        if let Some(fixed) = self.fix(graph, &kernel, &relaxation.packing, goal(state)) {
+            // Whatever the fixed graph leaves out is no better than what is known.
+            let (labels, bound) = self.solve_within(fixed.graph, goal(state), budget);
+            state.offer(graph, labels);
+            state.bound = state.bound.max(bound.min(fixed.left_out));
+        } else {
+            self.branch(graph, &kernel, &relaxation, state, cutoff, budget);
+        }
+        state.packing = relaxation.packing;
+    }
+
+    /// Joins the ends of attractive edges whose cutting alone would lift the bound over the goal.
+    fn fix(&self, graph: &SignedGraph, kernel: &Kernel, packing: &Packing, goal: f64) -> Option<Fixed> {
+        let mut fixed = graph.clone();
+        let mut sets = crate::union_find::UnionFind::new(graph.node_count());
+        let mut left_out = f64::INFINITY;
+        for (edge, &(tail, head)) in kernel.ends.iter().enumerate() {
+            let without = kernel.rounded(packing.bound + packing.residual[edge]);
+            if kernel.costs[edge] > 0.0 && without >= goal {
+                left_out = left_out.min(without);
+                let (tail, head) = (sets.find(tail), sets.find(head));
+                sets.union(tail, head);
+            }
+        }
+        if left_out == f64::INFINITY {
+            return None;
+        }
+        // A big cost joins for sure: dominance contracts it at once, and labels keep their numbers.
+        for node in graph.nodes() {
+            let root = sets.find(node);
+            if root != node {
+                fixed.add_cost(node, root, self.big);
+            }
+        }
+        Some(Fixed { graph: fixed, left_out })
+    }
+
+    /// Decomposes a graph and solves its kernels so far as needed to tell its optimum from `cutoff`: labels, bound.
+    fn solve_within(&self, graph: SignedGraph, cutoff: f64, budget: &mut Budget) -> (Vec<u32>, f64) {
+        let decomposition = decompose(graph, false, budget);
+        let kernels = &decomposition.kernels;
+        let mut states: Vec<State> =
+            kernels.iter().map(|piece| survey(&piece.graph, Solver::Exact, budget)).collect();
+        let total = |states: &[State]| {
+            let mut sum = Sum::default();
+            sum.add(decomposition.constant);
+            states.iter().for_each(|state| sum.add(state.bound));
+            sum.value()
+        };
+        let mut order: Vec<usize> = (0..kernels.len()).collect();
+        order.sort_by_key(|&index| kernels[index].graph.node_count());
+        for index in order {
+            let others = total(&states);
+            if others >= cutoff {
+                break;
+            }
+            let slack = cutoff - (others - states[index].bound);
+            self.close(&kernels[index].graph, &mut states[index], slack, budget);
+        }
+        let labels = decomposition.assemble(states.iter().map(|state| state.labels.as_slice()));
+        (labels, total(&states))
+    }
+
+    /// Splits on the attractive edge whose value is nearest to one half: joined, or apart.
+    fn branch(
+        &self,
+        graph: &SignedGraph,
+        kernel: &Kernel,
+        relaxation: &Relaxation,
+        state: &mut State,
+        cutoff: f64,
+        budget: &mut Budget,
+    ) {
+        let undecided = |edge: usize| (relaxation.paid[edge] - 0.5).abs();
+        let Some(edge) =
+            (0..kernel.edge_count()).filter(|&edge| kernel.costs[edge] > 0.0).min_by(|&a, &b| {
+                undecided(a).total_cmp(&undecided(b)).then(kernel.costs[b].total_cmp(&kernel.costs[a]))
+            })
+        else {
+            return;
+        };
+        let (tail, head) = kernel.ends[edge];
+        let mut bound = f64::INFINITY;
+        for apart in [relaxation.paid[edge] > 0.5, relaxation.paid[edge] <= 0.5] {
+            let mut child = graph.clone();
+            child.add_cost(tail, head, if apart { -2.0 * self.big } else { self.big });
+            // An edge that is surely cut pays its big reward; the constant takes it back.
+            let constant = if apart { 2.0 * self.big } else { 0.0 };
+            let (labels, value) =
+                self.solve_within(child, cutoff.min(state.objective - self.tolerance) - constant, budget);
+            state.offer(graph, labels);
+            bound = bound.min(value + constant);
+        }
+        state.bound = state.bound.max(bound);
+    }
+}
+
+/// Solutions near a fractional point: contraction by cost scaled with how little each edge is cut.
+fn round(
+    graph: &SignedGraph,
+    kernel: &Kernel,
+    relaxation: &Relaxation,
+    state: &mut State,
+    budget: &mut Budget,
+) {
+    let scaled = kernel
+        .ends
+        .iter()
+        .zip(&kernel.costs)
+        .zip(&relaxation.paid)
+        .map(|((&(tail, head), &cost), &paid)| (tail, head, cost * (1.0 - paid.clamp(0.0, 1.0) + 1e-3)));
+    let mut labels = additive_edge_contraction(SignedGraph::new(graph.node_count(), scaled), budget);
+    kernighan_lin_with_joins(graph, &mut labels, budget);
+    state.offer(graph, labels);
+}
+
+struct Fixed {
+    graph: SignedGraph,
+    /// Lower bound on every solution that is left out.
+    left_out: f64,
+}

@@ -1,0 +1,204 @@
+//! The whole graph: conflicted components, one after the other.
+
+use std::time::Instant;
+
+use crate::budget::Budget;
+use crate::canonical::canonical_order;
+use crate::decomposition::{Decomposition, decompose};
+use crate::graph::Graph;
+use crate::options::{Options, Solver};
+use crate::search::{State, close, survey};
+use crate::signed_graph::SignedGraph;
+use crate::sum::Sum;
+use crate::union_find::UnionFind;
+
+/// A multicut, and how good it is known to be.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solution {
+    /// Cluster of each node, numbered by first appearance. An edge is cut iff its ends have different labels; every
+    /// cluster is connected by edges that are not cut.
+    pub labels: Vec<u32>,
+    /// Cost of the edges cut.
+    pub objective: f64,
+    /// No multicut costs less than this.
+    pub lower_bound: f64,
+    /// Whether the objective is proved to be minimal: integer costs exactly, others up to 10^-10 of the sum of
+    /// absolute costs.
+    pub optimal: bool,
+    /// Nodes of the kernels that reductions left.
+    pub kernel_nodes: usize,
+    /// Edges of those kernels.
+    pub kernel_edges: usize,
+    /// Nodes and edges of the largest kernel.
+    pub largest_kernel: (usize, usize),
+    /// Work done, in the units of [`Options::work_limit`].
+    pub work: u64,
+    /// Seconds it took.
+    pub seconds: f64,
+}
+
+impl Solution {
+    /// Objective minus lower bound; 0 if optimal.
+    pub fn gap(&self) -> f64 {
+        if self.optimal { 0.0 } else { self.objective - self.lower_bound }
+    }
+}
+
+/// One conflicted component: its nodes in canonical order, and what is left of it.
+struct Component {
+    nodes: Vec<u32>,
+    decomposition: Decomposition,
+    states: Vec<State>,
+}
+
+/// Finds a minimum-cost multicut of `graph`, or the best one within the limits, and a lower bound.
+///
+/// Edges that repel between different components of the attractive edges are cut; components without repulsive edges
+/// inside are joined. What is left is reduced to kernels (see the crate's documentation), and only these are searched.
+/// Near-linear where kernels are small.
+///
+/// Nodes are put in an order that does not depend on their numbers before any tie is broken, so renumbering
+/// gives the same answer up to symmetries of the graph.
+pub fn solve(graph: &Graph, options: &Options) -> Solution {
+    let start = Instant::now();
+    let mut budget = Budget::new(options.time_limit, options.work_limit);
+    let mut joined = attractive_components(graph);
+    let mut bound = Sum::default();
+    let mut components = Vec::new();
+    for (nodes, local) in conflicted_components(graph, &mut joined, &mut bound) {
+        let order = canonical_order(&local);
+        let nodes: Vec<u32> = order.iter().map(|&node| nodes[node as usize]).collect();
+        let local = local.induced(&order, &mut vec![u32::MAX; order.len()]);
+        let decomposition = decompose(local, false, &mut budget);
+        components.push(Component { nodes, decomposition, states: Vec::new() });
+    }
+    for component in &mut components {
+        let kernels = &component.decomposition.kernels;
+        component.states =
+            kernels.iter().map(|piece| survey(&piece.graph, options.solver, &mut budget)).collect();
+    }
+    if options.solver == Solver::Exact {
+        close_all(&mut components, &mut budget);
+    }
+    let kernels = || components.iter().flat_map(|component| &component.decomposition.kernels);
+    let kernel_nodes = kernels().map(|piece| piece.graph.node_count()).sum();
+    let sizes = || kernels().map(|piece| (piece.graph.node_count(), piece.graph.edges().count()));
+    let kernel_edges = sizes().map(|size| size.1).sum();
+    let largest_kernel = sizes().max_by_key(|size| (size.1, size.0)).unwrap_or((0, 0));
+    let mut closed = true;
+    for component in &components {
+        bound.add(component.decomposition.constant);
+        for state in &component.states {
+            closed &= state.is_closed();
+            bound.add(state.bound);
+        }
+        let labels = component.states.iter().map(|state| state.labels.as_slice());
+        let labels = component.decomposition.assemble(labels);
+        join_classes(&component.nodes, &labels, &mut joined);
+    }
+    let labels = joined.labels();
+    let objective = graph.objective(&labels).unwrap_or(f64::INFINITY);
+    let lower_bound = bound.value();
+    Solution {
+        labels,
+        objective,
+        // A proof up to rounding is a proof: report the objective, not the last digits of a dual.
+        lower_bound: if closed { objective } else { lower_bound.min(objective) },
+        optimal: closed,
+        kernel_nodes,
+        kernel_edges,
+        largest_kernel,
+        work: budget.spent(),
+        seconds: start.elapsed().as_secs_f64(),
+    }
+}
+
+/// Closes kernels from small to large, so that a limit leaves as few open as possible.
+fn close_all(components: &mut [Component], budget: &mut Budget) {
+    let mut open: Vec<(usize, usize, usize)> = Vec::new();
+    for (index, component) in components.iter().enumerate() {
+        for (place, state) in component.states.iter().enumerate() {
+            if !state.is_closed() {
+                open.push((component.decomposition.kernels[place].graph.node_count(), index, place));
+            }
+        }
+    }
+    open.sort_unstable();
+    for (_, index, place) in open {
+        let component = &mut components[index];
+        let piece = &component.decomposition.kernels[place];
+        close(&piece.graph, &mut component.states[place], budget);
+    }
+}
+
+fn attractive_components(graph: &Graph) -> UnionFind {
+    let mut sets = UnionFind::new(graph.node_count());
+    for edge in graph.edges() {
+        if edge.cost > 0.0 {
+            sets.union(edge.tail, edge.head);
+        }
+    }
+    sets
+}
+
+/// The components of the attractive edges with repulsive edges inside, as graphs of their own. Their nodes become
+/// single sets in `joined`; the cost of edges between components is added to `bound`.
+fn conflicted_components(
+    graph: &Graph,
+    joined: &mut UnionFind,
+    bound: &mut Sum,
+) -> Vec<(Vec<u32>, SignedGraph)> {
+    const NONE: u32 = u32::MAX;
+    let node_count = graph.node_count();
+    let mut component = vec![NONE; node_count];
+    let mut count = 0u32;
+    for edge in graph.edges() {
+        let root = joined.find(edge.tail);
+        if root != joined.find(edge.head) {
+            bound.add(edge.cost);
+        } else if edge.cost < 0.0 && component[root as usize] == NONE {
+            component[root as usize] = count;
+            count += 1;
+        }
+    }
+    let mut nodes: Vec<Vec<u32>> = vec![Vec::new(); count as usize];
+    let mut place = vec![NONE; node_count];
+    for node in 0..node_count as u32 {
+        let index = component[joined.find(node) as usize];
+        if index != NONE {
+            component[node as usize] = index;
+            place[node as usize] = nodes[index as usize].len() as u32;
+            nodes[index as usize].push(node);
+        }
+    }
+    let mut edges: Vec<Vec<(u32, u32, f64)>> = vec![Vec::new(); count as usize];
+    for edge in graph.edges() {
+        let (tail, head) = (edge.tail as usize, edge.head as usize);
+        if component[tail] != NONE && component[tail] == component[head] {
+            edges[component[tail] as usize].push((place[tail], place[head], edge.cost));
+        }
+    }
+    for members in &nodes {
+        joined.dissolve(members);
+    }
+    nodes
+        .into_iter()
+        .zip(edges)
+        .map(|(nodes, edges)| {
+            let graph = SignedGraph::new(nodes.len(), edges.iter().copied());
+            (nodes, graph)
+        })
+        .collect()
+}
+
+fn join_classes(nodes: &[u32], labels: &[u32], joined: &mut UnionFind) {
+    let mut first = vec![u32::MAX; nodes.len()];
+    for (&node, &label) in nodes.iter().zip(labels) {
+        let first = &mut first[label as usize];
+        if *first == u32::MAX {
+            *first = node;
+        } else {
+            joined.union(*first, node);
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! Compensated summation.
+
+/// A running sum that carries the rounding error along (Neumaier 1974): exact for integer costs, and to the
+/// last digits independent of the order otherwise.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Sum {
+    sum: f64,
+    compensation: f64,
+}
+
+impl Sum {
+    pub(crate) fn add(&mut self, term: f64) {
+        let sum = self.sum + term;
+        self.compensation +=
+            if self.sum.abs() >= term.abs() { (self.sum - sum) + term } else { (term - sum) + self.sum };
+        self.sum = sum;
+    }
+
+    pub(crate) fn value(self) -> f64 {
+        // `+ 0.0` turns -0 into 0.
+        self.sum + self.compensation + 0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keeps_what_plain_addition_loses() {
+        let mut sum = Sum::default();
+        for term in [1e100, 1.0, -1e100] {
+            sum.add(term);
+        }
+        assert_eq!(sum.value(), 1.0);
+    }
+}
