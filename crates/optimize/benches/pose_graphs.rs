@@ -1,0 +1,66 @@
+//! Time and cost on the benchmark graphs, from the file's poses and from odometry.
+//!
+//! `POSECUT_SHARED_DATA=... cargo bench -p posecut-optimize --bench pose_graphs [NAME...]`
+
+#![allow(clippy::print_stdout, reason = "a bench prints its figures")]
+
+#[path = "../tests/g2o/best_known.rs"]
+mod best_known;
+#[path = "../tests/g2o/mod.rs"]
+mod g2o;
+
+use std::time::Instant;
+
+use posecut_optimize::initialisation::spanning_tree;
+use posecut_optimize::{Edge, Initialisation, Options, PoseGroup, Problem, optimize};
+
+fn measure<G: PoseGroup<DOF>, const DOF: usize>(name: &str, best: f64, graph: (Vec<G>, Vec<Edge<G, DOF>>)) {
+    let (poses, edges) = graph;
+    let odometry = spanning_tree(&poses, &edges);
+    for (from, poses) in [("file", poses), ("odometry", odometry)] {
+        let problem = match Problem::new(poses, edges.clone()) {
+            Ok(problem) => problem,
+            Err(error) => {
+                println!("{name}: {error}");
+                return;
+            }
+        };
+        for (label, initialisation) in [("best", Initialisation::Best), ("given", Initialisation::Given)] {
+            let options = Options { initialisation, ..Options::default() };
+            let mut milliseconds = f64::INFINITY;
+            let mut solution = optimize(&problem, &options);
+            for _ in 0..if solution.iterations > 50 { 0 } else { 5 } {
+                let start = Instant::now();
+                solution = optimize(&problem, &options);
+                milliseconds = milliseconds.min(start.elapsed().as_secs_f64() * 1e3);
+            }
+            let report = &solution.components[0];
+            println!(
+                "{name:20} {from:9} {label:6} {:13} {:3} steps ({:2} rejected) {milliseconds:9.2} ms  cost {:.10e} gap {:9.1e} {} {:?}",
+                report.start.name(),
+                solution.iterations,
+                report.rejected,
+                solution.chi2,
+                (solution.chi2 - best) / best,
+                report.termination.name(),
+                report.undetermined,
+            );
+        }
+    }
+}
+
+fn main() {
+    let wanted: Vec<String> =
+        std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
+    for (name, best) in best_known::BEST_KNOWN.into_iter().chain([("cubicle", f64::NAN)]) {
+        if !wanted.is_empty() && !wanted.iter().any(|word| word == name) {
+            continue;
+        }
+        let Some(text) = g2o::text(name) else { continue };
+        if g2o::is_planar(&text) {
+            measure(name, best, g2o::planar(&text));
+        } else {
+            measure(name, best, g2o::spatial(&text));
+        }
+    }
+}

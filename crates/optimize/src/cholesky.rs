@@ -1,0 +1,16 @@
+//! Sparse Cholesky factorisation of symmetric matrices made of small square blocks, one block row per pose.
+//!
+//! Ordering, elimination tree and structure of the factor are worked out on *blocks*, 9 to 36 times fewer than scalars;
+//! the numeric phase is multifrontal (Duff and Reid, "The multifrontal solution of indefinite sparse symmetric linear
+//! equations", 1983), so that all arithmetic is dense. [`Symbolic`] is made once per graph and serves every block size;
+//! [`Factor`] owns all memory of the numeric phase and allocates none while it works.
+
+mod dense;
+mod elimination;
+mod factor;
+mod ordering;
+mod supernodes;
+mod symbolic;
+
+pub use factor::{Breakdown, Factor};
+pub use symbolic::Symbolic;

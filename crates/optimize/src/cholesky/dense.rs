@@ -1,0 +1,133 @@
+//! Partial Cholesky factorisation of one dense front.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::{Accum, MatMut, Par};
+
+/// Operations from which faer's kernels, which choose vector instructions at run time, pay for their entry cost.
+const LARGE_FRONT: usize = 60_000;
+
+/// Working memory of the dense kernels for fronts of up to `columns` eliminated columns.
+pub(crate) fn scratch(columns: usize) -> MemBuffer {
+    MemBuffer::new(cholesky_in_place_scratch::<f64>(columns, Par::Seq, faer::prelude::default()))
+}
+
+/// Eliminates the `columns` columns of a front of `height` rows, all column-major.
+///
+/// `panel` holds the columns `[A; B]` and becomes `[L; M]` with `L L^T = A`, `M = B L^-T`. `update`, of order
+/// `height - columns`, is reduced by `M M^T`; only its lower triangle is meant. On failure returns the column whose
+/// pivot was not positive.
+pub(crate) fn eliminate<const D: usize>(
+    panel: &mut [f64],
+    height: usize,
+    columns: usize,
+    update: &mut [f64],
+    memory: &mut MemBuffer,
+) -> Result<(), usize> {
+    let below = height - columns;
+    if columns * (columns * columns / 3 + columns * below + below * below) < LARGE_FRONT {
+        eliminate_small::<D>(panel, height, columns, update)
+    } else {
+        eliminate_large(panel, height, columns, update, memory)
+    }
+}
+
+/// By faer's dense kernels.
+fn eliminate_large(
+    panel: &mut [f64],
+    height: usize,
+    columns: usize,
+    update: &mut [f64],
+    memory: &mut MemBuffer,
+) -> Result<(), usize> {
+    let below = height - columns;
+    let (mut diagonal, mut rest) =
+        MatMut::from_column_major_slice_mut(panel, height, columns).split_at_row_mut(columns);
+    let stack = MemStack::new(memory);
+    cholesky_in_place(diagonal.as_mut(), faer::prelude::default(), Par::Seq, stack, faer::prelude::default())
+        .map_err(|faer::linalg::cholesky::llt::factor::LltError::NonPositivePivot { index }| index)?;
+    if below > 0 {
+        solve_lower_triangular_in_place(diagonal.as_ref(), rest.as_mut().transpose_mut(), Par::Seq);
+        matmul(
+            MatMut::from_column_major_slice_mut(update, below, below),
+            BlockStructure::TriangularLower,
+            Accum::Add,
+            rest.as_ref(),
+            BlockStructure::Rectangular,
+            rest.as_ref().transpose(),
+            BlockStructure::Rectangular,
+            -1.0,
+            Par::Seq,
+        );
+    }
+    Ok(())
+}
+
+/// Right-looking by blocks of `D` columns, without calls.
+fn eliminate_small<const D: usize>(
+    panel: &mut [f64],
+    height: usize,
+    columns: usize,
+    update: &mut [f64],
+) -> Result<(), usize> {
+    for start in (0..columns).step_by(D) {
+        let (done, later) = panel.split_at_mut((start + D) * height);
+        let block = &mut done[start * height..];
+        factor_block::<D>(block, height, start)?;
+        for (column, target) in (start + D..columns).zip(later.chunks_exact_mut(height)) {
+            subtract_outer::<D>(&mut target[column..], block, height, column);
+        }
+    }
+    let below = height - columns;
+    for start in (0..columns).step_by(D) {
+        let block = &panel[start * height..(start + D) * height];
+        for column in 0..below {
+            let target = &mut update[column * below + column..(column + 1) * below];
+            subtract_outer::<D>(target, block, height, columns + column);
+        }
+    }
+    Ok(())
+}
+
+/// Cholesky of `D` columns whose diagonal block starts at row `start`.
+fn factor_block<const D: usize>(block: &mut [f64], height: usize, start: usize) -> Result<(), usize> {
+    for column in 0..D {
+        let (done, later) = block.split_at_mut((column + 1) * height);
+        let current = &mut done[column * height + start + column..];
+        let pivot = current[0];
+        // Not `pivot <= 0.0`: NaN must fail too.
+        if !(pivot > 0.0 && pivot.is_finite()) {
+            return Err(start + column);
+        }
+        let scale = 1.0 / pivot.sqrt();
+        for value in current.iter_mut() {
+            *value *= scale;
+        }
+        for (offset, target) in later.chunks_exact_mut(height).enumerate().take(D - column - 1) {
+            let factor = current[offset + 1];
+            for (value, source) in
+                target[start + column + 1 + offset..].iter_mut().zip(&current[offset + 1..])
+            {
+                *value -= factor * source;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// `target -= sum over the block's columns c of block[row.., c] * block[row, c]`.
+#[inline]
+fn subtract_outer<const D: usize>(target: &mut [f64], block: &[f64], height: usize, row: usize) {
+    let length = target.len();
+    let sources: [&[f64]; D] = std::array::from_fn(|column| &block[column * height + row..][..length]);
+    let factors: [f64; D] = std::array::from_fn(|column| sources[column].first().copied().unwrap_or(0.0));
+    for (index, value) in target.iter_mut().enumerate() {
+        let mut sum = 0.0;
+        for column in 0..D {
+            sum += sources[column][index] * factors[column];
+        }
+        *value -= sum;
+    }
+}

@@ -1,0 +1,187 @@
+//! Rotations first, by the chordal relaxation, then translations; both by linear least squares.
+//!
+//! L. Carlone, R. Tron, K. Daniilidis, F. Dellaert, "Initialization techniques for 3D SLAM: a survey on rotation
+//! estimation and its use in pose graph optimization", ICRA 2015, section III.B; rotations alone go back to Martinec and
+//! Pajdla, 2007.
+
+use nalgebra::{Matrix2, Matrix3, Rotation3, SMatrix, SVector, UnitComplex, UnitQuaternion};
+use posecut_geometry::{LieGroup, SE2, SE3};
+
+use crate::cholesky::Factor;
+use crate::normal_equations::{NormalEquations, Pattern};
+use crate::problem::Edge;
+
+/// A pose as rotation matrix and translation in `N` dimensions.
+pub(crate) trait MatrixPose<const N: usize>: Sized {
+    fn rotation_matrix(&self) -> SMatrix<f64, N, N>;
+    fn translation_vector(&self) -> SVector<f64, N>;
+    /// The nearest rotation to a matrix in the Frobenius norm.
+    fn nearest_rotation(matrix: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N>;
+    fn from_matrix(rotation: &SMatrix<f64, N, N>, translation: &SVector<f64, N>) -> Self;
+}
+
+impl MatrixPose<2> for SE2 {
+    fn rotation_matrix(&self) -> Matrix2<f64> {
+        self.rotation.to_rotation_matrix().into_inner()
+    }
+
+    fn translation_vector(&self) -> SVector<f64, 2> {
+        self.translation
+    }
+
+    fn nearest_rotation(matrix: &Matrix2<f64>) -> Matrix2<f64> {
+        let (cosine, sine) = (matrix.m11 + matrix.m22, matrix.m21 - matrix.m12);
+        UnitComplex::new(sine.atan2(cosine)).to_rotation_matrix().into_inner()
+    }
+
+    fn from_matrix(rotation: &Matrix2<f64>, translation: &SVector<f64, 2>) -> Self {
+        SE2::new(translation.x, translation.y, rotation.m21.atan2(rotation.m11))
+    }
+}
+
+impl MatrixPose<3> for SE3 {
+    fn rotation_matrix(&self) -> Matrix3<f64> {
+        self.rotation.to_rotation_matrix().into_inner()
+    }
+
+    fn translation_vector(&self) -> SVector<f64, 3> {
+        self.translation
+    }
+
+    fn nearest_rotation(matrix: &Matrix3<f64>) -> Matrix3<f64> {
+        let svd = matrix.svd(true, true);
+        let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return Matrix3::identity() };
+        let sign = (u * v_t).determinant().signum();
+        // The column of the smallest singular value is turned round where the product would be a reflection.
+        let smallest = svd.singular_values.imin();
+        let mut corrected = u;
+        corrected.column_mut(smallest).scale_mut(sign);
+        corrected * v_t
+    }
+
+    fn from_matrix(rotation: &Matrix3<f64>, translation: &SVector<f64, 3>) -> Self {
+        SE3::new(
+            *translation,
+            UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation)),
+        )
+    }
+}
+
+/// Poses of a connected graph whose first pose is given; `None` if a linear system is singular.
+pub(crate) fn poses<G, const DOF: usize, const N: usize>(
+    pattern: &Pattern,
+    edges: &[Edge<G, DOF>],
+    first: &G,
+) -> Option<Vec<G>>
+where
+    G: LieGroup<DOF> + MatrixPose<N>,
+{
+    let mut equations = NormalEquations::<N>::new(pattern);
+    let mut factor = Factor::<N>::new(&pattern.symbolic);
+    let rotations = rotations::<G, DOF, N>(pattern, edges, first, &mut equations, &mut factor)?;
+    let translations =
+        translations::<G, DOF, N>(pattern, edges, first, &rotations, &mut equations, &mut factor)?;
+    let poses: Vec<G> = rotations
+        .iter()
+        .zip(&translations)
+        .map(|(rotation, translation)| G::from_matrix(rotation, translation))
+        .collect();
+    Some(poses)
+}
+
+/// Minimises `sum kappa |R_i Z_ij - R_j|^2` (Frobenius) over matrices, row by row, and rounds each to a rotation.
+/// Equation (20) there. `kappa` is the mean information of the rotation's axes.
+fn rotations<G, const DOF: usize, const N: usize>(
+    pattern: &Pattern,
+    edges: &[Edge<G, DOF>],
+    first: &G,
+    equations: &mut NormalEquations<N>,
+    factor: &mut Factor<N>,
+) -> Option<Vec<SMatrix<f64, N, N>>>
+where
+    G: LieGroup<DOF> + MatrixPose<N>,
+{
+    let anchor = first.rotation_matrix();
+    let mut rows: [Vec<SVector<f64, N>>; N] =
+        std::array::from_fn(|_| vec![SVector::zeros(); pattern.variables]);
+    equations.clear();
+    for (edge, slot) in edges.iter().zip(&pattern.slots) {
+        let kappa = (N..DOF).map(|axis| edge.information[(axis, axis)]).sum::<f64>() / (DOF - N) as f64;
+        let measured = edge.measurement.rotation_matrix() * kappa;
+        for node in [slot.from, slot.to].into_iter().flatten() {
+            equations.diagonal[node] += SMatrix::<f64, N, N>::identity() * kappa;
+        }
+        equations.add_off_diagonal(slot, &-measured);
+        // Terms of the fixed node move to the right-hand side.
+        match (slot.from, slot.to) {
+            (None, Some(to)) => {
+                for (row, right) in rows.iter_mut().enumerate() {
+                    right[to] += measured.tr_mul(&anchor.row(row).transpose());
+                }
+            }
+            (Some(from), None) => {
+                for (row, right) in rows.iter_mut().enumerate() {
+                    right[from] += measured * anchor.row(row).transpose();
+                }
+            }
+            _ => {}
+        }
+    }
+    factor.factorize(&pattern.symbolic, &equations.diagonal, &equations.off_diagonal, 0.0, 0.0).ok()?;
+    for right in &mut rows {
+        factor.solve(&pattern.symbolic, right);
+    }
+    let mut result = Vec::with_capacity(pattern.variables + 1);
+    result.push(anchor);
+    let matrices = (0..pattern.variables)
+        .map(|variable| SMatrix::<f64, N, N>::from_fn(|row, column| rows[row][variable][column]));
+    for matrix in matrices {
+        if matrix.iter().any(|entry| !entry.is_finite()) {
+            return None;
+        }
+        result.push(G::nearest_rotation(&matrix));
+    }
+    Some(result)
+}
+
+/// Minimises `sum |R_i^T (t_j - t_i) - z_ij|^2` weighed by the information of the translation, for fixed rotations.
+fn translations<G, const DOF: usize, const N: usize>(
+    pattern: &Pattern,
+    edges: &[Edge<G, DOF>],
+    first: &G,
+    rotations: &[SMatrix<f64, N, N>],
+    equations: &mut NormalEquations<N>,
+    factor: &mut Factor<N>,
+) -> Option<Vec<SVector<f64, N>>>
+where
+    G: LieGroup<DOF> + MatrixPose<N>,
+{
+    let anchor = first.translation_vector();
+    equations.clear();
+    let mut right = vec![SVector::<f64, N>::zeros(); pattern.variables];
+    for (edge, slot) in edges.iter().zip(&pattern.slots) {
+        let rotation = &rotations[edge.from];
+        let information = edge.information.fixed_view::<N, N>(0, 0);
+        let weight = rotation * information * rotation.transpose();
+        let pull = weight * (rotation * edge.measurement.translation_vector());
+        if let Some(to) = slot.to {
+            equations.diagonal[to] += weight;
+            right[to] += pull;
+            if slot.from.is_none() {
+                right[to] += weight * anchor;
+            }
+        }
+        if let Some(from) = slot.from {
+            equations.diagonal[from] += weight;
+            right[from] -= pull;
+            if slot.to.is_none() {
+                right[from] += weight * anchor;
+            }
+        }
+        equations.add_off_diagonal(slot, &-weight);
+    }
+    factor.factorize(&pattern.symbolic, &equations.diagonal, &equations.off_diagonal, 0.0, 0.0).ok()?;
+    factor.solve(&pattern.symbolic, &mut right);
+    right.insert(0, anchor);
+    right.iter().all(|translation| translation.iter().all(|value| value.is_finite())).then_some(right)
+}

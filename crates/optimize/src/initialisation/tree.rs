@@ -1,0 +1,46 @@
+//! Poses composed along a spanning tree of the edges.
+
+use std::collections::VecDeque;
+
+use posecut_geometry::LieGroup;
+
+use crate::components::Forest;
+use crate::problem::{Edge, EdgeKind};
+
+/// Composes measurements from the first node of every connected part, which keeps its pose from `poses`.
+///
+/// Edges name nodes of `poses`. The tree takes odometry edges first, in their order, so that chains
+/// stay whole, then joins the chains over the other edges, in their order; it is walked breadth first, in the order of
+/// the edges. Nodes without edges keep their poses. Takes almost linear time.
+pub fn spanning_tree<G: LieGroup<DOF>, const DOF: usize>(poses: &[G], edges: &[Edge<G, DOF>]) -> Vec<G> {
+    let mut forest = Forest::new(poses.len());
+    let mut neighbours: Vec<Vec<(usize, G)>> = vec![Vec::new(); poses.len()];
+    for kind in [EdgeKind::Odometry, EdgeKind::Landmark] {
+        for edge in edges.iter().filter(|edge| edge.kind == kind) {
+            if forest.join(edge.from, edge.to) {
+                neighbours[edge.from].push((edge.to, edge.measurement));
+                neighbours[edge.to].push((edge.from, edge.measurement.inverse()));
+            }
+        }
+    }
+    let mut result = poses.to_vec();
+    let mut visited = vec![false; poses.len()];
+    let mut queue = VecDeque::new();
+    for first in 0..poses.len() {
+        if visited[first] {
+            continue;
+        }
+        visited[first] = true;
+        queue.push_back(first);
+        while let Some(node) = queue.pop_front() {
+            for &(next, step) in &neighbours[node] {
+                if !visited[next] {
+                    visited[next] = true;
+                    result[next] = result[node].compose(&step);
+                    queue.push_back(next);
+                }
+            }
+        }
+    }
+    result
+}

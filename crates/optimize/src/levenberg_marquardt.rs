@@ -1,0 +1,188 @@
+//! Gauss-Newton on the manifold, damped after a step that fails.
+//!
+//! K. Madsen, H. B. Nielsen, O. Tingleff, "Methods for non-linear least squares problems", 2004, section 3.2, with the
+//! scaling of Marquardt and a damping that starts at zero.
+
+use nalgebra::SVector;
+use posecut_geometry::LieGroup;
+
+use crate::cholesky::Factor;
+use crate::normal_equations::{NormalEquations, Pattern};
+use crate::options::Options;
+use crate::problem::Edge;
+use crate::residual::cost as total_cost;
+use crate::solution::Termination;
+
+/// Damping after the first failure, as a share of the diagonal.
+const FIRST_DAMPING: f64 = 1e-5;
+/// Damping beyond which a step is no longer than rounding.
+const LARGEST_DAMPING: f64 = 1e16;
+/// Damping below which the next step is undamped again.
+const SMALLEST_DAMPING: f64 = 1e-8;
+/// Share of a diagonal entry that elimination must leave: below it the direction is undetermined.
+const SINGULAR: f64 = 1e-14;
+
+/// How an iteration ended.
+pub(crate) struct Outcome {
+    pub(crate) cost: f64,
+    pub(crate) iterations: usize,
+    pub(crate) rejected: usize,
+    pub(crate) termination: Termination,
+    pub(crate) gradient: f64,
+    pub(crate) undetermined: Option<(usize, usize)>,
+}
+
+/// Memory of the iteration, reserved once.
+pub(crate) struct Workspace<'a, G, const DOF: usize> {
+    pattern: &'a Pattern,
+    equations: NormalEquations<DOF>,
+    factor: Factor<DOF>,
+    step: Vec<SVector<f64, DOF>>,
+    trial: Vec<G>,
+}
+
+impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
+    pub(crate) fn new(pattern: &'a Pattern) -> Self {
+        Self {
+            pattern,
+            equations: NormalEquations::new(pattern),
+            factor: Factor::new(&pattern.symbolic),
+            step: vec![SVector::zeros(); pattern.variables],
+            trial: Vec::new(),
+        }
+    }
+
+    /// Minimises the cost of the edges over all poses but the first.
+    pub(crate) fn minimise(&mut self, edges: &[Edge<G, DOF>], poses: &mut [G], options: &Options) -> Outcome {
+        let mut damping = Damping { value: 0.0, growth: 4.0 };
+        let mut outcome = Outcome {
+            cost: self.equations.assemble(self.pattern, edges, poses),
+            iterations: 0,
+            rejected: 0,
+            termination: Termination::IterationLimit,
+            gradient: 0.0,
+            undetermined: None,
+        };
+        outcome.gradient = self.equations.largest_gradient();
+        if outcome.gradient <= options.gradient_tolerance {
+            outcome.termination = Termination::Gradient;
+            return outcome;
+        }
+        // Absolute part of the cost test: a graph without noise ends at a cost of rounding errors.
+        let cost_tolerance = |cost: f64| options.cost_tolerance * cost.max(1e-9);
+        while outcome.iterations < options.max_iterations {
+            outcome.iterations += 1;
+            let Some((promised, largest)) = self.solve(damping.value, &mut outcome.undetermined) else {
+                outcome.rejected += 1;
+                if !damping.raise() {
+                    outcome.termination = Termination::Stalled;
+                    break;
+                }
+                continue;
+            };
+            self.retract(poses);
+            let cost = total_cost(edges, &self.trial);
+            let nearly_undamped = damping.value <= 1e-3;
+            let met = if nearly_undamped && promised <= cost_tolerance(outcome.cost) {
+                Some(Termination::Cost)
+            } else if nearly_undamped && largest <= options.step_tolerance {
+                Some(Termination::Step)
+            } else {
+                None
+            };
+            if cost < outcome.cost || (met.is_some() && cost <= outcome.cost) {
+                let gain = (outcome.cost - cost) / promised;
+                poses.copy_from_slice(&self.trial);
+                if met.is_some() {
+                    outcome.cost = cost;
+                } else {
+                    damping.lower(gain);
+                    outcome.cost = self.equations.assemble(self.pattern, edges, poses);
+                    outcome.gradient = self.equations.largest_gradient();
+                    if outcome.gradient <= options.gradient_tolerance {
+                        outcome.termination = Termination::Gradient;
+                        break;
+                    }
+                }
+            } else if met.is_none() {
+                outcome.rejected += 1;
+                if !damping.raise() {
+                    outcome.termination = Termination::Stalled;
+                    break;
+                }
+            }
+            if let Some(termination) = met {
+                outcome.termination = termination;
+                break;
+            }
+        }
+        outcome
+    }
+
+    /// The damped step `(H + damping D) d = -g`: promised decrease `-g^T d + damping d^T D d`, and largest component.
+    fn solve(&mut self, damping: f64, undetermined: &mut Option<(usize, usize)>) -> Option<(f64, f64)> {
+        let equations = &self.equations;
+        let largest_diagonal =
+            equations.diagonal.iter().map(|block| block.diagonal().max()).fold(0.0, f64::max);
+        let floor = 1e-9 * largest_diagonal;
+        let symbolic = &self.pattern.symbolic;
+        if let Err(breakdown) =
+            self.factor.factorize(symbolic, &equations.diagonal, &equations.off_diagonal, damping, floor)
+        {
+            undetermined.get_or_insert((breakdown.variable + 1, breakdown.component));
+            return None;
+        }
+        let (share, variable, component) = self.factor.smallest_pivot();
+        if share.is_nan() || share <= SINGULAR {
+            undetermined.get_or_insert((variable + 1, component));
+            return None;
+        }
+        for (step, gradient) in self.step.iter_mut().zip(&equations.gradient) {
+            *step = -gradient;
+        }
+        self.factor.solve(symbolic, &mut self.step);
+        let mut promised = 0.0;
+        let mut largest = 0.0_f64;
+        for ((step, gradient), block) in self.step.iter().zip(&equations.gradient).zip(&equations.diagonal) {
+            promised -= gradient.dot(step);
+            for (component, &value) in step.iter().enumerate() {
+                promised += damping * block[(component, component)].max(floor) * value * value;
+                largest = largest.max(value.abs());
+            }
+        }
+        (promised.is_finite() && largest.is_finite()).then_some((promised, largest))
+    }
+
+    /// `trial = X Exp(d)`.
+    fn retract(&mut self, poses: &[G]) {
+        self.trial.clear();
+        self.trial.extend_from_slice(poses);
+        for (pose, step) in self.trial.iter_mut().skip(1).zip(&self.step) {
+            *pose = pose.compose(&G::exp(step));
+        }
+    }
+}
+
+/// The damping and how fast it grows.
+struct Damping {
+    value: f64,
+    growth: f64,
+}
+
+impl Damping {
+    /// More damping; false once it is beyond use.
+    fn raise(&mut self) -> bool {
+        self.value = if self.value == 0.0 { FIRST_DAMPING } else { self.value * self.growth };
+        self.growth *= 2.0;
+        self.value <= LARGEST_DAMPING
+    }
+
+    /// Less damping after a step that gained this share of what it promised. Nielsen's rule.
+    fn lower(&mut self, gain: f64) {
+        self.value *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(0.1);
+        self.growth = 4.0;
+        if self.value < SMALLEST_DAMPING {
+            self.value = 0.0;
+        }
+    }
+}

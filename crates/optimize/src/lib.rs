@@ -1,0 +1,45 @@
+//! Batch pose-graph optimisation on SE(2) and SE(3).
+//!
+//! Minimises `sum of rho(e^T Omega e)` with `e = Log(Z^-1 X_from^-1 X_to)` over the poses `X` of a graph, where an edge
+//! measures `Z` with information matrix `Omega`, and `rho` is the identity or a robust kernel.
+//!
+//! 1. [`Problem`] checks a graph; [`components`] splits it into parts that edges connect. Each is solved on its own,
+//!    with its first node held where it is.
+//! 2. [`initialisation`] proposes starts: the given poses, a spanning tree, and the chordal relaxation, which finds all
+//!    rotations first. The cheapest in cost is taken.
+//! 3. [`optimize`] runs Gauss-Newton steps, damped (Levenberg-Marquardt) once one fails, over an own sparse
+//!    [`cholesky`] factorisation of 3 x 3 or 6 x 6 blocks.
+//!
+//! ```
+//! use nalgebra::Matrix3;
+//! use posecut_geometry::{LieGroup, SE2};
+//! use posecut_optimize::{Edge, EdgeKind, Options, Problem, optimize};
+//!
+//! let step = SE2::new(1.0, 0.0, std::f64::consts::FRAC_PI_2);
+//! let mut edges: Vec<_> = (0..3).map(|i| Edge::new(i, i + 1, step, Matrix3::identity(), EdgeKind::Odometry)).collect();
+//! edges.push(Edge::new(3, 0, SE2::new(1.1, 0.0, 1.6), Matrix3::identity(), EdgeKind::Landmark));
+//! let problem = Problem::new(vec![SE2::identity(); 4], edges)?;
+//! let solution = optimize(&problem, &Options::default());
+//! assert!(solution.converged && solution.chi2 < 0.01);
+//! # Ok::<(), posecut_optimize::ProblemError>(())
+//! ```
+
+pub mod cholesky;
+pub mod components;
+pub mod initialisation;
+mod kernel;
+mod levenberg_marquardt;
+mod normal_equations;
+mod options;
+mod problem;
+mod residual;
+mod solution;
+mod solve;
+pub mod stage;
+
+pub use kernel::Kernel;
+pub use options::{Initialisation, Options};
+pub use problem::{Edge, EdgeKind, Problem, ProblemError};
+pub use residual::{chi2, residual};
+pub use solution::{ComponentReport, Solution, Start, Termination};
+pub use solve::{PoseGroup, optimize};

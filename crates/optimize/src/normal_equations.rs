@@ -1,0 +1,121 @@
+//! The block-sparse normal equations of a connected graph with its first node fixed.
+
+use nalgebra::{SMatrix, SVector};
+use posecut_geometry::LieGroup;
+
+use crate::cholesky::Symbolic;
+use crate::problem::Edge;
+use crate::residual::linearise;
+
+/// Where an edge's blocks go. Variable v is node v + 1; node 0 is the gauge.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Slot {
+    /// Variable of `from`, or `None` for the gauge.
+    pub(crate) from: Option<usize>,
+    /// Variable of `to`, or `None` for the gauge.
+    pub(crate) to: Option<usize>,
+    /// Off-diagonal block shared by all edges between the two, if neither is the gauge.
+    pub(crate) pair: usize,
+}
+
+/// Pattern of the equations, shared by every block size.
+#[derive(Debug)]
+pub(crate) struct Pattern {
+    pub(crate) variables: usize,
+    pub(crate) pairs: usize,
+    pub(crate) slots: Vec<Slot>,
+    pub(crate) symbolic: Symbolic,
+}
+
+impl Pattern {
+    /// Pattern of edges over `nodes` nodes; `block` is the block size to tune for.
+    pub(crate) fn new(
+        nodes: usize,
+        ends: impl Iterator<Item = (usize, usize)> + Clone,
+        block: usize,
+    ) -> Self {
+        let variables = nodes.saturating_sub(1);
+        let mut pairs: Vec<(usize, usize)> = ends
+            .clone()
+            .map(|(a, b)| (a.min(b), a.max(b)))
+            .filter(|&(a, _)| a > 0)
+            .map(|(a, b)| (a - 1, b - 1))
+            .collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        let slots = ends
+            .map(|(from, to)| {
+                let pair = (from.min(to).wrapping_sub(1), from.max(to).wrapping_sub(1));
+                let index = pairs.binary_search(&pair).unwrap_or(usize::MAX);
+                Slot { from: from.checked_sub(1), to: to.checked_sub(1), pair: index }
+            })
+            .collect();
+        Self { variables, pairs: pairs.len(), slots, symbolic: Symbolic::new(variables, &pairs, block) }
+    }
+}
+
+/// Values of the equations: `H d = -g`.
+#[derive(Debug)]
+pub(crate) struct NormalEquations<const D: usize> {
+    pub(crate) diagonal: Vec<SMatrix<f64, D, D>>,
+    /// Block of pair (a, b), a < b: row a, column b.
+    pub(crate) off_diagonal: Vec<SMatrix<f64, D, D>>,
+    pub(crate) gradient: Vec<SVector<f64, D>>,
+}
+
+impl<const D: usize> NormalEquations<D> {
+    pub(crate) fn new(pattern: &Pattern) -> Self {
+        Self {
+            diagonal: vec![SMatrix::zeros(); pattern.variables],
+            off_diagonal: vec![SMatrix::zeros(); pattern.pairs],
+            gradient: vec![SVector::zeros(); pattern.variables],
+        }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.diagonal.fill(SMatrix::zeros());
+        self.off_diagonal.fill(SMatrix::zeros());
+        self.gradient.fill(SVector::zeros());
+    }
+
+    /// Adds a block at (from, to).
+    pub(crate) fn add_off_diagonal(&mut self, slot: &Slot, block: &SMatrix<f64, D, D>) {
+        if let (Some(from), Some(to)) = (slot.from, slot.to) {
+            if from < to {
+                self.off_diagonal[slot.pair] += block;
+            } else {
+                self.off_diagonal[slot.pair] += block.transpose();
+            }
+        }
+    }
+
+    /// Linearises all edges, in their order, and returns the cost.
+    pub(crate) fn assemble<G: LieGroup<D>>(
+        &mut self,
+        pattern: &Pattern,
+        edges: &[Edge<G, D>],
+        poses: &[G],
+    ) -> f64 {
+        self.clear();
+        let mut cost = 0.0;
+        for (edge, slot) in edges.iter().zip(&pattern.slots) {
+            let model = linearise(edge, poses);
+            cost += model.cost;
+            if let Some(from) = slot.from {
+                self.diagonal[from] += model.from_from;
+                self.gradient[from] += model.from_gradient;
+            }
+            if let Some(to) = slot.to {
+                self.diagonal[to] += model.to_to;
+                self.gradient[to] += model.to_gradient;
+            }
+            self.add_off_diagonal(slot, &model.from_to);
+        }
+        cost
+    }
+
+    /// Largest magnitude in the gradient of the cost, `2 g`.
+    pub(crate) fn largest_gradient(&self) -> f64 {
+        self.gradient.iter().map(|gradient| 2.0 * gradient.amax()).fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,43 @@
+//! What the caller may choose.
+
+/// Where to start from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Initialisation {
+    /// The given poses.
+    Given,
+    /// Odometry composed from the first node, its chains joined over landmark edges.
+    SpanningTree,
+    /// Rotations by the chordal relaxation, then translations.
+    Chordal,
+    /// The one of the three with the lowest cost.
+    #[default]
+    Best,
+}
+
+/// Settings of [`optimize`](crate::optimize).
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Where to start from.
+    pub initialisation: Initialisation,
+    /// Most steps tried per connected part, rejected ones included.
+    pub max_iterations: usize,
+    /// Converged when a full Gauss-Newton step promises to lower the cost by less than this share of it.
+    pub cost_tolerance: f64,
+    /// Converged when no component of a full Gauss-Newton step exceeds this (metres, radians).
+    pub step_tolerance: f64,
+    /// Converged when no component of the gradient exceeds this (inverse metres or radians).
+    pub gradient_tolerance: f64,
+}
+
+impl Default for Options {
+    /// Best start, 200 iterations, tolerances 1e-10 (cost), 1e-10 (step), 1e-10 (gradient).
+    fn default() -> Self {
+        Self {
+            initialisation: Initialisation::Best,
+            max_iterations: 200,
+            cost_tolerance: 1e-10,
+            step_tolerance: 1e-10,
+            gradient_tolerance: 1e-10,
+        }
+    }
+}

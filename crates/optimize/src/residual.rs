@@ -1,0 +1,124 @@
+//! Residuals of edges and their Jacobians.
+
+use nalgebra::{SMatrix, SVector};
+use posecut_geometry::LieGroup;
+
+use crate::kernel::charge;
+use crate::problem::{Edge, Problem};
+
+/// `e = Log(Z^-1 X_from^-1 X_to)`.
+pub fn residual<G: LieGroup<DOF>, const DOF: usize>(measurement: &G, from: &G, to: &G) -> SVector<f64, DOF> {
+    measurement.between(&from.between(to)).log()
+}
+
+/// The sum of `e^T Omega e` over the edges, without kernels.
+pub fn chi2<G: LieGroup<DOF>, const DOF: usize>(problem: &Problem<G, DOF>, poses: &[G]) -> f64 {
+    problem.edges().iter().map(|edge| squared(edge, poses)).sum()
+}
+
+/// The sum of `rho(e^T Omega e)` over the edges.
+pub(crate) fn cost<G: LieGroup<DOF>, const DOF: usize>(edges: &[Edge<G, DOF>], poses: &[G]) -> f64 {
+    edges.iter().map(|edge| charge(edge.kernel, squared(edge, poses)).0).sum()
+}
+
+/// `e^T Omega e` of one edge.
+pub(crate) fn squared<G: LieGroup<DOF>, const DOF: usize>(edge: &Edge<G, DOF>, poses: &[G]) -> f64 {
+    let error = residual(&edge.measurement, &poses[edge.from], &poses[edge.to]);
+    error.dot(&(edge.information * error))
+}
+
+/// Quadratic model of one edge's cost around the current poses, in right perturbations of its two poses.
+pub(crate) struct Linearised<const DOF: usize> {
+    /// Block of the normal equations at (from, from).
+    pub(crate) from_from: SMatrix<f64, DOF, DOF>,
+    /// Block at (from, to).
+    pub(crate) from_to: SMatrix<f64, DOF, DOF>,
+    /// Block at (to, to).
+    pub(crate) to_to: SMatrix<f64, DOF, DOF>,
+    /// Half the gradient at from.
+    pub(crate) from_gradient: SVector<f64, DOF>,
+    /// Half the gradient at to.
+    pub(crate) to_gradient: SVector<f64, DOF>,
+    /// `rho(e^T Omega e)`.
+    pub(crate) cost: f64,
+}
+
+/// Linearises an edge.
+///
+/// With `X_ij = X_i^-1 X_j` and `E = Z^-1 X_ij`: `J_j = J_r^-1(Log E)`, and since `Exp(-d) X_ij = X_ij Exp(-Ad(X_ij^-1) d)`,
+/// `J_i = -J_j Ad(X_ij^-1)`. All blocks follow from `A = J_j^T w Omega J_j` by the adjoint alone.
+pub(crate) fn linearise<G: LieGroup<DOF>, const DOF: usize>(
+    edge: &Edge<G, DOF>,
+    poses: &[G],
+) -> Linearised<DOF> {
+    let relative = poses[edge.from].between(&poses[edge.to]);
+    let error = edge.measurement.between(&relative).log();
+    let weighted = edge.information * error;
+    let (cost, weight) = charge(edge.kernel, error.dot(&weighted));
+    let jacobian = G::right_jacobian_inverse(&error);
+    let adjoint = relative.inverse().adjoint();
+    let to_to = jacobian.tr_mul(&(edge.information * jacobian)) * weight;
+    let to_gradient = jacobian.tr_mul(&weighted) * weight;
+    let from_to = -adjoint.tr_mul(&to_to);
+    let from_gradient = -adjoint.tr_mul(&to_gradient);
+    let from_from = -(from_to * adjoint);
+    Linearised { from_from, from_to, to_to, from_gradient, to_gradient, cost }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::EdgeKind;
+    use posecut_geometry::{SE2, SE3};
+
+    /// Gradient and blocks of the model against central differences of the residual.
+    fn check<G: LieGroup<DOF>, const DOF: usize>(from: G, to: G, measurement: G) {
+        let spread =
+            SMatrix::<f64, DOF, DOF>::from_fn(|row, column| ((row * 7 + column * 3) % 5) as f64 * 0.1);
+        let information = SMatrix::identity() + spread * spread.transpose();
+        let edge = Edge::new(0, 1, measurement, information, EdgeKind::Landmark);
+        let model = linearise(&edge, &[from, to]);
+        let step = 1e-6;
+        let derivative = |node: usize| {
+            let mut jacobian = SMatrix::<f64, DOF, DOF>::zeros();
+            for axis in 0..DOF {
+                let at = |offset: f64| {
+                    let mut tangent = SVector::<f64, DOF>::zeros();
+                    tangent[axis] = offset;
+                    let mut poses = [from, to];
+                    poses[node] = poses[node].compose(&G::exp(&tangent));
+                    residual(&edge.measurement, &poses[0], &poses[1])
+                };
+                jacobian.set_column(axis, &((at(step) - at(-step)) / (2.0 * step)));
+            }
+            jacobian
+        };
+        let (by_from, by_to) = (derivative(0), derivative(1));
+        let error = residual(&edge.measurement, &from, &to);
+        let close = |found: SMatrix<f64, DOF, DOF>, expected: SMatrix<f64, DOF, DOF>| {
+            assert!((found - expected).amax() < 1e-7 * (1.0 + expected.amax()), "{found} {expected}");
+        };
+        close(model.from_from, by_from.transpose() * information * by_from);
+        close(model.from_to, by_from.transpose() * information * by_to);
+        close(model.to_to, by_to.transpose() * information * by_to);
+        let gradient = by_from.transpose() * information * error;
+        assert!((model.from_gradient - gradient).amax() < 1e-7 * (1.0 + gradient.amax()));
+        let gradient = by_to.transpose() * information * error;
+        assert!((model.to_gradient - gradient).amax() < 1e-7 * (1.0 + gradient.amax()));
+        assert!((model.cost - error.dot(&(information * error))).abs() < 1e-12 * model.cost);
+    }
+
+    #[test]
+    fn models_in_the_plane_match_finite_differences() {
+        check(SE2::new(1.0, 2.0, -0.7), SE2::new(3.0, -1.0, 2.9), SE2::new(1.5, -2.0, -2.4));
+        check(SE2::new(1.0, 2.0, 3.1), SE2::new(0.0, 0.5, -3.1), SE2::new(0.9, 1.4, -0.1));
+    }
+
+    #[test]
+    fn models_in_space_match_finite_differences() {
+        let from = SE3::from_euler(1.0, 2.0, -1.0, 0.3, -0.8, 2.9);
+        let to = SE3::from_euler(-1.0, 0.5, 2.0, -0.6, 1.1, -2.0);
+        check(from, to, SE3::from_euler(1.0, 1.0, 0.5, 0.2, 0.1, -0.4));
+        check(from, to, from.between(&to));
+    }
+}

@@ -1,0 +1,114 @@
+//! What came out, and how.
+
+/// Where a part was started from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// The given poses.
+    Given,
+    /// The spanning tree.
+    SpanningTree,
+    /// The chordal relaxation.
+    Chordal,
+}
+
+impl Start {
+    /// Name for reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Given => "given",
+            Self::SpanningTree => "spanning tree",
+            Self::Chordal => "chordal",
+        }
+    }
+}
+
+/// Why iteration ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Termination {
+    /// No edges, or no node besides the gauge.
+    NothingToDo,
+    /// A full step would lower the cost by less than the tolerance.
+    Cost,
+    /// A full step is shorter than the tolerance.
+    Step,
+    /// The gradient is below the tolerance.
+    Gradient,
+    /// The iteration limit was reached first.
+    IterationLimit,
+    /// No damping, however strong, gave a step that lowers the cost: rounding is all that is left, or the cost is not
+    /// finite near the poses.
+    Stalled,
+}
+
+impl Termination {
+    /// Whether a tolerance was met.
+    pub fn converged(self) -> bool {
+        matches!(self, Self::NothingToDo | Self::Cost | Self::Step | Self::Gradient)
+    }
+
+    /// Name for reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::NothingToDo => "nothing to do",
+            Self::Cost => "cost",
+            Self::Step => "step",
+            Self::Gradient => "gradient",
+            Self::IterationLimit => "iteration limit",
+            Self::Stalled => "stalled",
+        }
+    }
+}
+
+/// How one connected part was solved.
+#[derive(Clone, Debug)]
+pub struct ComponentReport {
+    /// Its first node, which was held fixed.
+    pub gauge: usize,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Number of edges.
+    pub edges: usize,
+    /// Cost at the given poses (kernels applied).
+    pub cost_given: f64,
+    /// Cost at the start that was chosen.
+    pub cost_start: f64,
+    /// Final cost.
+    pub cost: f64,
+    /// Start that was chosen.
+    pub start: Start,
+    /// Steps tried.
+    pub iterations: usize,
+    /// Steps tried that did not lower the cost.
+    pub rejected: usize,
+    /// Why iteration ended.
+    pub termination: Termination,
+    /// Largest entry of the gradient at the end.
+    pub gradient: f64,
+    /// Node and component that the edges leave undetermined, if damping had to make the equations solvable.
+    pub undetermined: Option<(usize, usize)>,
+    /// Blocks of the factor.
+    pub factor_blocks: usize,
+}
+
+/// Result of [`optimize`](crate::optimize).
+#[derive(Clone, Debug)]
+pub struct Solution<G> {
+    /// Optimised poses, in the order of the nodes.
+    pub poses: Vec<G>,
+    /// Sum of `e^T Omega e` at the given poses.
+    pub chi2_given: f64,
+    /// Sum of `e^T Omega e` at the starts that were chosen.
+    pub chi2_initial: f64,
+    /// Sum of `e^T Omega e` at the result.
+    pub chi2: f64,
+    /// Sum of `rho(e^T Omega e)` at the result; equals `chi2` without kernels.
+    pub cost: f64,
+    /// Steps tried, summed over the parts.
+    pub iterations: usize,
+    /// Whether every part met a tolerance.
+    pub converged: bool,
+    /// Weight `rho'` of every edge at the result: 1 without kernel.
+    pub weights: Vec<f64>,
+    /// The connected parts, in the order of their first nodes.
+    pub components: Vec<ComponentReport>,
+}

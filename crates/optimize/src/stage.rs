@@ -1,0 +1,194 @@
+//! Optimisation as a stage: writes the optimised poses of a pose graph.
+
+use anyhow::Context as _;
+use nalgebra::SMatrix;
+use posecut_geometry::covariance::unpack_upper_triangle;
+use posecut_geometry::{SE2, SE3};
+use posecut_graph::{Dimension, PoseGraph};
+use posecut_stage::{Context, GraphStage, info, warn};
+use serde::Serialize;
+
+use crate::{Edge, EdgeKind, Initialisation, Options, PoseGroup, Problem, Solution, optimize};
+
+/// Where to start from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Start {
+    /// The one of the following with the lowest cost
+    Best,
+    /// The poses in the file
+    Given,
+    /// Odometry, its chains joined over landmark edges
+    SpanningTree,
+    /// Rotations first (chordal relaxation), then translations
+    Chordal,
+}
+
+/// The options of the optimisation stage.
+#[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
+pub struct StageOptions {
+    /// Where to start from
+    #[arg(long, value_enum, default_value_t = Start::Best)]
+    pub initialisation: Start,
+
+    /// Most steps tried per connected part
+    #[arg(long, value_name = "N", default_value_t = Options::default().max_iterations)]
+    pub max_iterations: usize,
+
+    /// Converged when a full step promises to lower the cost by less than this share of it
+    #[arg(long, value_name = "SHARE", default_value_t = Options::default().cost_tolerance)]
+    pub cost_tolerance: f64,
+
+    /// Converged when no component of a full step exceeds this, metres and radians
+    #[arg(long, value_name = "SIZE", default_value_t = Options::default().step_tolerance)]
+    pub step_tolerance: f64,
+
+    /// Converged when no component of the gradient exceeds this, per metre and per radian
+    #[arg(long, value_name = "SIZE", default_value_t = Options::default().gradient_tolerance)]
+    pub gradient_tolerance: f64,
+}
+
+impl StageOptions {
+    fn library_options(&self) -> anyhow::Result<Options> {
+        for (name, value) in [
+            ("--cost-tolerance", self.cost_tolerance),
+            ("--step-tolerance", self.step_tolerance),
+            ("--gradient-tolerance", self.gradient_tolerance),
+        ] {
+            anyhow::ensure!(
+                value >= 0.0 && value.is_finite(),
+                "{name} is {value}, and must be zero or a positive number"
+            );
+        }
+        let initialisation = match self.initialisation {
+            Start::Best => Initialisation::Best,
+            Start::Given => Initialisation::Given,
+            Start::SpanningTree => Initialisation::SpanningTree,
+            Start::Chordal => Initialisation::Chordal,
+        };
+        Ok(Options {
+            initialisation,
+            max_iterations: self.max_iterations,
+            cost_tolerance: self.cost_tolerance,
+            step_tolerance: self.step_tolerance,
+            gradient_tolerance: self.gradient_tolerance,
+        })
+    }
+}
+
+impl GraphStage for StageOptions {
+    const NAME: &'static str = "optimize";
+    const ABOUT: &'static str = "Optimise the poses of a pose graph over the edges in use";
+
+    fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
+        match graph.header.dimension {
+            Dimension::Two => run::<SE2, 3>(self, graph, context),
+            Dimension::Three => run::<SE3, 6>(self, graph, context),
+        }
+    }
+}
+
+fn run<G: PoseGroup<DOF>, const DOF: usize>(
+    options: &StageOptions,
+    graph: &mut PoseGraph,
+    context: &mut Context,
+) -> anyhow::Result<()> {
+    let (edges, unmeasured) = edges::<G, DOF>(graph)?;
+    let count = edges.len();
+    let identity = graph.header.dimension;
+    let poses = graph
+        .nodes
+        .iter()
+        .map(|node| {
+            G::from_components(&node.pose_or_identity(identity))
+                .with_context(|| format!("node {}: its pose cannot be used", node.id))
+        })
+        .collect::<anyhow::Result<Vec<G>>>()?;
+    let problem = Problem::new(poses, edges)?;
+    let solution = optimize(&problem, &options.library_options()?);
+    for (node, pose) in graph.nodes.iter_mut().zip(&solution.poses) {
+        node.pose = Some(pose.components());
+    }
+    tell(graph, &solution, unmeasured);
+    note(&solution, count, unmeasured, context);
+    Ok(())
+}
+
+/// The edges in use that measure something, and how many in use do not.
+fn edges<G: PoseGroup<DOF>, const DOF: usize>(
+    graph: &PoseGraph,
+) -> anyhow::Result<(Vec<Edge<G, DOF>>, usize)> {
+    let mut edges = Vec::new();
+    let mut unmeasured = 0;
+    for edge in graph.edges.iter().filter(|edge| edge.in_use()) {
+        let (Some(measurement), Some(packed)) = (&edge.measurement, graph.information(edge)) else {
+            unmeasured += 1;
+            continue;
+        };
+        let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to)) else {
+            continue;
+        };
+        let measurement = G::from_components(measurement)
+            .with_context(|| format!("{}: its measurement cannot be used", edge.name()))?;
+        let information: SMatrix<f64, DOF, DOF> = unpack_upper_triangle(packed)
+            .with_context(|| format!("{}: its information cannot be used", edge.name()))?;
+        let kind = match edge.kind {
+            posecut_graph::EdgeKind::Odometry => EdgeKind::Odometry,
+            posecut_graph::EdgeKind::Landmark => EdgeKind::Landmark,
+        };
+        edges.push(Edge::new(from, to, measurement, information, kind));
+    }
+    Ok((edges, unmeasured))
+}
+
+fn tell<G>(graph: &PoseGraph, solution: &Solution<G>, unmeasured: usize) {
+    info!(
+        "chi2 {:.6} after {} iterations, {} parts{}",
+        solution.chi2,
+        solution.iterations,
+        solution.components.len(),
+        if solution.converged { "" } else { ", not converged" }
+    );
+    if unmeasured > 0 {
+        warn!("{unmeasured} edges in use have no measurement and take no part");
+    }
+    if solution.components.len() > 1 {
+        warn!(
+            "no edge in use joins the {} parts of the graph: each is optimised by itself, its first node where it was",
+            solution.components.len()
+        );
+    }
+    for report in &solution.components {
+        if let Some((node, axis)) = report.undetermined {
+            warn!(
+                "the edges leave node {} undetermined (component {axis} of its pose): it is held where it was",
+                graph.nodes[node].id
+            );
+        }
+        if !report.termination.converged() {
+            warn!(
+                "the part of node {} did not converge ({}); its largest gradient is {:e}",
+                graph.nodes[report.gauge].id,
+                report.termination.name(),
+                report.gradient
+            );
+        }
+    }
+}
+
+fn note<G>(solution: &Solution<G>, edges: usize, unmeasured: usize, context: &mut Context) {
+    let statistics = &mut context.statistics;
+    statistics.note("edges", edges);
+    statistics.note("unmeasured", unmeasured);
+    statistics.note("chi2_given", solution.chi2_given);
+    statistics.note("chi2_initial", solution.chi2_initial);
+    statistics.note("chi2", solution.chi2);
+    statistics.note("iterations", solution.iterations);
+    statistics.note("converged", solution.converged);
+    statistics.note("components", solution.components.len());
+    let largest = solution.components.iter().max_by_key(|report| report.nodes);
+    statistics.note("start", largest.map(|report| report.start.name()));
+    statistics.note("termination", largest.map(|report| report.termination.name()));
+    statistics
+        .note("factor_blocks", solution.components.iter().map(|report| report.factor_blocks).sum::<usize>());
+}

@@ -1,0 +1,55 @@
+//! The lowest known cost is reached on every benchmark graph, from the file's poses and from odometry.
+
+#![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
+
+#[path = "g2o/best_known.rs"]
+mod best_known;
+mod g2o;
+
+use posecut_optimize::initialisation::spanning_tree;
+use posecut_optimize::{Edge, Options, PoseGroup, Problem, ProblemError, optimize};
+
+fn check<G: PoseGroup<DOF>, const DOF: usize>(name: &str, best: f64, graph: (Vec<G>, Vec<Edge<G, DOF>>)) {
+    let (poses, edges) = graph;
+    let odometry = spanning_tree(&poses, &edges);
+    for poses in [poses, odometry] {
+        let problem = Problem::new(poses, edges.clone()).unwrap();
+        let solution = optimize(&problem, &Options::default());
+        let gap = (solution.chi2 - best) / best;
+        assert!(solution.converged, "{name}: {:?}", solution.components);
+        // The published figures have twelve digits.
+        assert!((-1e-10..1e-6).contains(&gap), "{name}: {} is {gap:e} above {best}", solution.chi2);
+    }
+}
+
+#[test]
+fn the_lowest_known_cost_is_reached() {
+    for (name, best) in best_known::BEST_KNOWN {
+        let Some(text) = g2o::text(name) else { continue };
+        if g2o::is_planar(&text) {
+            check(name, best, g2o::planar(&text));
+        } else {
+            check(name, best, g2o::spatial(&text));
+        }
+    }
+}
+
+#[test]
+fn indefinite_information_is_refused_by_edge() {
+    let Some(text) = g2o::text("cubicle") else { return };
+    let (poses, edges) = g2o::spatial(&text);
+    let error = Problem::new(poses, edges).unwrap_err();
+    assert!(matches!(error, ProblemError::Indefinite { edge: 2, from: 1, to: 2, .. }), "{error}");
+}
+
+#[test]
+fn matrices_that_are_semidefinite_in_print_are_counted() {
+    if let Some(text) = g2o::text("intel_carlone") {
+        let (poses, edges) = g2o::planar(&text);
+        assert_eq!(Problem::new(poses, edges).unwrap().semidefinite(), 1);
+    }
+    if let Some(text) = g2o::text("parking-garage") {
+        let (poses, edges) = g2o::spatial(&text);
+        assert_eq!(Problem::new(poses, edges).unwrap().semidefinite(), 3);
+    }
+}
