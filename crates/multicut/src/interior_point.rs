@@ -24,6 +24,9 @@ pub(crate) struct Point {
 /// Most Newton steps; usual are 10 to 30.
 const STEPS: usize = 100;
 
+/// Newton steps in a row that may bring no progress.
+const PATIENCE: usize = 8;
+
 /// Minimises `costs * x` subject to `sum of x over each row >= 1`, `x >= 0`, with positive costs, until the gap is
 /// at most `tolerance`; the dual packs the rows into capacities `costs`.
 ///
@@ -51,6 +54,7 @@ pub(crate) fn minimise_covering(
         .map(|row| row.iter().map(|&column| share(column)).fold(f64::INFINITY, f64::min))
         .collect();
     let mut point = Point { gap: f64::INFINITY, values: values.clone(), weights: weights.clone() };
+    let mut stalled = 0;
     for _ in 0..STEPS {
         let slack: Vec<f64> = cover(rows, &values).iter().map(|covered| covered - 1.0).collect();
         let mut reduced = costs.to_vec();
@@ -63,11 +67,14 @@ pub(crate) fn minimise_covering(
             break;
         }
         let gap = dot(costs, &values) - weights.iter().sum::<f64>();
-        if !(gap < point.gap) {
-            break;
+        if gap < point.gap {
+            point = Point { gap, values: values.clone(), weights: weights.clone() };
+            stalled = 0;
+        } else {
+            // A step may first lead back to the centre.
+            stalled += 1;
         }
-        point = Point { gap, values: values.clone(), weights: weights.clone() };
-        if gap <= tolerance || !budget.spend(system.work()) {
+        if gap <= tolerance || stalled > PATIENCE || !budget.spend(system.work()) {
             break;
         }
         let count = (costs.len() + rows.len()) as f64;

@@ -26,6 +26,7 @@ mod greedy;
 mod interior_point;
 mod kernel;
 mod kernighan_lin;
+mod local_search;
 mod options;
 mod packing;
 mod read;
@@ -34,7 +35,9 @@ mod relaxation;
 mod search;
 mod signed_graph;
 mod solve;
+pub mod stage;
 mod sum;
+pub mod support;
 mod union_find;
 
 pub use error::{GraphError, LabelError, MAXIMUM_NODES};

@@ -66,11 +66,13 @@ impl Cycles {
 /// every dual point is a certificate.
 ///
 /// Starts from the cycles of `start`, and ends when no inequality is violated, when the bound reaches `target`, or with
-/// the budget. Early rounds stop far from the optimum, where cuts are deep.
+/// the budget, or, if `impatient`, when the bound has all but ceased to rise. Early rounds stop far from the optimum, where
+/// cuts are deep.
 pub(crate) fn solve_relaxation(
     kernel: &Kernel,
     start: Packing,
     target: f64,
+    impatient: bool,
     budget: &mut Budget,
 ) -> Relaxation {
     let mut cycles = Cycles { nodes: Vec::new(), edges: Vec::new(), known: HashSet::new() };
@@ -82,6 +84,7 @@ pub(crate) fn solve_relaxation(
         Relaxation { packing: start, paid: vec![0.0; kernel.edge_count()], converged: false };
     let mut separation = Separation::new(kernel);
     let mut accuracy = 1e-2;
+    let mut missing = Vec::new();
     let mut last_bound = f64::NEG_INFINITY;
     while !budget.is_over() && !cycles.nodes.is_empty() {
         // Only edges on some cycle are variables; the others are paid nothing.
@@ -118,6 +121,13 @@ pub(crate) fn solve_relaxation(
             relaxation.packing = packing;
         }
         if kernel.rounded(relaxation.packing.bound) >= target {
+            break;
+        }
+        missing.push(target - relaxation.packing.bound);
+        if impatient
+            && let [.., before, _, _, now] = missing[..]
+            && now > 0.95 * before
+        {
             break;
         }
         let least = (accuracy * 0.1).max(1e-7);

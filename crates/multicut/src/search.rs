@@ -5,6 +5,7 @@ use crate::decomposition::decompose;
 use crate::greedy::additive_edge_contraction;
 use crate::kernel::Kernel;
 use crate::kernighan_lin::kernighan_lin_with_joins;
+use crate::local_search::fuse_proposals;
 use crate::options::Solver;
 use crate::packing::Packing;
 use crate::relaxation::{Relaxation, solve_relaxation};
@@ -29,6 +30,9 @@ const TOLERANCE: f64 = 1e-10;
 
 /// Inside the tree differences must be smaller, so that their sum stays below [`TOLERANCE`].
 const INNER_TOLERANCE: f64 = 1e-12;
+
+/// A relaxation that stalls is left for one with edges fixed if that saves one node in this many.
+const FEW: usize = 50;
 
 fn magnitude(graph: &SignedGraph) -> f64 {
     graph.edges().map(|(_, _, cost)| cost.abs()).sum()
@@ -62,6 +66,13 @@ pub(crate) fn survey(graph: &SignedGraph, solver: Solver, budget: &mut Budget) -
     State { labels, objective, bound: kernel.rounded(packing.bound), tolerance, packing }
 }
 
+/// Improves the solution of a kernel by local search.
+pub(crate) fn improve(graph: &SignedGraph, state: &mut State, rounds: usize, seed: u64, budget: &mut Budget) {
+    let mut labels = state.labels.clone();
+    fuse_proposals(graph, &mut labels, rounds, seed, budget);
+    state.offer(graph, labels);
+}
+
 /// Closes the gap of a kernel: relaxation, rounding, fixing, branching.
 pub(crate) fn close(graph: &SignedGraph, state: &mut State, budget: &mut Budget) {
     let magnitude = magnitude(graph);
@@ -86,22 +97,29 @@ impl Tree {
             return;
         }
         let kernel = Kernel::new(graph);
-        let relaxation = solve_relaxation(&kernel, std::mem::take(&mut state.packing), goal(state), budget);
-        state.bound = state.bound.max(kernel.rounded(relaxation.packing.bound));
-        round(graph, &kernel, &relaxation, state, budget);
-        if state.bound >= goal(state) || budget.is_over() {
-            state.packing = relaxation.packing;
-            return;
+        let mut packing = std::mem::take(&mut state.packing);
+        for impatient in [true, false] {
+            let relaxation = solve_relaxation(&kernel, packing, goal(state), impatient, budget);
+            state.bound = state.bound.max(kernel.rounded(relaxation.packing.bound));
+            round(graph, &kernel, &relaxation, state, budget);
+            packing = relaxation.packing.clone();
+            if state.bound >= goal(state) || budget.is_over() {
+                break;
+            }
+            if let Some(fixed) = self.fix(graph, &kernel, &packing, goal(state))
+                && (!impatient || fixed.nodes * FEW >= graph.node_count())
+            {
+                // Whatever the fixed graph leaves out is no better than what is known.
+                let (labels, bound) = self.solve_within(fixed.graph, goal(state), budget);
+                state.offer(graph, labels);
+                state.bound = state.bound.max(bound.min(fixed.left_out));
+                break;
+            }
+            if !impatient {
+                self.branch(graph, &kernel, &relaxation, state, cutoff, budget);
+            }
         }
-        if let Some(fixed) = self.fix(graph, &kernel, &relaxation.packing, goal(state)) {
-            // Whatever the fixed graph leaves out is no better than what is known.
-            let (labels, bound) = self.solve_within(fixed.graph, goal(state), budget);
-            state.offer(graph, labels);
-            state.bound = state.bound.max(bound.min(fixed.left_out));
-        } else {
-            self.branch(graph, &kernel, &relaxation, state, cutoff, budget);
-        }
-        state.packing = relaxation.packing;
+        state.packing = packing;
     }
 
     /// Joins the ends of attractive edges whose cutting alone would lift the bound over the goal.
@@ -121,13 +139,15 @@ impl Tree {
             return None;
         }
         // A big cost joins for sure: dominance contracts it at once, and labels keep their numbers.
+        let mut nodes = 0;
         for node in graph.nodes() {
             let root = sets.find(node);
             if root != node {
+                nodes += 1;
                 fixed.add_cost(node, root, self.big);
             }
         }
-        Some(Fixed { graph: fixed, left_out })
+        Some(Fixed { graph: fixed, nodes, left_out })
     }
 
     /// Decomposes a graph and solves its kernels so far as needed to tell its optimum from `cutoff`: labels, bound.
@@ -211,6 +231,8 @@ fn round(
 
 struct Fixed {
     graph: SignedGraph,
+    /// How many nodes fewer it has.
+    nodes: usize,
     /// Lower bound on every solution that is left out.
     left_out: f64,
 }

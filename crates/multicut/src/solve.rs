@@ -7,7 +7,7 @@ use crate::canonical::canonical_order;
 use crate::decomposition::{Decomposition, decompose};
 use crate::graph::Graph;
 use crate::options::{Options, Solver};
-use crate::search::{State, close, survey};
+use crate::search::{State, close, improve, survey};
 use crate::signed_graph::SignedGraph;
 use crate::sum::Sum;
 use crate::union_find::UnionFind;
@@ -78,7 +78,7 @@ pub fn solve(graph: &Graph, options: &Options) -> Solution {
             kernels.iter().map(|piece| survey(&piece.graph, options.solver, &mut budget)).collect();
     }
     if options.solver == Solver::Exact {
-        close_all(&mut components, &mut budget);
+        close_all(&mut components, options.seed, &mut budget);
     }
     let kernels = || components.iter().flat_map(|component| &component.decomposition.kernels);
     let kernel_nodes = kernels().map(|piece| piece.graph.node_count()).sum();
@@ -113,8 +113,11 @@ pub fn solve(graph: &Graph, options: &Options) -> Solution {
     }
 }
 
+/// Fusion moves before the exact search: a better solution prunes more.
+const ROUNDS: usize = 8;
+
 /// Closes kernels from small to large, so that a limit leaves as few open as possible.
-fn close_all(components: &mut [Component], budget: &mut Budget) {
+fn close_all(components: &mut [Component], seed: u64, budget: &mut Budget) {
     let mut open: Vec<(usize, usize, usize)> = Vec::new();
     for (index, component) in components.iter().enumerate() {
         for (place, state) in component.states.iter().enumerate() {
@@ -127,6 +130,7 @@ fn close_all(components: &mut [Component], budget: &mut Budget) {
     for (_, index, place) in open {
         let component = &mut components[index];
         let piece = &component.decomposition.kernels[place];
+        improve(&piece.graph, &mut component.states[place], ROUNDS, seed, budget);
         close(&piece.graph, &mut component.states[place], budget);
     }
 }

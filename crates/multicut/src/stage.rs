@@ -1,0 +1,223 @@
+//! The multicut as a stage: marks the landmark edges that an optimal multicut cuts, and labels the landmarks
+//! that remain.
+
+use std::time::Duration;
+
+use posecut_graph::{EdgeKind, PoseGraph};
+use posecut_stage::{Context, GraphStage, info, warn};
+use serde::Serialize;
+
+use crate::support::support_counts;
+use crate::{Graph, Solver, solve};
+
+/// What cutting a landmark edge costs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Costs {
+    /// +1 with a support edge, -1 without: the paper's
+    Support,
+    /// The number of support edges, -1 without
+    Count,
+    /// The edge's own "cost" in the file
+    Field,
+}
+
+/// Which edges the cut graph has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum CutGraph {
+    /// Landmark edges alone: a component of the result is one landmark
+    Landmark,
+    /// Odometry edges too, which tie whole sessions together
+    Full,
+}
+
+/// The options of the multicut stage.
+#[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
+pub struct StageOptions {
+    /// How many frames a support edge may be off at each end
+    #[arg(long, value_name = "FRAMES", default_value_t = 1)]
+    pub delta: u32,
+
+    /// What cutting a landmark edge costs
+    #[arg(long, value_enum, default_value_t = Costs::Support)]
+    pub costs: Costs,
+
+    /// Which edges are cut
+    #[arg(long, value_enum, default_value_t = CutGraph::Landmark)]
+    pub graph: CutGraph,
+
+    /// Cost of cutting an odometry edge, with --graph full
+    #[arg(long, value_name = "COST", default_value_t = 1.0)]
+    pub odometry_cost: f64,
+
+    /// The algorithm for what reductions leave
+    #[arg(long, value_enum, default_value_t = SolverChoice::Exact)]
+    pub solver: SolverChoice,
+
+    /// Seconds after which the best solution so far is taken and its gap told
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
+    pub time_limit: f64,
+
+    /// The same by work, which ends at the same place on every machine
+    #[arg(long, value_name = "UNITS")]
+    pub work_limit: Option<u64>,
+}
+
+/// The algorithm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum SolverChoice {
+    /// Bounds and branching until the optimum is proved
+    Exact,
+    /// Greedy contraction, then Kernighan-Lin with joins
+    Klj,
+    /// Greedy additive edge contraction
+    Gaec,
+}
+
+impl StageOptions {
+    fn solver_options(&self) -> anyhow::Result<crate::Options> {
+        let time_limit = Duration::try_from_secs_f64(self.time_limit).map_err(|_| {
+            anyhow::anyhow!(
+                "--time-limit is {}, and must be zero or a positive number of seconds",
+                self.time_limit
+            )
+        })?;
+        let solver = match self.solver {
+            SolverChoice::Exact => Solver::Exact,
+            SolverChoice::Klj => Solver::Klj,
+            SolverChoice::Gaec => Solver::Gaec,
+        };
+        Ok(crate::Options {
+            solver,
+            time_limit: Some(time_limit),
+            work_limit: self.work_limit,
+            ..crate::Options::default()
+        })
+    }
+
+    /// The place of each landmark edge in use, and its cost.
+    fn costs(&self, graph: &PoseGraph) -> anyhow::Result<Vec<(usize, f64)>> {
+        if self.costs == Costs::Field {
+            return graph
+                .edges
+                .iter()
+                .enumerate()
+                .filter(|(_, edge)| edge.kind == EdgeKind::Landmark && edge.in_use())
+                .map(|(index, edge)| {
+                    edge.cost.map(|cost| (index, cost)).ok_or_else(|| {
+                        anyhow::anyhow!(
+                            "{}: has no \"cost\"; give every landmark edge one, or take --costs support",
+                            edge.name()
+                        )
+                    })
+                })
+                .collect();
+        }
+        let cost = |count: usize| match (self.costs, count) {
+            (_, 0) => -1.0,
+            (Costs::Count, count) => count as f64,
+            _ => 1.0,
+        };
+        Ok(support_counts(graph, self.delta)?
+            .into_iter()
+            .map(|(index, count)| (index, cost(count)))
+            .collect())
+    }
+}
+
+impl GraphStage for StageOptions {
+    const NAME: &'static str = "multicut";
+    const ABOUT: &'static str =
+        "Reject the landmark edges that a minimum-cost multicut cuts, and label the landmarks";
+
+    fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
+        let costs = self.costs(graph)?;
+        let mut edges = Vec::with_capacity(costs.len());
+        for (index, cost) in &costs {
+            edges.push(ends(graph, *index, *cost));
+        }
+        if self.graph == CutGraph::Full {
+            for (index, edge) in graph.edges.iter().enumerate() {
+                if edge.kind == EdgeKind::Odometry && edge.in_use() {
+                    edges.push(ends(graph, index, self.odometry_cost));
+                }
+            }
+        }
+        let cut_graph = Graph::new(graph.nodes.len(), edges)?;
+        let solution = solve(&cut_graph, &self.solver_options()?);
+        let cut_edges = mark(graph, &costs, &solution.labels);
+        let landmarks = label_landmarks(graph, &costs, &solution.labels);
+        let repulsive = costs.iter().filter(|(_, cost)| *cost < 0.0).count();
+        if repulsive == 0 && !costs.is_empty() {
+            info!("no landmark edge has a negative cost, so nothing is cut");
+        }
+        info!("{cut_edges} of {} landmark edges cut, {landmarks} landmarks remain", costs.len());
+        if !solution.optimal {
+            warn!(
+                "the limit ended the proof: objective {}, lower bound {}; raise --time-limit or --work-limit",
+                solution.objective, solution.lower_bound
+            );
+        }
+        let statistics = &mut context.statistics;
+        statistics.note("landmark_edges", costs.len());
+        statistics.note("unsupported_edges", repulsive);
+        statistics.note("objective", solution.objective);
+        statistics.note("lower_bound", solution.lower_bound);
+        statistics.note("gap", solution.gap());
+        statistics.note("optimal", solution.optimal);
+        statistics.note("landmarks", landmarks);
+        statistics.note("cut_edges", cut_edges);
+        statistics.note("kernel_nodes", solution.kernel_nodes);
+        statistics.note("kernel_edges", solution.kernel_edges);
+        statistics.note("work", solution.work);
+        Ok(())
+    }
+}
+
+fn ends(graph: &PoseGraph, edge: usize, cost: f64) -> (u64, u64, f64) {
+    let place = |id| graph.node_index(id).unwrap_or(usize::MAX) as u64;
+    (place(graph.edges[edge].from), place(graph.edges[edge].to), cost)
+}
+
+/// Whether the multicut separates the ends of an edge.
+fn is_cut(graph: &PoseGraph, edge: usize, labels: &[u32]) -> bool {
+    let label = |id| graph.node_index(id).map(|index| labels[index]);
+    label(graph.edges[edge].from) != label(graph.edges[edge].to)
+}
+
+/// Writes costs and rejections; returns the number of landmark edges cut.
+fn mark(graph: &mut PoseGraph, costs: &[(usize, f64)], labels: &[u32]) -> usize {
+    let mut cut = 0;
+    for (index, cost) in costs {
+        let rejected = is_cut(graph, *index, labels);
+        let edge = &mut graph.edges[*index];
+        edge.cost = Some(*cost);
+        if rejected {
+            edge.reject(StageOptions::NAME);
+            cut += 1;
+        }
+    }
+    cut
+}
+
+/// Numbers the components that a landmark edge holds together, by their first node, and writes the number to
+/// their nodes; returns how many there are.
+fn label_landmarks(graph: &mut PoseGraph, costs: &[(usize, f64)], labels: &[u32]) -> usize {
+    let mut seen = vec![false; graph.nodes.len()];
+    for (index, _) in costs {
+        let edge = &graph.edges[*index];
+        if edge.in_use() {
+            for place in [edge.from, edge.to].into_iter().filter_map(|id| graph.node_index(id)) {
+                seen[place] = true;
+            }
+        }
+    }
+    let mut numbers: std::collections::HashMap<u32, u64> = std::collections::HashMap::new();
+    for (node, place) in graph.nodes.iter_mut().zip(0..) {
+        let next = numbers.len() as u64;
+        node.landmark = seen[place].then(|| *numbers.entry(labels[place]).or_insert(next));
+    }
+    numbers.len()
+}
