@@ -9,7 +9,8 @@ pub enum Initialisation {
     SpanningTree,
     /// Rotations by the chordal relaxation, then translations.
     Chordal,
-    /// The one of the three with the lowest cost.
+    /// The relaxation, and the others too if its result costs more than they do at the start; with robust kernels the
+    /// cheapest start comes first. The lowest result is kept.
     #[default]
     Best,
 }

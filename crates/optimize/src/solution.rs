@@ -1,5 +1,7 @@
 //! What came out, and how.
 
+use crate::levenberg_marquardt::Outcome;
+
 /// Where a part was started from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
@@ -76,7 +78,7 @@ pub struct ComponentReport {
     pub cost: f64,
     /// Start that was chosen.
     pub start: Start,
-    /// Steps tried.
+    /// Steps tried, over all starts.
     pub iterations: usize,
     /// Steps tried that did not lower the cost.
     pub rejected: usize,
@@ -88,6 +90,37 @@ pub struct ComponentReport {
     pub undetermined: Option<(usize, usize)>,
     /// Blocks of the factor.
     pub factor_blocks: usize,
+}
+
+impl ComponentReport {
+    /// Of a part that nothing has been done to.
+    pub(crate) fn untouched(nodes: usize, edges: usize, cost: f64) -> Self {
+        Self {
+            gauge: 0,
+            nodes,
+            edges,
+            cost_given: cost,
+            cost_start: cost,
+            cost,
+            start: Start::Given,
+            iterations: 0,
+            rejected: 0,
+            termination: Termination::NothingToDo,
+            gradient: 0.0,
+            undetermined: None,
+            factor_blocks: 0,
+        }
+    }
+
+    /// Takes over the result of one start; steps are counted over all starts.
+    pub(crate) fn adopt(&mut self, start: Start, cost_start: f64, outcome: &Outcome) {
+        self.start = start;
+        self.cost_start = cost_start;
+        self.cost = outcome.cost;
+        self.termination = outcome.termination;
+        self.gradient = outcome.gradient;
+        self.undetermined = outcome.undetermined;
+    }
 }
 
 /// Result of [`optimize`](crate::optimize).

@@ -1,5 +1,7 @@
 //! From a checked graph to its solution.
 
+use std::cmp::Ordering;
+
 use posecut_geometry::{LieGroup, SE2, SE3};
 
 use crate::components::{Component, connected_components};
@@ -10,7 +12,7 @@ use crate::normal_equations::Pattern;
 use crate::options::{Initialisation, Options};
 use crate::problem::{Edge, Problem};
 use crate::residual::{chi2, cost, squared};
-use crate::solution::{ComponentReport, Solution, Start, Termination};
+use crate::solution::{ComponentReport, Solution, Start};
 
 /// A group of poses that can be optimised, with its chordal relaxation.
 pub trait PoseGroup<const DOF: usize>: LieGroup<DOF> {
@@ -94,79 +96,77 @@ fn extract<G: PoseGroup<DOF>, const DOF: usize>(
 }
 
 /// Start, result and report of a connected graph.
+///
+/// Without kernels the relaxation is tried first: a start's cost says little about its basin where a few stiff edges
+/// dominate. Should its result be worse than another *start*, that one is tried too, and the lowest result is kept.
+/// Kernels change this: the relaxation knows nothing of outliers, so there the cheapest start is tried first.
 fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     part: &Problem<G, DOF>,
     options: &Options,
 ) -> (Vec<G>, Vec<G>, ComponentReport) {
     let edges = part.edges();
-    let mut report = ComponentReport {
-        gauge: 0,
-        nodes: part.poses().len(),
-        edges: edges.len(),
-        cost_given: cost(edges, part.poses()),
-        cost_start: 0.0,
-        cost: 0.0,
-        start: Start::Given,
-        iterations: 0,
-        rejected: 0,
-        termination: Termination::NothingToDo,
-        gradient: 0.0,
-        undetermined: None,
-        factor_blocks: 0,
-    };
+    let given = part.poses();
+    let mut report = ComponentReport::untouched(given.len(), edges.len(), cost(edges, given));
     if edges.is_empty() {
-        return (part.poses().to_vec(), part.poses().to_vec(), report);
+        return (given.to_vec(), given.to_vec(), report);
     }
-    let pattern = Pattern::new(part.poses().len(), edges.iter().map(|edge| (edge.from, edge.to)), DOF);
-    let (start, poses, cost_start) = choose_start(part, &pattern, options.initialisation);
-    let mut result = poses.clone();
-    let outcome = Workspace::new(&pattern).minimise(edges, &mut result, options);
-    report.start = start;
-    report.cost_start = cost_start;
-    report.cost = outcome.cost;
-    report.iterations = outcome.iterations;
-    report.rejected = outcome.rejected;
-    report.termination = outcome.termination;
-    report.gradient = outcome.gradient;
-    report.undetermined = outcome.undetermined;
+    let pattern = Pattern::new(given.len(), edges.iter().map(|edge| (edge.from, edge.to)), DOF);
     report.factor_blocks = pattern.symbolic.factor_blocks();
-    (poses, result, report)
+    let mut workspace = Workspace::new(&pattern);
+    let mut best: Option<(Vec<G>, Vec<G>)> = None;
+    for candidate in candidates(part, &pattern, options.initialisation) {
+        if best.is_some() && candidate.cost.partial_cmp(&report.cost) != Some(Ordering::Less) {
+            continue;
+        }
+        let mut result = candidate.poses.clone();
+        let outcome = workspace.minimise(edges, &mut result, options);
+        report.iterations += outcome.iterations;
+        report.rejected += outcome.rejected;
+        if best.is_none() || outcome.cost < report.cost {
+            report.adopt(candidate.start, candidate.cost, &outcome);
+            best = Some((candidate.poses, result));
+        }
+    }
+    let (start, result) = best.unwrap_or_else(|| (given.to_vec(), given.to_vec()));
+    (start, result, report)
 }
 
-/// The start with the lowest cost among those asked for.
-fn choose_start<G: PoseGroup<DOF>, const DOF: usize>(
+/// A proposed start.
+struct Candidate<G> {
+    start: Start,
+    poses: Vec<G>,
+    cost: f64,
+}
+
+/// The starts asked for, in the order in which they should be tried; at least one.
+fn candidates<G: PoseGroup<DOF>, const DOF: usize>(
     part: &Problem<G, DOF>,
     pattern: &Pattern,
     initialisation: Initialisation,
-) -> (Start, Vec<G>, f64) {
+) -> Vec<Candidate<G>> {
     let edges = part.edges();
-    let given = || part.poses().to_vec();
-    let tree = || spanning_tree(part.poses(), edges);
-    let relaxed = || G::chordal_poses(&Relaxation(pattern), edges, &part.poses()[0]);
-    let candidates = match initialisation {
-        Initialisation::Given => vec![(Start::Given, Some(given()))],
-        Initialisation::SpanningTree => vec![(Start::SpanningTree, Some(tree()))],
-        Initialisation::Chordal => vec![(Start::Chordal, relaxed())],
-        Initialisation::Best => {
-            vec![
-                (Start::Chordal, relaxed()),
-                (Start::Given, Some(given())),
-                (Start::SpanningTree, Some(tree())),
-            ]
-        }
+    let propose = |start: Start, poses: Vec<G>| Candidate { start, cost: cost(edges, &poses), poses };
+    let given = || propose(Start::Given, part.poses().to_vec());
+    let tree = || propose(Start::SpanningTree, spanning_tree(part.poses(), edges));
+    let relaxed = || {
+        G::chordal_poses(&Relaxation(pattern), edges, &part.poses()[0])
+            .map(|poses| propose(Start::Chordal, poses))
+            .filter(|candidate| candidate.cost.is_finite())
     };
-    let mut best: Option<(Start, Vec<G>, f64)> = None;
-    for (start, poses) in candidates {
-        let Some(poses) = poses else { continue };
-        let cost = cost(edges, &poses);
-        if cost.is_finite() && best.as_ref().is_none_or(|&(_, _, lowest)| cost < lowest) {
-            best = Some((start, poses, cost));
+    match initialisation {
+        Initialisation::Given => vec![given()],
+        Initialisation::SpanningTree => vec![tree()],
+        // The tree stands in where the relaxation is singular.
+        Initialisation::Chordal => vec![relaxed().unwrap_or_else(tree)],
+        Initialisation::Best => {
+            let mut others = vec![given(), tree()];
+            others.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+            let robust = edges.iter().any(|edge| edge.kernel.is_some());
+            let mut all: Vec<_> = relaxed().into_iter().chain(others).collect();
+            if robust {
+                all.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+            }
+            all
         }
     }
-    // The tree always exists; it stands in where the relaxation is singular or a cost overflows.
-    best.unwrap_or_else(|| {
-        let poses = tree();
-        let cost = cost(edges, &poses);
-        (Start::SpanningTree, poses, cost)
-    })
 }

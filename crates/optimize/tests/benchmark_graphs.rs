@@ -42,14 +42,11 @@ fn indefinite_information_is_refused_by_edge() {
     assert!(matches!(error, ProblemError::Indefinite { edge: 2, from: 1, to: 2, .. }), "{error}");
 }
 
+/// Matrices with eigenvalues from 11 to 3e12 are positive definite all the same.
 #[test]
-fn matrices_that_are_semidefinite_in_print_are_counted() {
+fn stiff_information_is_accepted() {
     if let Some(text) = g2o::text("intel_carlone") {
         let (poses, edges) = g2o::planar(&text);
-        assert_eq!(Problem::new(poses, edges).unwrap().semidefinite(), 1);
-    }
-    if let Some(text) = g2o::text("parking-garage") {
-        let (poses, edges) = g2o::spatial(&text);
-        assert_eq!(Problem::new(poses, edges).unwrap().semidefinite(), 3);
+        assert_eq!(Problem::new(poses, edges).unwrap().semidefinite(), 0);
     }
 }

@@ -81,11 +81,13 @@ where
     let rotations = rotations::<G, DOF, N>(pattern, edges, first, &mut equations, &mut factor)?;
     let translations =
         translations::<G, DOF, N>(pattern, edges, first, &rotations, &mut equations, &mut factor)?;
-    let poses: Vec<G> = rotations
+    let mut poses: Vec<G> = rotations
         .iter()
         .zip(&translations)
         .map(|(rotation, translation)| G::from_matrix(rotation, translation))
         .collect();
+    // The way through a matrix would change its last bits.
+    poses[0] = *first;
     Some(poses)
 }
 
