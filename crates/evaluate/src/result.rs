@@ -54,6 +54,8 @@ pub struct EvaluationResult {
     pub rmse: f64,
     /// How the poses were aligned before anything was measured.
     pub alignment: AlignmentUsed,
+    /// Parts of the estimate that no edge in use joins; with more than one, their relative places are unknown.
+    pub components: usize,
     /// Nodes compared.
     pub poses: usize,
     /// Nodes of the estimate without counterpart.
@@ -143,6 +145,7 @@ pub fn evaluate(
         labels: labels(&options.labels)?,
         rmse: translation_m.map_or(0.0, |summary| summary.rmse),
         alignment: AlignmentUsed { freedom, scope: options.scope, found },
+        components: components(estimate),
         poses: matches.len(),
         poses_unmatched: estimate.nodes.len() - matches.len(),
         ate: AbsoluteError { translation_m, rotation_rad: Summary::of(&angles) },
@@ -154,6 +157,20 @@ pub fn evaluate(
         edges: score(estimate),
         provenance: estimate.header.provenance.clone(),
     })
+}
+
+/// Connected components over the edges in use that measure something.
+fn components(graph: &PoseGraph) -> usize {
+    let mut parts = petgraph::unionfind::UnionFind::<usize>::new(graph.nodes.len());
+    let mut count = graph.nodes.len();
+    for edge in graph.edges.iter().filter(|edge| edge.in_use() && edge.measurement.is_some()) {
+        if let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to))
+            && parts.union(from, to)
+        {
+            count -= 1;
+        }
+    }
+    count
 }
 
 /// Numbers stay numbers, everything else is text.

@@ -70,22 +70,22 @@ impl Target {
 #[derive(Clone, Debug, clap::Args)]
 pub struct CommonArguments {
     /// Where to write the result; `-` is standard output, a name ending in .gz is compressed
-    #[arg(short, long, value_name = "FILE", default_value = "-", help_heading = "Output")]
+    #[arg(short, long, value_name = "FILE", default_value = "-", global = true, help_heading = "Output")]
     pub output: Target,
 
     /// Write a JSON summary of what was done
-    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    #[arg(long, value_name = "FILE", global = true, help_heading = "Output")]
     pub stats: Option<PathBuf>,
 
     /// Threads to use; 0 takes all processors. The result does not depend on it
-    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Output")]
+    #[arg(long, value_name = "N", default_value_t = 0, global = true, help_heading = "Output")]
     pub threads: usize,
 
     /// Say nothing but errors
-    #[arg(short, long, conflicts_with = "verbose", help_heading = "Output")]
+    #[arg(short, long, conflicts_with = "verbose", global = true, help_heading = "Output")]
     pub quiet: bool,
 
     /// Say more
-    #[arg(short, long, help_heading = "Output")]
+    #[arg(short, long, global = true, help_heading = "Output")]
     pub verbose: bool,
 }

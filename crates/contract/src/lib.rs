@@ -1,0 +1,105 @@
+//! What the contract tests share: finding the programs, running them, and a small session to run them on.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::sync::OnceLock;
+
+/// The root of the workspace.
+pub fn workspace() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// A program of this workspace, built by `make test` before the tests run.
+///
+/// # Panics
+/// If it has not been built.
+pub fn program(name: &str) -> PathBuf {
+    let test = std::env::current_exe().expect("a test knows its own path");
+    let folder = test.parent().and_then(Path::parent).expect("tests lie in target/PROFILE/deps");
+    let path = folder.join(format!("posecut-{name}{}", std::env::consts::EXE_SUFFIX));
+    assert!(path.is_file(), "{} is not built; run the tests by `make test`", path.display());
+    path
+}
+
+/// Runs a program with standard input.
+///
+/// # Panics
+/// If it cannot be started.
+pub fn run(name: &str, arguments: &[&str], input: &[u8]) -> Output {
+    use std::io::Write as _;
+    let mut child = Command::new(program(name))
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut stdin = child.stdin.take().expect("stdin is piped");
+    let bytes = input.to_vec();
+    // A program that refuses its input early closes the pipe: no fault of the test.
+    let writer = std::thread::spawn(move || drop(stdin.write_all(&bytes)));
+    let output = child.wait_with_output().expect("the program ends");
+    writer.join().expect("the writer ends");
+    output
+}
+
+/// Runs a program that must succeed, and returns what it wrote to standard output.
+///
+/// # Panics
+/// If its exit status is not 0.
+pub fn succeed(name: &str, arguments: &[&str], input: &[u8]) -> Vec<u8> {
+    let output = run(name, arguments, input);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "posecut-{name} {arguments:?}: {said}");
+    output.stdout
+}
+
+/// A directory of small files that programs can be run on.
+pub struct Samples {
+    folder: tempfile::TempDir,
+}
+
+impl Samples {
+    /// The path of a sample, as text.
+    ///
+    /// # Panics
+    /// If the path is not UTF-8.
+    pub fn path(&self, name: &str) -> String {
+        self.folder.path().join(name).to_str().expect("temporary paths are UTF-8").to_owned()
+    }
+
+    /// The content of a sample.
+    ///
+    /// # Panics
+    /// If there is none of that name.
+    pub fn bytes(&self, name: &str) -> Vec<u8> {
+        std::fs::read(self.path(name)).expect("the sample exists")
+    }
+}
+
+/// The samples, made once by the programs themselves: `2012-01-22/` (a session), `session.jsonl`,
+/// `graph.jsonl`, `optimized.jsonl`, `x.result.json`.
+///
+/// # Panics
+/// If a program fails.
+pub fn samples() -> &'static Samples {
+    static SAMPLES: OnceLock<Samples> = OnceLock::new();
+    SAMPLES.get_or_init(|| {
+        let samples = Samples { folder: tempfile::tempdir().expect("a temporary directory") };
+        let path = |name: &str| samples.path(name);
+        let session = path("2012-01-22");
+        succeed("simulate", &["--length", "1500", "--rate", "5", "-o", &session], b"");
+        let (graph, optimized) = (path("graph.jsonl"), path("optimized.jsonl"));
+        let single = path("session.jsonl");
+        let sigmas = ["--sigma-translation", "0.1", "--sigma-rotation", "0.02"];
+        succeed("ingest", &[&[session.as_str(), "-o", &single][..], &sigmas].concat(), b"");
+        succeed(
+            "construct",
+            &[&single, "--radius", "8", "--heading", "60", "--incorrect-rate", "0.3", "-o", &graph],
+            b"",
+        );
+        succeed("optimize", &[&graph, "-o", &optimized], b"");
+        succeed("evaluate", &[&optimized, "--label", "method=all", "-o", &path("x.result.json")], b"");
+        samples
+    })
+}

@@ -1,0 +1,56 @@
+//! Files that cannot be converted.
+
+/// What is wrong, where, and what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum ConvertError {
+    /// The system refused to give the bytes.
+    #[error("{file}: cannot be read: {error}")]
+    Io {
+        /// The file.
+        file: String,
+        /// What the system said.
+        error: std::io::Error,
+    },
+    /// A line that is not what the format says.
+    #[error("{file}, line {line}: {problem}; {remedy}")]
+    Line {
+        /// The file.
+        file: String,
+        /// The line, counted from 1.
+        line: u64,
+        /// What is wrong.
+        problem: String,
+        /// What to do about it.
+        remedy: String,
+    },
+    /// A graph that the target format cannot hold.
+    #[error("{problem}; {remedy}")]
+    Graph {
+        /// What is wrong.
+        problem: String,
+        /// What to do about it.
+        remedy: String,
+    },
+}
+
+impl ConvertError {
+    pub(crate) fn line(file: &str, line: u64, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self::Line { file: file.to_owned(), line, problem: problem.into(), remedy: remedy.into() }
+    }
+
+    pub(crate) fn graph(problem: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self::Graph { problem: problem.into(), remedy: remedy.into() }
+    }
+}
+
+/// A finite number of a line.
+pub(crate) fn number(file: &str, line: u64, text: &str) -> Result<f64, ConvertError> {
+    let value: f64 = text.parse().map_err(|_| {
+        ConvertError::line(file, line, format!("\"{text}\" is not a number"), "correct or delete the line")
+    })?;
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(ConvertError::line(file, line, format!("\"{text}\" is not finite"), "correct or delete the line"))
+    }
+}

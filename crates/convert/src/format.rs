@@ -1,0 +1,31 @@
+//! Which format a file has.
+
+use std::path::Path;
+
+/// The formats that can be read and written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum FileFormat {
+    /// Pose-graph JSON Lines (.jsonl)
+    Jsonl,
+    /// g2o pose graphs (.g2o)
+    G2o,
+    /// TUM trajectories (.tum): seconds x y z qx qy qz qw
+    Tum,
+    /// KITTI trajectories (.kitti): 3x4 matrices, row by row
+    Kitti,
+}
+
+impl FileFormat {
+    /// The format by a file's name; `.gz` at its end does not count.
+    pub fn of_name(path: &Path) -> Option<Self> {
+        let name = path.file_name()?.to_string_lossy().to_lowercase();
+        let name = name.strip_suffix(".gz").unwrap_or(&name);
+        match name.rsplit_once('.')?.1 {
+            "jsonl" | "json" | "ndjson" => Some(Self::Jsonl),
+            "g2o" => Some(Self::G2o),
+            "tum" => Some(Self::Tum),
+            "kitti" => Some(Self::Kitti),
+            _ => None,
+        }
+    }
+}

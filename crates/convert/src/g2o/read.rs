@@ -1,0 +1,248 @@
+//! Reading g2o.
+
+use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::io::BufRead;
+
+use posecut_graph::{Dimension, Edge, EdgeKind, Header, Node, PoseGraph};
+use serde_json::Value;
+
+use super::FIXED;
+use crate::ConvertError;
+use crate::error::number;
+use crate::information::{Repair, clamp, negative_eigenvalue};
+
+/// What may be overlooked or mended.
+#[derive(Clone, Debug)]
+pub struct ReadOptions {
+    /// The session of vertices without a robot's letter.
+    pub session: String,
+    /// What is done about information matrices that are not positive semidefinite.
+    pub repair: Repair,
+    /// Leave lines out whose tag is unknown, instead of refusing them.
+    pub skip_unknown: bool,
+}
+
+impl Default for ReadOptions {
+    fn default() -> Self {
+        Self { session: "0".to_owned(), repair: Repair::Refuse, skip_unknown: false }
+    }
+}
+
+/// What was met on the way.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ReadSummary {
+    /// Information matrices that were repaired.
+    pub repaired: usize,
+    /// Lines left out, by tag.
+    pub skipped: BTreeMap<String, usize>,
+    /// Nodes that only edges name.
+    pub without_vertex: usize,
+}
+
+struct Reader<'a> {
+    file: &'a str,
+    options: &'a ReadOptions,
+    line: u64,
+    dimension: Option<Dimension>,
+    vertices: BTreeMap<u64, Vec<f64>>,
+    edges: Vec<Edge>,
+    fixed: BTreeSet<u64>,
+    summary: ReadSummary,
+}
+
+/// Reads a g2o file. Vertices may come in any order, after edges, or not at all. O(lines log lines).
+pub fn read(
+    file: &str,
+    reader: impl BufRead,
+    options: &ReadOptions,
+) -> Result<(PoseGraph, ReadSummary), ConvertError> {
+    let mut state = Reader {
+        file,
+        options,
+        line: 0,
+        dimension: None,
+        vertices: BTreeMap::new(),
+        edges: Vec::new(),
+        fixed: BTreeSet::new(),
+        summary: ReadSummary::default(),
+    };
+    for line in reader.lines() {
+        state.line += 1;
+        let line = line.map_err(|error| ConvertError::Io { file: file.to_owned(), error })?;
+        let fields: Vec<&str> = line.split_whitespace().collect();
+        if fields.first().is_some_and(|tag| !tag.starts_with('#')) {
+            state.record(&fields)?;
+        }
+    }
+    state.graph()
+}
+
+impl Reader<'_> {
+    fn record(&mut self, fields: &[&str]) -> Result<(), ConvertError> {
+        let (tag, fields) = (fields[0], &fields[1..]);
+        match tag {
+            "VERTEX_SE2" => self.vertex(Dimension::Two, fields),
+            "VERTEX_SE3:QUAT" => self.vertex(Dimension::Three, fields),
+            "EDGE_SE2" => self.edge(Dimension::Two, fields),
+            "EDGE_SE3:QUAT" => self.edge(Dimension::Three, fields),
+            "FIX" => {
+                for field in fields {
+                    let id = self.id(field)?;
+                    self.fixed.insert(id);
+                }
+                Ok(())
+            }
+            _ if self.options.skip_unknown => {
+                *self.summary.skipped.entry(tag.to_owned()).or_default() += 1;
+                Ok(())
+            }
+            _ => Err(self.refuse(
+                format!("the tag {tag} is unknown"),
+                "pose graphs have VERTEX_SE2, EDGE_SE2, VERTEX_SE3:QUAT, EDGE_SE3:QUAT and FIX; --skip-unknown leaves others out",
+            )),
+        }
+    }
+
+    fn refuse(&self, problem: impl Into<String>, remedy: impl Into<String>) -> ConvertError {
+        ConvertError::line(self.file, self.line, problem, remedy)
+    }
+
+    fn id(&self, field: &str) -> Result<u64, ConvertError> {
+        field.parse().map_err(|_| {
+            self.refuse(format!("\"{field}\" is no vertex id"), "ids are whole numbers from 0 to 2^64 - 1")
+        })
+    }
+
+    fn numbers(&self, fields: &[&str], expected: usize) -> Result<Vec<f64>, ConvertError> {
+        if fields.len() != expected {
+            return Err(self.refuse(
+                format!("expected {expected} numbers after the ids, found {}", fields.len()),
+                "the line is cut short or of another type",
+            ));
+        }
+        fields.iter().map(|field| number(self.file, self.line, field)).collect()
+    }
+
+    fn agree(&mut self, dimension: Dimension) -> Result<(), ConvertError> {
+        match self.dimension.replace(dimension) {
+            Some(before) if before != dimension => Err(self.refuse(
+                format!("a record of dimension {dimension} after records of dimension {before}"),
+                "a pose graph has one dimension; split the file",
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    fn pose(&self, dimension: Dimension, mut pose: Vec<f64>) -> Result<Vec<f64>, ConvertError> {
+        if dimension == Dimension::Three {
+            let norm = pose[3..].iter().map(|component| component * component).sum::<f64>().sqrt();
+            if !(norm > 1e-6) {
+                return Err(
+                    self.refuse("the quaternion is zero", "correct the line; the order is qx qy qz qw")
+                );
+            }
+            // Printed with few digits, quaternions are a little off: bring them back.
+            if (norm - 1.0).abs() > 1e-9 {
+                pose[3..].iter_mut().for_each(|component| *component /= norm);
+            }
+        }
+        Ok(pose)
+    }
+
+    fn vertex(&mut self, dimension: Dimension, fields: &[&str]) -> Result<(), ConvertError> {
+        self.agree(dimension)?;
+        let Some((id, rest)) = fields.split_first() else {
+            return Err(self.refuse("the vertex has no id", "the line is cut short"));
+        };
+        let id = self.id(id)?;
+        let pose = self.pose(dimension, self.numbers(rest, dimension.pose_components())?)?;
+        if self.vertices.insert(id, pose).is_some() {
+            return Err(self.refuse(format!("vertex {id} stands twice"), "keep one of the two"));
+        }
+        Ok(())
+    }
+
+    fn edge(&mut self, dimension: Dimension, fields: &[&str]) -> Result<(), ConvertError> {
+        self.agree(dimension)?;
+        let [from, to, rest @ ..] = fields else {
+            return Err(self.refuse("the edge has no two ids", "the line is cut short"));
+        };
+        let (from, to) = (self.id(from)?, self.id(to)?);
+        if from == to {
+            return Err(self.refuse(format!("the edge joins vertex {from} to itself"), "delete the line"));
+        }
+        let components = dimension.pose_components();
+        let mut numbers = self.numbers(rest, components + dimension.information_terms())?;
+        let mut information = numbers.split_off(components);
+        let side = dimension.degrees_of_freedom();
+        if let Some(eigenvalue) = negative_eigenvalue(side, &information) {
+            if self.options.repair == Repair::Refuse {
+                return Err(self.refuse(
+                    format!(
+                        "the information matrix of edge {from} {to} is not positive semidefinite: its smallest eigenvalue is {eigenvalue:e}"
+                    ),
+                    "correct it at its source, or say --repair-information to set negative eigenvalues to zero",
+                ));
+            }
+            information = clamp(side, &information);
+            self.summary.repaired += 1;
+        }
+        let mut edge = Edge::new(EdgeKind::Landmark, self.edges.len() as u64, from, to);
+        edge.measurement = Some(self.pose(dimension, numbers)?);
+        edge.information = Some(information);
+        self.edges.push(edge);
+        Ok(())
+    }
+
+    fn graph(mut self) -> Result<(PoseGraph, ReadSummary), ConvertError> {
+        let Some(dimension) = self.dimension else {
+            return Err(ConvertError::line(
+                self.file,
+                self.line,
+                "there is neither vertex nor edge",
+                "name a g2o file of a pose graph",
+            ));
+        };
+        let ids: BTreeSet<u64> = self
+            .vertices
+            .keys()
+            .copied()
+            .chain(self.edges.iter().flat_map(|edge| [edge.from, edge.to]))
+            .collect();
+        let mut graph = PoseGraph::new(Header::new(dimension));
+        for id in &ids {
+            let (session, frame) = self.session_and_frame(*id);
+            let pose = self.vertices.remove(id);
+            self.summary.without_vertex += usize::from(pose.is_none());
+            let mut node =
+                Node { id: *id, session: Some(session), frame: Some(frame), pose, ..Node::default() };
+            if self.fixed.contains(id) {
+                node.extra.insert(FIXED.to_owned(), Value::Bool(true));
+            }
+            graph.nodes.push(node);
+        }
+        mark_odometry(&mut self.edges);
+        graph.edges = self.edges;
+        Ok((graph, self.summary))
+    }
+
+    fn session_and_frame(&self, id: u64) -> (String, i64) {
+        let letter = (id >> 56) as u8;
+        if letter.is_ascii_alphabetic() {
+            (char::from(letter).to_string(), (id & ((1 << 56) - 1)) as i64)
+        } else {
+            (self.options.session.clone(), i64::try_from(id).unwrap_or(i64::MAX))
+        }
+    }
+}
+
+/// The first edge between each vertex and its successor is odometry.
+fn mark_odometry(edges: &mut [Edge]) {
+    let mut seen = HashSet::new();
+    for edge in edges {
+        let (low, high) = (edge.from.min(edge.to), edge.from.max(edge.to));
+        if high - low == 1 && seen.insert(low) {
+            edge.kind = EdgeKind::Odometry;
+        }
+    }
+}

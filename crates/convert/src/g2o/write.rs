@@ -1,0 +1,64 @@
+//! Writing g2o.
+
+use std::fmt::Write as _;
+
+use posecut_graph::{Dimension, PoseGraph};
+use serde_json::Value;
+
+use super::FIXED;
+
+/// What could not be written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct WriteSummary {
+    /// Edges left out because a stage has rejected them.
+    pub rejected: usize,
+    /// Edges left out because they measure nothing.
+    pub unmeasured: usize,
+    /// Nodes without a pose: only their edges name them.
+    pub without_pose: usize,
+}
+
+/// Writes a g2o file: vertices, `FIX`, edges in use (or all of them, `keep_rejected`). Numbers read back to
+/// the same bits.
+pub fn write(graph: &PoseGraph, keep_rejected: bool) -> (Vec<u8>, WriteSummary) {
+    let (vertex, edge_tag) = match graph.header.dimension {
+        Dimension::Two => ("VERTEX_SE2", "EDGE_SE2"),
+        Dimension::Three => ("VERTEX_SE3:QUAT", "EDGE_SE3:QUAT"),
+    };
+    let mut summary = WriteSummary::default();
+    let mut text = String::new();
+    for node in &graph.nodes {
+        match &node.pose {
+            Some(pose) => line(&mut text, vertex, &[node.id], pose),
+            None => summary.without_pose += 1,
+        }
+    }
+    for node in graph.nodes.iter().filter(|node| node.extra.get(FIXED) == Some(&Value::Bool(true))) {
+        line(&mut text, "FIX", &[node.id], &[]);
+    }
+    for edge in &graph.edges {
+        if !edge.in_use() && !keep_rejected {
+            summary.rejected += 1;
+            continue;
+        }
+        let (Some(measurement), Some(information)) = (&edge.measurement, graph.information(edge)) else {
+            summary.unmeasured += 1;
+            continue;
+        };
+        let numbers: Vec<f64> = measurement.iter().chain(information).copied().collect();
+        line(&mut text, edge_tag, &[edge.from, edge.to], &numbers);
+    }
+    (text.into_bytes(), summary)
+}
+
+fn line(text: &mut String, tag: &str, ids: &[u64], numbers: &[f64]) {
+    text.push_str(tag);
+    // Writing to a string cannot fail.
+    for id in ids {
+        let _ = write!(text, " {id}");
+    }
+    for number in numbers {
+        let _ = write!(text, " {number}");
+    }
+    text.push('\n');
+}

@@ -1,0 +1,171 @@
+//! `posecut-convert`: other tools' files to pose-graph JSON Lines and back.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use anyhow::bail;
+use clap::Parser;
+use posecut_convert::tum::Poses;
+use posecut_convert::{FileFormat, Repair, g2o, kitti, tum};
+use posecut_graph::{InputDigest, PoseGraph};
+use posecut_stage::{CommonArguments, Context, Identity, Outcome, Source, info, open, run, warn};
+use serde::Serialize;
+
+#[derive(Parser)]
+struct Command {
+    /// The file to read; `-` is standard input
+    #[arg(value_name = "INPUT", default_value = "-")]
+    input: Source,
+
+    /// Format of the input; by its name unless given
+    #[arg(long, value_enum)]
+    from: Option<FileFormat>,
+
+    /// Format of the output; by its name unless given, JSON Lines for standard output
+    #[arg(long, value_enum)]
+    to: Option<FileFormat>,
+
+    #[command(flatten)]
+    reading: Reading,
+
+    /// Write rejected edges too, as if they were in use
+    #[arg(long)]
+    keep_rejected: bool,
+
+    /// Which poses trajectories are made of
+    #[arg(long, value_enum, default_value_t = Poses::Estimate)]
+    poses: Poses,
+
+    /// Write the trajectory of this session alone
+    #[arg(long, value_name = "NAME")]
+    only_session: Option<String>,
+
+    #[command(flatten)]
+    common: CommonArguments,
+}
+
+#[derive(clap::Args, Serialize)]
+struct Reading {
+    /// Name of the session for files that name none
+    #[arg(long, value_name = "NAME", default_value = "0")]
+    session: String,
+
+    /// Set negative eigenvalues of information matrices to zero instead of refusing them
+    #[arg(long)]
+    repair_information: bool,
+
+    /// Leave lines of unknown type out instead of refusing them
+    #[arg(long)]
+    skip_unknown: bool,
+}
+
+fn main() -> ExitCode {
+    let identity = Identity {
+        name: "convert",
+        version: env!("CARGO_PKG_VERSION"),
+        about: "Convert g2o, TUM and KITTI files to pose-graph JSON Lines and back",
+    };
+    run::<Command>(
+        identity,
+        |command| &command.common,
+        |command, context| {
+            let from = match (&command.input, command.from) {
+                (_, Some(format)) => format,
+                (Source::Standard, None) => FileFormat::Jsonl,
+                (Source::File(path), None) => by_name(path, "--from")?,
+            };
+            let to = match (command.common.output.path(), command.to) {
+                (_, Some(format)) => format,
+                (None, None) => FileFormat::Jsonl,
+                (Some(path), None) => by_name(path, "--to")?,
+            };
+            let mut graph = read(command, from, context)?;
+            context.statistics.note("nodes", graph.nodes.len());
+            context.statistics.note("edges", graph.edges.len());
+            if to == FileFormat::Jsonl {
+                context.record_provenance(&mut graph, &command.reading, None)?;
+                context.write_graph(&graph)?;
+            } else {
+                let bytes = write(command, to, &graph, context)?;
+                context.write_bytes(&bytes)?;
+            }
+            Ok(Outcome::Done)
+        },
+    )
+}
+
+fn by_name(path: &Path, option: &str) -> anyhow::Result<FileFormat> {
+    let Some(format) = FileFormat::of_name(path) else {
+        bail!("{}: its name does not tell its format; say {option} jsonl, g2o, tum or kitti", path.display());
+    };
+    Ok(format)
+}
+
+fn read(command: &Command, from: FileFormat, context: &mut Context) -> anyhow::Result<PoseGraph> {
+    if from == FileFormat::Jsonl {
+        return context.read_graph(&command.input, "graph");
+    }
+    let mut input = open(&command.input)?;
+    let name = input.name.clone();
+    let session = command.reading.session.as_str();
+    let graph = match from {
+        FileFormat::G2o => {
+            let repair = if command.reading.repair_information { Repair::Clamp } else { Repair::Refuse };
+            let options = g2o::ReadOptions {
+                session: session.to_owned(),
+                repair,
+                skip_unknown: command.reading.skip_unknown,
+            };
+            let (graph, summary) = g2o::read(&name, &mut input, &options)?;
+            report(&name, &summary, context);
+            graph
+        }
+        FileFormat::Tum => tum::read(&name, &mut input, session)?,
+        FileFormat::Kitti | FileFormat::Jsonl => kitti::read(&name, &mut input, session)?,
+    };
+    context.inputs.push(InputDigest { name: "input".to_owned(), sha256: input.finish()? });
+    Ok(graph)
+}
+
+fn report(name: &str, summary: &g2o::ReadSummary, context: &mut Context) {
+    if summary.repaired > 0 {
+        warn!(
+            "{name}: {} information matrices were not positive semidefinite and were repaired",
+            summary.repaired
+        );
+    }
+    for (tag, count) in &summary.skipped {
+        warn!("{name}: {count} lines of type {tag} left out");
+    }
+    if summary.without_vertex > 0 {
+        info!("{name}: {} nodes have no vertex, and so no pose to start from", summary.without_vertex);
+    }
+    context.statistics.note("repaired_information", summary.repaired);
+    context.statistics.note("skipped_lines", summary.skipped.values().sum::<usize>());
+    context.statistics.note("nodes_without_vertex", summary.without_vertex);
+}
+
+fn write(
+    command: &Command,
+    to: FileFormat,
+    graph: &PoseGraph,
+    context: &mut Context,
+) -> anyhow::Result<Vec<u8>> {
+    let session = command.only_session.as_deref();
+    Ok(match to {
+        FileFormat::Tum => tum::write(graph, command.poses, session)?,
+        FileFormat::Kitti => kitti::write(graph, command.poses, session)?,
+        FileFormat::G2o | FileFormat::Jsonl => {
+            let (bytes, summary) = g2o::write(graph, command.keep_rejected);
+            if summary.rejected + summary.unmeasured > 0 {
+                info!(
+                    "{} rejected edges and {} without measurement left out (--keep-rejected writes the former)",
+                    summary.rejected, summary.unmeasured
+                );
+            }
+            context.statistics.note("rejected_left_out", summary.rejected);
+            context.statistics.note("unmeasured_left_out", summary.unmeasured);
+            bytes
+        }
+    })
+}

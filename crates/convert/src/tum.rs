@@ -1,0 +1,111 @@
+//! TUM trajectories: `seconds x y z qx qy qz qw`, one pose a line, `#` starts a comment.
+
+use std::fmt::Write as _;
+use std::io::BufRead;
+
+use posecut_geometry::SE2;
+use posecut_graph::{Dimension, Header, Node, PoseGraph};
+
+use crate::ConvertError;
+use crate::error::number;
+
+/// Which poses of a graph are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Poses {
+    /// The estimates
+    Estimate,
+    /// The ground truth
+    Truth,
+}
+
+/// Reads a trajectory as a graph of dimension 3 without edges.
+pub fn read(file: &str, reader: impl BufRead, session: &str) -> Result<PoseGraph, ConvertError> {
+    let mut graph = PoseGraph::new(Header::new(Dimension::Three));
+    for (index, line) in reader.lines().enumerate() {
+        let place = index as u64 + 1;
+        let line = line.map_err(|error| ConvertError::Io { file: file.to_owned(), error })?;
+        let fields: Vec<&str> = line.split_whitespace().collect();
+        if fields.first().is_none_or(|first| first.starts_with('#')) {
+            continue;
+        }
+        if fields.len() != 8 {
+            return Err(ConvertError::line(
+                file,
+                place,
+                format!("expected 8 numbers (seconds x y z qx qy qz qw), found {}", fields.len()),
+                "the line is cut short, or the file is no TUM trajectory",
+            ));
+        }
+        let numbers: Vec<f64> =
+            fields.iter().map(|field| number(file, place, field)).collect::<Result<_, _>>()?;
+        let norm = numbers[4..].iter().map(|component| component * component).sum::<f64>().sqrt();
+        if (norm - 1.0).abs() > 1e-3 {
+            return Err(ConvertError::line(
+                file,
+                place,
+                format!("the quaternion has norm {norm}, not 1"),
+                "the order is qx qy qz qw",
+            ));
+        }
+        let id = graph.nodes.len() as u64;
+        graph.nodes.push(Node {
+            id,
+            session: Some(session.to_owned()),
+            frame: Some(id as i64),
+            utime: Some((numbers[0] * 1e6).round() as i64),
+            pose: Some(numbers[1..].to_vec()),
+            ..Node::default()
+        });
+    }
+    Ok(graph)
+}
+
+/// Writes the nodes that have time and pose, in the order of time.
+pub fn write(graph: &PoseGraph, poses: Poses, session: Option<&str>) -> Result<Vec<u8>, ConvertError> {
+    let mut lines: Vec<(i64, Vec<f64>)> =
+        spatial_poses(graph, poses, session).filter_map(|(node, pose)| Some((node.utime?, pose))).collect();
+    if lines.is_empty() {
+        return Err(ConvertError::graph(
+            "no node has both a time (utime) and the poses asked for",
+            "TUM files need times; write g2o or KITTI instead",
+        ));
+    }
+    lines.sort_by_key(|(time, _)| *time);
+    let mut text = String::new();
+    for (time, pose) in lines {
+        let sign = if time < 0 { "-" } else { "" };
+        // Microseconds are exact this way, which a division would not keep. Writing to a string cannot fail.
+        let _ =
+            write!(text, "{sign}{}.{:06}", time.unsigned_abs() / 1_000_000, time.unsigned_abs() % 1_000_000);
+        for number in pose {
+            let _ = write!(text, " {number}");
+        }
+        text.push('\n');
+    }
+    Ok(text.into_bytes())
+}
+
+/// Nodes with the poses asked for, in space.
+pub(crate) fn spatial_poses<'a>(
+    graph: &'a PoseGraph,
+    poses: Poses,
+    session: Option<&'a str>,
+) -> impl Iterator<Item = (&'a Node, Vec<f64>)> + 'a {
+    graph.nodes.iter().filter(move |node| session.is_none() || node.session.as_deref() == session).filter_map(
+        move |node| {
+            let pose = match poses {
+                Poses::Estimate => node.pose.as_ref(),
+                Poses::Truth => node.truth.as_ref().and_then(|truth| truth.pose.as_ref()),
+            }?;
+            Some((node, spatial(graph.header.dimension, pose)?))
+        },
+    )
+}
+
+fn spatial(dimension: Dimension, pose: &[f64]) -> Option<Vec<f64>> {
+    use posecut_geometry::LieGroup as _;
+    match dimension {
+        Dimension::Two => Some(SE2::from_components(pose)?.to_spatial().components()),
+        Dimension::Three => Some(pose.to_vec()),
+    }
+}

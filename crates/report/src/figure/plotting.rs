@@ -1,0 +1,73 @@
+//! The one module that knows the plotting library.
+
+use anyhow::{Context as _, bail};
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::LinePlot;
+use kuva::render::figure::Figure;
+use kuva::render::layout::{Layout, TickFormat};
+use kuva::render::plots::Plot;
+use kuva::{PngBackend, render::render::Scene};
+
+use super::{Frame, Panel};
+
+/// Side of a panel, pixels.
+const PANEL: (f64, f64) = (560.0, 520.0);
+/// Pixels of a PNG for each of the figure's.
+const PNG_SCALE: f32 = 2.0;
+
+/// Draws panels side by side (rows of at most `columns`) with equal axes; the format follows the extension.
+pub fn draw(panels: &[Panel], columns: usize, frame: Frame, extension: &str) -> anyhow::Result<Vec<u8>> {
+    if panels.is_empty() {
+        bail!("there is nothing to draw; name at least one graph");
+    }
+    match extension {
+        "svg" => Ok(SvgBackend::default().render_scene(&scene(panels, columns, frame)).into_bytes()),
+        "png" => PngBackend::new()
+            .with_scale(PNG_SCALE)
+            .render_scene(&scene(panels, columns, frame))
+            .map_err(anyhow::Error::msg)
+            .context("the PNG cannot be drawn"),
+        other => bail!("the figure's name ends in \".{other}\", and figures are written as .svg or .png"),
+    }
+}
+
+fn scene(panels: &[Panel], columns: usize, frame: Frame) -> Scene {
+    let columns = columns.clamp(1, panels.len());
+    let rows = panels.len().div_ceil(columns);
+    let (plots, layouts): (Vec<Vec<Plot>>, Vec<Layout>) =
+        panels.iter().map(|panel| axes(panel, frame)).unzip();
+    Figure::new(rows, columns)
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_cell_size(PANEL.0, PANEL.1)
+        .render()
+}
+
+fn axes(panel: &Panel, frame: Frame) -> (Vec<Plot>, Layout) {
+    let plots: Vec<Plot> = panel
+        .lines
+        .iter()
+        .filter(|line| !line.points.is_empty())
+        .map(|line| {
+            let mut plot = LinePlot::new()
+                .with_data(line.points.iter().copied())
+                .with_color(line.colour)
+                .with_stroke_width(line.width);
+            if line.dashed {
+                plot = plot.with_dashed();
+            }
+            if let Some(legend) = &line.legend {
+                plot = plot.with_legend(legend.as_str());
+            }
+            plot.into()
+        })
+        .collect();
+    let (right, up) = frame.labels();
+    let layout = Layout::auto_from_plots(&plots)
+        .with_title(panel.title.as_str())
+        .with_x_label(right)
+        .with_y_label(up)
+        .with_tick_format(TickFormat::Integer)
+        .with_equal_aspect();
+    (plots, layout)
+}

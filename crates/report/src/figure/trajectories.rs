@@ -1,0 +1,36 @@
+//! Where the sessions went: the paper's figure of the environment.
+
+use std::collections::BTreeMap;
+
+use posecut_graph::PoseGraph;
+
+use super::{Frame, Panel, Polyline, colours};
+
+/// One panel a graph, one line a session in it: the ground truth where known, else the estimate.
+pub fn panels(graphs: &[(String, PoseGraph)], frame: Frame) -> Vec<Panel> {
+    graphs
+        .iter()
+        .map(|(name, graph)| {
+            let mut sessions: BTreeMap<String, Vec<(f64, f64)>> = BTreeMap::new();
+            for node in &graph.nodes {
+                let truth = node.truth.as_ref().and_then(|truth| truth.pose.as_ref());
+                if let Some(pose) = truth.or(node.pose.as_ref()) {
+                    let session = node.session.clone().unwrap_or_default();
+                    sessions.entry(session).or_default().push(frame.place(pose[0], pose[1]));
+                }
+            }
+            let lines = sessions
+                .into_iter()
+                .enumerate()
+                .map(|(index, (session, points))| Polyline {
+                    points,
+                    colour: colours::experience(index),
+                    width: 1.2,
+                    dashed: false,
+                    legend: Some(session),
+                })
+                .collect();
+            Panel { title: name.clone(), lines }
+        })
+        .collect()
+}

@@ -1,0 +1,45 @@
+//! Figures that others have published, to stand beside ours.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::{Context as _, bail};
+use serde::Deserialize;
+
+/// A published table of RMSE values.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Published {
+    /// Where it was published.
+    pub source: String,
+    /// For each method: metres by session.
+    pub rmse: BTreeMap<String, BTreeMap<String, f64>>,
+}
+
+impl Published {
+    /// Reads a TOML file; numbers must be finite.
+    pub fn read(path: &Path) -> anyhow::Result<Self> {
+        let place = path.display();
+        let text = std::fs::read_to_string(path).with_context(|| format!("{place}: cannot be read"))?;
+        let published: Self = toml::from_str(&text).with_context(|| {
+            format!("{place}: expected source = \"…\" and [rmse.METHOD] tables of SESSION = METRES")
+        })?;
+        for (method, row) in &published.rmse {
+            if let Some((session, value)) = row.iter().find(|(_, value)| !value.is_finite()) {
+                bail!("{place}: rmse.{method}.{session} is {value}, and must be a finite number");
+            }
+        }
+        Ok(published)
+    }
+
+    /// The published value of a method on a session.
+    pub fn value(&self, method: &str, session: &str) -> Option<f64> {
+        self.rmse.get(method)?.get(session).copied()
+    }
+
+    /// The mean over the published sessions of a method.
+    pub fn mean(&self, method: &str) -> Option<f64> {
+        let row = self.rmse.get(method).filter(|row| !row.is_empty())?;
+        Some(row.values().sum::<f64>() / row.len() as f64)
+    }
+}

@@ -1,0 +1,137 @@
+//! Methods against sessions.
+
+mod csv_rows;
+mod latex;
+mod markdown;
+
+pub use csv_rows::write_csv;
+pub use latex::latex;
+pub use markdown::markdown;
+
+use crate::results::RunResult;
+
+/// Mean and spread of one method on one session over seeds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    /// Mean RMSE, metres.
+    pub mean: f64,
+    /// Sample standard deviation over seeds; absent for a single seed.
+    pub deviation: Option<f64>,
+    /// Seeds.
+    pub seeds: usize,
+    /// Mean number of incorrect edges in use.
+    pub false_kept: f64,
+    /// Mean number of incorrect edges.
+    pub false_all: f64,
+    /// Mean number of correct edges in use.
+    pub true_kept: f64,
+    /// Mean number of correct edges.
+    pub true_all: f64,
+    /// Seeds whose graph fell into parts that no edge joins.
+    pub disconnected: usize,
+}
+
+/// One experiment's results: a cell for each method and session.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// The experiment's name.
+    pub pipeline: String,
+    /// Columns, sorted; those without data are kept.
+    pub sessions: Vec<String>,
+    /// Rows in the order asked for.
+    pub methods: Vec<Row>,
+}
+
+/// One method.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// The method's name.
+    pub method: String,
+    /// One cell a session; `None` where there is no data.
+    pub cells: Vec<Option<Cell>>,
+}
+
+impl Row {
+    /// The mean over the sessions that have data.
+    pub fn mean(&self) -> Option<f64> {
+        let means: Vec<f64> = self.cells.iter().flatten().map(|cell| cell.mean).collect();
+        (!means.is_empty()).then(|| means.iter().sum::<f64>() / means.len() as f64)
+    }
+}
+
+/// Builds one table an experiment. `methods` orders the rows (others follow by name), `missing` names sessions
+/// that were asked for but have no data.
+pub fn tables(results: &[RunResult], methods: &[String], missing: &[String]) -> Vec<Table> {
+    let mut pipelines: Vec<String> = results.iter().map(|result| result.label("pipeline")).collect();
+    pipelines.sort();
+    pipelines.dedup();
+    pipelines
+        .into_iter()
+        .map(|pipeline| {
+            let own: Vec<&RunResult> =
+                results.iter().filter(|result| result.label("pipeline") == pipeline).collect();
+            table(pipeline, &own, methods, missing)
+        })
+        .collect()
+}
+
+fn table(pipeline: String, results: &[&RunResult], methods: &[String], missing: &[String]) -> Table {
+    let distinct = |name: &str| {
+        let mut values: Vec<String> = results.iter().map(|result| result.label(name)).collect();
+        values.sort();
+        values.dedup();
+        values
+    };
+    let mut sessions = distinct("session");
+    sessions.extend(missing.iter().cloned());
+    sessions.sort();
+    sessions.dedup();
+    let found = distinct("method");
+    let mut ordered: Vec<String> = methods.iter().filter(|method| found.contains(method)).cloned().collect();
+    ordered.extend(found.into_iter().filter(|method| !methods.contains(method)));
+    let methods = ordered
+        .into_iter()
+        .map(|method| {
+            let cells = sessions
+                .iter()
+                .map(|session| {
+                    let runs = results
+                        .iter()
+                        .filter(|run| run.label("method") == method && run.label("session") == *session);
+                    cell(&runs.copied().collect::<Vec<_>>())
+                })
+                .collect();
+            Row { method, cells }
+        })
+        .collect();
+    Table { pipeline, sessions, methods }
+}
+
+fn cell(runs: &[&RunResult]) -> Option<Cell> {
+    if runs.is_empty() {
+        return None;
+    }
+    let count = runs.len() as f64;
+    let mean = runs.iter().map(|run| run.rmse).sum::<f64>() / count;
+    let deviation = (runs.len() > 1)
+        .then(|| (runs.iter().map(|run| (run.rmse - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt());
+    let edges: Vec<_> = runs.iter().filter_map(|run| run.edges).collect();
+    let average = |pick: fn(&crate::results::Edges) -> usize| {
+        edges.iter().map(pick).sum::<usize>() as f64 / edges.len().max(1) as f64
+    };
+    Some(Cell {
+        mean,
+        deviation,
+        seeds: runs.len(),
+        false_kept: average(|edges| edges.false_positive),
+        false_all: average(|edges| edges.false_positive + edges.true_negative),
+        true_kept: average(|edges| edges.true_positive),
+        true_all: average(|edges| edges.true_positive + edges.false_negative),
+        disconnected: runs.iter().filter(|run| run.components > 1).count(),
+    })
+}
+
+/// Metres with two decimals below ten and one above.
+pub(crate) fn metres(value: f64) -> String {
+    if value.abs() < 10.0 { format!("{value:.2}") } else { format!("{value:.1}") }
+}

@@ -1,0 +1,78 @@
+//! Tables for papers.
+
+use std::fmt::Write as _;
+
+use super::{Table, metres};
+use crate::published::Published;
+
+/// One `tabular` an experiment; needs no package.
+pub fn latex(tables: &[Table], published: &Published) -> String {
+    let mut text = String::new();
+    for table in tables {
+        // Writing to a string cannot fail.
+        let _ =
+            writeln!(text, "% {}: RMSE in metres, mean and standard deviation over seeds", table.pipeline);
+        let _ = writeln!(text, "\\begin{{tabular}}{{l{}}}", "r".repeat(table.sessions.len() + 1));
+        let _ = writeln!(text, "\\hline");
+        let sessions: Vec<String> = table.sessions.iter().map(|session| escape(session)).collect();
+        let _ = writeln!(text, " & {} & mean \\\\", sessions.join(" & "));
+        let _ = writeln!(text, "\\hline");
+        for row in &table.methods {
+            let cells: Vec<String> = row
+                .cells
+                .iter()
+                .map(|cell| match cell {
+                    None => "--".to_owned(),
+                    Some(cell) => match cell.deviation {
+                        Some(deviation) => format!("${} \\pm {}$", metres(cell.mean), metres(deviation)),
+                        None => metres(cell.mean),
+                    },
+                })
+                .collect();
+            let mean = row.mean().map_or_else(String::new, metres);
+            let _ = writeln!(text, "{} & {} & {mean} \\\\", escape(&row.method), cells.join(" & "));
+            if published.rmse.contains_key(&row.method) {
+                let cells: Vec<String> = table
+                    .sessions
+                    .iter()
+                    .map(|session| {
+                        published.value(&row.method, session).map_or_else(|| "--".to_owned(), metres)
+                    })
+                    .collect();
+                let mean = published.mean(&row.method).map_or_else(String::new, metres);
+                let _ = writeln!(
+                    text,
+                    "{} (published) & {} & {mean} \\\\",
+                    escape(&row.method),
+                    cells.join(" & ")
+                );
+            }
+        }
+        let _ = writeln!(text, "\\hline");
+        let _ = writeln!(text, "\\end{{tabular}}\n");
+    }
+    text
+}
+
+/// Characters that mean something to LaTeX.
+fn escape(text: &str) -> String {
+    text.chars()
+        .map(|character| match character {
+            '&' | '%' | '$' | '#' | '_' | '{' | '}' => format!("\\{character}"),
+            '\\' => "\\textbackslash{}".to_owned(),
+            '~' => "\\textasciitilde{}".to_owned(),
+            '^' => "\\textasciicircum{}".to_owned(),
+            other => other.to_string(),
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::escape;
+
+    #[test]
+    fn special_characters_are_escaped() {
+        assert_eq!(escape("a_b & 5 %"), "a\\_b \\& 5 \\%");
+    }
+}
