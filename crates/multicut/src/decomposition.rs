@@ -23,8 +23,19 @@ pub(crate) struct Decomposition {
     /// What every solution pays outside the kernels.
     pub(crate) constant: f64,
     pub(crate) kernels: Vec<Piece>,
-    /// The reductions made, in order, where asked for.
-    pub(crate) steps: Option<Vec<Step>>,
+    /// What was done, where asked for.
+    pub(crate) trace: Option<Vec<Trace>>,
+}
+
+/// What became of one part of a graph, for a certificate.
+#[derive(Debug, Clone)]
+pub(crate) struct Trace {
+    /// The part it was split from; earlier in the list.
+    pub(crate) parent: Option<usize>,
+    pub(crate) names: Vec<u32>,
+    pub(crate) steps: Vec<Step>,
+    /// The kernel that it is, if it is one.
+    pub(crate) kernel: Option<usize>,
 }
 
 /// Reduces a graph, splits it into blocks, reduces those, and so on to a fixpoint.
@@ -32,17 +43,24 @@ pub(crate) fn decompose(graph: SignedGraph, record: bool, budget: &mut Budget) -
     let node_count = graph.node_count();
     let mut joined = UnionFind::new(node_count);
     let mut undo = Vec::new();
-    let mut steps = record.then(Vec::new);
+    let mut trace = record.then(Vec::new);
     let mut constant = Sum::default();
     let mut kernels = Vec::new();
     let mut place = vec![u32::MAX; node_count];
-    let mut work = vec![(Piece { names: (0..node_count as u32).collect(), graph }, false)];
-    while let Some((mut piece, is_block)) = work.pop() {
+    let mut work = vec![(Piece { names: (0..node_count as u32).collect(), graph }, None)];
+    while let Some((mut piece, parent)) = work.pop() {
         let mut left = 0.0;
+        let index = trace.as_ref().map_or(0, Vec::len);
+        let mut steps = record.then(Vec::new);
         let mut history = History { joined: &mut joined, undo: &mut undo, steps: steps.as_mut() };
         let changed = reduce(&mut piece.graph, &piece.names, &mut left, &mut history, budget);
         constant.add(left);
-        if is_block && !changed {
+        let is_kernel = parent.is_some() && !changed;
+        if let (Some(trace), Some(steps)) = (&mut trace, steps) {
+            let kernel = is_kernel.then_some(kernels.len());
+            trace.push(Trace { parent, names: piece.names.clone(), steps, kernel });
+        }
+        if is_kernel {
             kernels.push(piece);
             continue;
         }
@@ -53,10 +71,10 @@ pub(crate) fn decompose(graph: SignedGraph, record: bool, budget: &mut Budget) -
         }
         for nodes in parts.conflicted.iter().rev() {
             let names = nodes.iter().map(|&node| piece.names[node as usize]).collect();
-            work.push((Piece { names, graph: piece.graph.induced(nodes, &mut place) }, true));
+            work.push((Piece { names, graph: piece.graph.induced(nodes, &mut place) }, Some(index)));
         }
     }
-    Decomposition { joined, undo, constant: constant.value(), kernels, steps }
+    Decomposition { joined, undo, constant: constant.value(), kernels, trace }
 }
 
 impl Decomposition {

@@ -27,11 +27,19 @@ pub struct Options {
     pub work_limit: Option<u64>,
     /// Seed of the local search that improves what could not be proved optimal.
     pub seed: u64,
+    /// Whether to record a [`Certificate`](crate::Certificate) of the lower bound.
+    pub certificate: bool,
 }
 
 impl Default for Options {
     /// Exact, within 60 seconds.
     fn default() -> Self {
-        Self { solver: Solver::Exact, time_limit: Some(Duration::from_secs(60)), work_limit: None, seed: 0 }
+        Self {
+            solver: Solver::Exact,
+            time_limit: Some(Duration::from_secs(60)),
+            work_limit: None,
+            seed: 0,
+            certificate: false,
+        }
     }
 }

@@ -43,7 +43,9 @@ pub(crate) enum Step {
     /// The same by the triangle with `apex`.
     Triangle { kept: u32, gone: u32, apex: u32 },
     /// A node of degree two left.
-    Bridge { node: u32 },
+    DegreeTwo { node: u32 },
+    /// A node without attraction left.
+    Isolate { node: u32 },
 }
 
 /// Records what reductions did to the nodes of the graph that names them.
@@ -100,6 +102,7 @@ pub(crate) fn reduce(
         }
         if arcs.iter().all(|arc| arc.cost < 0.0) {
             changed = true;
+            history.step(Step::Isolate { node: names[node as usize] });
             for arc in graph.detach(node) {
                 *constant += arc.cost;
                 queue.push(arc.node);
@@ -117,7 +120,7 @@ pub(crate) fn reduce(
             let name = names[node as usize];
             let neighbours = [names[x.node as usize], names[y.node as usize]];
             history.undo.push(DegreeTwo { node: name, neighbours, costs: [a, b] });
-            history.step(Step::Bridge { node: name });
+            history.step(Step::DegreeTwo { node: name });
             queue.push(x.node);
             queue.push(y.node);
             continue;

@@ -8,9 +8,11 @@ use crate::kernighan_lin::kernighan_lin_with_joins;
 use crate::local_search::fuse_proposals;
 use crate::options::Solver;
 use crate::packing::Packing;
+use crate::proof::{Proof, Reduced};
 use crate::relaxation::{Relaxation, solve_relaxation};
 use crate::signed_graph::SignedGraph;
 use crate::sum::Sum;
+use crate::union_find::UnionFind;
 
 /// What is known about the optimum of a kernel.
 #[derive(Debug, Clone)]
@@ -23,6 +25,8 @@ pub(crate) struct State {
     /// Gap that counts as closed.
     tolerance: f64,
     packing: Packing,
+    /// Why the bound holds, where a certificate is wanted.
+    pub(crate) proof: Option<Proof>,
 }
 
 /// Differences of this share of the absolute costs count as none where costs are not integers.
@@ -43,6 +47,16 @@ impl State {
         self.bound >= self.objective - self.tolerance
     }
 
+    /// Takes over a better bound.
+    fn raise(&mut self, bound: f64, proof: impl FnOnce() -> Option<Proof>) {
+        if bound > self.bound {
+            self.bound = bound;
+            if self.proof.is_some() {
+                self.proof = proof();
+            }
+        }
+    }
+
     fn offer(&mut self, graph: &SignedGraph, labels: Vec<u32>) {
         let objective = graph.objective(&labels);
         if objective < self.objective {
@@ -53,7 +67,7 @@ impl State {
 }
 
 /// Heuristic solution and packing bound of a kernel.
-pub(crate) fn survey(graph: &SignedGraph, solver: Solver, budget: &mut Budget) -> State {
+pub(crate) fn survey(graph: &SignedGraph, solver: Solver, record: bool, budget: &mut Budget) -> State {
     let mut labels = additive_edge_contraction(graph.clone(), budget);
     if solver != Solver::Gaec {
         kernighan_lin_with_joins(graph, &mut labels, budget);
@@ -63,7 +77,8 @@ pub(crate) fn survey(graph: &SignedGraph, solver: Solver, budget: &mut Budget) -
     packing.extend(&kernel, budget);
     let objective = graph.objective(&labels);
     let tolerance = TOLERANCE * magnitude(graph);
-    State { labels, objective, bound: kernel.rounded(packing.bound), tolerance, packing }
+    let proof = record.then(|| Proof::Packing(packing.cycles.clone()));
+    State { labels, objective, bound: kernel.rounded(packing.bound), tolerance, packing, proof }
 }
 
 /// Improves the solution of a kernel by local search.
@@ -100,7 +115,8 @@ impl Tree {
         let mut packing = std::mem::take(&mut state.packing);
         for impatient in [true, false] {
             let relaxation = solve_relaxation(&kernel, packing, goal(state), impatient, budget);
-            state.bound = state.bound.max(kernel.rounded(relaxation.packing.bound));
+            let bound = kernel.rounded(relaxation.packing.bound);
+            state.raise(bound, || Some(Proof::Packing(relaxation.packing.cycles.clone())));
             round(graph, &kernel, &relaxation, state, budget);
             packing = relaxation.packing.clone();
             if state.bound >= goal(state) || budget.is_over() {
@@ -110,9 +126,13 @@ impl Tree {
                 && (!impatient || fixed.nodes * FEW >= graph.node_count())
             {
                 // Whatever the fixed graph leaves out is no better than what is known.
-                let (labels, bound) = self.solve_within(fixed.graph, goal(state), budget);
+                let Inside { labels, bound, proof } =
+                    self.solve_within(fixed.graph, goal(state), state.proof.is_some(), budget);
                 state.offer(graph, labels);
-                state.bound = state.bound.max(bound.min(fixed.left_out));
+                state.raise(bound.min(fixed.left_out), || {
+                    let (cycles, edges) = (packing.cycles.clone(), fixed.edges);
+                    Some(Proof::Fixed { cycles, edges, reward: self.big, rest: proof? })
+                });
                 break;
             }
             if !impatient {
@@ -124,38 +144,29 @@ impl Tree {
 
     /// Joins the ends of attractive edges whose cutting alone would lift the bound over the goal.
     fn fix(&self, graph: &SignedGraph, kernel: &Kernel, packing: &Packing, goal: f64) -> Option<Fixed> {
-        let mut fixed = graph.clone();
-        let mut sets = crate::union_find::UnionFind::new(graph.node_count());
-        let mut left_out = f64::INFINITY;
+        let mut fixed = Fixed { graph: graph.clone(), edges: Vec::new(), nodes: 0, left_out: f64::INFINITY };
+        let mut sets = UnionFind::new(graph.node_count());
         for (edge, &(tail, head)) in kernel.ends.iter().enumerate() {
             let without = kernel.rounded(packing.bound + packing.residual[edge]);
             if kernel.costs[edge] > 0.0 && without >= goal {
-                left_out = left_out.min(without);
-                let (tail, head) = (sets.find(tail), sets.find(head));
-                sets.union(tail, head);
+                fixed.left_out = fixed.left_out.min(without);
+                // A big cost joins for sure: dominance contracts it at once, and labels keep their numbers.
+                if sets.union(tail, head) {
+                    fixed.graph.add_cost(tail, head, self.big);
+                    fixed.edges.push((tail, head));
+                    fixed.nodes += 1;
+                }
             }
         }
-        if left_out == f64::INFINITY {
-            return None;
-        }
-        // A big cost joins for sure: dominance contracts it at once, and labels keep their numbers.
-        let mut nodes = 0;
-        for node in graph.nodes() {
-            let root = sets.find(node);
-            if root != node {
-                nodes += 1;
-                fixed.add_cost(node, root, self.big);
-            }
-        }
-        Some(Fixed { graph: fixed, nodes, left_out })
+        (fixed.nodes > 0).then_some(fixed)
     }
 
-    /// Decomposes a graph and solves its kernels so far as needed to tell its optimum from `cutoff`: labels, bound.
-    fn solve_within(&self, graph: SignedGraph, cutoff: f64, budget: &mut Budget) -> (Vec<u32>, f64) {
-        let decomposition = decompose(graph, false, budget);
+    /// Decomposes a graph and solves its kernels so far as needed to tell its optimum from `cutoff`: labels and bound.
+    fn solve_within(&self, graph: SignedGraph, cutoff: f64, record: bool, budget: &mut Budget) -> Inside {
+        let decomposition = decompose(graph, record, budget);
         let kernels = &decomposition.kernels;
         let mut states: Vec<State> =
-            kernels.iter().map(|piece| survey(&piece.graph, Solver::Exact, budget)).collect();
+            kernels.iter().map(|piece| survey(&piece.graph, Solver::Exact, record, budget)).collect();
         let total = |states: &[State]| {
             let mut sum = Sum::default();
             sum.add(decomposition.constant);
@@ -173,7 +184,10 @@ impl Tree {
             self.close(&kernels[index].graph, &mut states[index], slack, budget);
         }
         let labels = decomposition.assemble(states.iter().map(|state| state.labels.as_slice()));
-        (labels, total(&states))
+        let bound = total(&states);
+        let kernels = states.into_iter().map_while(|state| state.proof).collect();
+        let proof = decomposition.trace.map(|trace| Reduced { trace, kernels });
+        Inside { labels, bound, proof }
     }
 
     /// Splits on the attractive edge whose value is nearest to one half: joined, or apart.
@@ -195,18 +209,24 @@ impl Tree {
             return;
         };
         let (tail, head) = kernel.ends[edge];
+        let record = state.proof.is_some();
         let mut bound = f64::INFINITY;
+        let mut proofs = [None, None];
         for apart in [relaxation.paid[edge] > 0.5, relaxation.paid[edge] <= 0.5] {
             let mut child = graph.clone();
             child.add_cost(tail, head, if apart { -2.0 * self.big } else { self.big });
             // An edge that is surely cut pays its big reward; the constant takes it back.
             let constant = if apart { 2.0 * self.big } else { 0.0 };
-            let (labels, value) =
-                self.solve_within(child, cutoff.min(state.objective - self.tolerance) - constant, budget);
-            state.offer(graph, labels);
-            bound = bound.min(value + constant);
+            let goal = cutoff.min(state.objective - self.tolerance) - constant;
+            let inside = self.solve_within(child, goal, record, budget);
+            state.offer(graph, inside.labels);
+            bound = bound.min(inside.bound + constant);
+            proofs[usize::from(apart)] = inside.proof;
         }
-        state.bound = state.bound.max(bound);
+        let [joined, apart] = proofs;
+        state.raise(bound, || {
+            Some(Proof::Branch { edge: (tail, head), reward: self.big, joined: joined?, apart: apart? })
+        });
     }
 }
 
@@ -231,8 +251,17 @@ fn round(
 
 struct Fixed {
     graph: SignedGraph,
+    /// The edges whose ends are joined.
+    edges: Vec<(u32, u32)>,
     /// How many nodes fewer it has.
     nodes: usize,
     /// Lower bound on every solution that is left out.
     left_out: f64,
+}
+
+/// What [`Tree::solve_within`] finds.
+struct Inside {
+    labels: Vec<u32>,
+    bound: f64,
+    proof: Option<Reduced>,
 }

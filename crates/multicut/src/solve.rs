@@ -7,13 +7,14 @@ use crate::canonical::canonical_order;
 use crate::decomposition::{Decomposition, decompose};
 use crate::graph::Graph;
 use crate::options::{Options, Solver};
+use crate::proof::{Certificate, Reduced};
 use crate::search::{State, close, improve, survey};
 use crate::signed_graph::SignedGraph;
 use crate::sum::Sum;
 use crate::union_find::UnionFind;
 
 /// A multicut, and how good it is known to be.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Solution {
     /// Cluster of each node, numbered by first appearance. An edge is cut iff its ends have different labels; every
     /// cluster is connected by edges that are not cut.
@@ -31,6 +32,8 @@ pub struct Solution {
     pub kernel_edges: usize,
     /// Nodes and edges of the largest kernel.
     pub largest_kernel: (usize, usize),
+    /// Proof of the lower bound, if [`Options::certificate`] asked for one.
+    pub certificate: Option<Certificate>,
     /// Work done, in the units of [`Options::work_limit`].
     pub work: u64,
     /// Seconds it took.
@@ -69,13 +72,15 @@ pub fn solve(graph: &Graph, options: &Options) -> Solution {
         let order = canonical_order(&local);
         let nodes: Vec<u32> = order.iter().map(|&node| nodes[node as usize]).collect();
         let local = local.induced(&order, &mut vec![u32::MAX; order.len()]);
-        let decomposition = decompose(local, false, &mut budget);
+        let decomposition = decompose(local, options.certificate, &mut budget);
         components.push(Component { nodes, decomposition, states: Vec::new() });
     }
     for component in &mut components {
         let kernels = &component.decomposition.kernels;
-        component.states =
-            kernels.iter().map(|piece| survey(&piece.graph, options.solver, &mut budget)).collect();
+        component.states = kernels
+            .iter()
+            .map(|piece| survey(&piece.graph, options.solver, options.certificate, &mut budget))
+            .collect();
     }
     if options.solver == Solver::Exact {
         close_all(&mut components, options.seed, &mut budget);
@@ -98,6 +103,7 @@ pub fn solve(graph: &Graph, options: &Options) -> Solution {
     }
     let labels = joined.labels();
     let objective = graph.objective(&labels).unwrap_or(f64::INFINITY);
+    let certificate = options.certificate.then(|| certify(&labels, components));
     let lower_bound = bound.value();
     Solution {
         labels,
@@ -108,9 +114,19 @@ pub fn solve(graph: &Graph, options: &Options) -> Solution {
         kernel_nodes,
         kernel_edges,
         largest_kernel,
+        certificate,
         work: budget.spent(),
         seconds: start.elapsed().as_secs_f64(),
     }
+}
+
+fn certify(labels: &[u32], components: Vec<Component>) -> Certificate {
+    let components = components.into_iter().filter_map(|component| {
+        let trace = component.decomposition.trace?;
+        let kernels = component.states.into_iter().map_while(|state| state.proof).collect();
+        Some((component.nodes, Reduced { trace, kernels }))
+    });
+    Certificate { labels: labels.to_vec(), components: components.collect() }
 }
 
 /// Fusion moves before the exact search: a better solution prunes more.

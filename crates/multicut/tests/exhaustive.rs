@@ -1,6 +1,6 @@
 //! Every solver against all partitions of small graphs.
 
-use posecut_multicut::{Graph, Options, Solution, Solver, solve};
+use posecut_multicut::{Graph, Options, Solution, Solver, solve, verify};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -59,8 +59,18 @@ fn compare(graph: &Graph, all: &[Vec<u32>]) {
     let optimum = minimum(graph, all);
     let tolerance = 1e-8 * optimum.abs().max(1.0);
     for solver in [Solver::Exact, Solver::Klj, Solver::Gaec] {
-        let solution = solve(graph, &Options { solver, time_limit: None, ..Options::default() });
+        let options = Options { solver, time_limit: None, certificate: true, ..Options::default() };
+        let solution = solve(graph, &options);
         check(graph, &solution);
+        let mut text = Vec::new();
+        solution.certificate.as_ref().unwrap().write(&mut text).unwrap();
+        let verified = verify(graph, text.as_slice()).unwrap();
+        assert!(
+            (verified.lower_bound - solution.lower_bound).abs() <= tolerance,
+            "{verified:?} {solution:?}"
+        );
+        assert!((verified.objective - solution.objective).abs() <= tolerance, "{verified:?} {solution:?}");
+        assert_eq!(verified.optimal, solution.optimal, "{verified:?} {solution:?} {graph:?}");
         assert!(solution.objective >= optimum - tolerance, "{solver:?} {solution:?} {optimum} {graph:?}");
         assert!(solution.lower_bound <= optimum + tolerance, "{solver:?} {solution:?} {optimum} {graph:?}");
         if solver == Solver::Exact || solution.optimal {
