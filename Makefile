@@ -159,7 +159,8 @@ sessions_of    = $(foreach session,$(present),$(RESULTS)/$(call experiment_of,$(
 
 $(RESULTS)/%/trajectories.svg $(RESULTS)/%/trajectories.png: $$(call sessions_of,$$@) $(REPORT)
 	$(call said,report)
-	@$(REPORT) trajectories --quiet $(call sessions_of,$@) -o $@
+	@$(REPORT) trajectories --quiet $(call sessions_of,$@) -o $(@D)/trajectories.svg
+	@$(REPORT) trajectories --quiet $(call sessions_of,$@) -o $(@D)/trajectories.png
 
 %/graphs.svg %/graphs.png: %/pcm.result.json %/pcm+gc.result.json $(REPORT)
 	$(call said,report)
@@ -169,7 +170,9 @@ $(RESULTS)/%/trajectories.svg $(RESULTS)/%/trajectories.png: $$(call sessions_of
 	  --reference $*/oracle.optimized.jsonl -o $*/graphs.png
 
 # ---- development ------------------------------------------------------------------------------------------
+# The programs first: the contract tests run them.
 test:
+	cargo build --workspace --bins --locked
 	cargo test --workspace --locked
 
 check:

@@ -3,6 +3,7 @@
 use anyhow::{Context as _, bail};
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::LinePlot;
+use kuva::plot::legend::LegendPosition;
 use kuva::render::figure::Figure;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
@@ -10,8 +11,10 @@ use kuva::{PngBackend, render::render::Scene};
 
 use super::{Frame, Panel};
 
-/// Side of a panel, pixels.
-const PANEL: (f64, f64) = (560.0, 520.0);
+/// Width of a panel, pixels.
+const WIDTH: f64 = 640.0;
+/// What of a panel the axes do not fill: labels beside, title and legend above and below, pixels.
+const MARGINS: (f64, f64) = (110.0, 150.0);
 /// Pixels of a PNG for each of the figure's.
 const PNG_SCALE: f32 = 2.0;
 
@@ -39,8 +42,25 @@ fn scene(panels: &[Panel], columns: usize, frame: Frame) -> Scene {
     Figure::new(rows, columns)
         .with_plots(plots)
         .with_layouts(layouts)
-        .with_cell_size(PANEL.0, PANEL.1)
+        .with_cell_size(WIDTH, height(panels))
         .render()
+}
+
+/// The height at which the most upright panel fills its axes, within reason.
+fn height(panels: &[Panel]) -> f64 {
+    let shape = |panel: &Panel| {
+        let points = || panel.lines.iter().flat_map(|line| &line.points);
+        let extent = |pick: fn(&(f64, f64)) -> f64| {
+            let (low, high) =
+                points().map(pick).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+                    (low.min(value), high.max(value))
+                });
+            (high - low).max(1.0)
+        };
+        extent(|point| point.1) / extent(|point| point.0)
+    };
+    let shape = panels.iter().map(shape).fold(0.0, f64::max).clamp(0.5, 1.5);
+    (WIDTH - MARGINS.0) * shape + MARGINS.1
 }
 
 fn axes(panel: &Panel, frame: Frame) -> (Vec<Plot>, Layout) {
@@ -68,6 +88,7 @@ fn axes(panel: &Panel, frame: Frame) -> (Vec<Plot>, Layout) {
         .with_x_label(right)
         .with_y_label(up)
         .with_tick_format(TickFormat::Integer)
+        .with_legend_position(LegendPosition::InsideBottomRight)
         .with_equal_aspect();
     (plots, layout)
 }

@@ -19,6 +19,7 @@ pub fn panels(graphs: &[(String, PoseGraph)], frame: Frame) -> Vec<Panel> {
                     sessions.entry(session).or_default().push(frame.place(pose[0], pose[1]));
                 }
             }
+            let several = sessions.len() > 1;
             let lines = sessions
                 .into_iter()
                 .enumerate()
@@ -27,7 +28,7 @@ pub fn panels(graphs: &[(String, PoseGraph)], frame: Frame) -> Vec<Panel> {
                     colour: colours::experience(index),
                     width: 1.2,
                     dashed: false,
-                    legend: Some(session),
+                    legend: several.then_some(session),
                 })
                 .collect();
             Panel { title: name.clone(), lines }
