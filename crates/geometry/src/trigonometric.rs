@@ -67,3 +67,36 @@ pub(crate) fn half_cotangent(squared: f64) -> f64 {
     let half = 0.5 * squared.sqrt();
     (1.0 - half / half.tan()) / squared
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn series_and_closed_forms_meet_where_they_change_over() {
+        let below = Trigonometric::of_squared_angle(1.0 - f64::EPSILON);
+        let above = Trigonometric::of_squared_angle(1.0);
+        let pairs = [
+            (below.c1, above.c1),
+            (below.c2, above.c2),
+            (below.c3, above.c3),
+            (below.c4, above.c4),
+            (below.c5, above.c5),
+        ];
+        for (series, closed) in pairs {
+            assert!((series / closed - 1.0).abs() < 1e-13, "{series} {closed}");
+        }
+        assert!((half_cotangent(0.04) / half_cotangent(0.04 - 1e-17) - 1.0).abs() < 1e-13);
+    }
+
+    /// The relative error of the closed form grows as the inverse square of the angle: judge the series by it from above.
+    #[test]
+    fn the_series_of_the_half_cotangent_is_right_to_its_last_term() {
+        for squared in [0.02_f64, 0.03, 0.039] {
+            let half = 0.5 * squared.sqrt();
+            let closed = (1.0 - half / half.tan()) / squared;
+            let series = half_cotangent(squared);
+            assert!((series - closed).abs() < 4e-15, "{series:e} {closed:e}");
+        }
+    }
+}

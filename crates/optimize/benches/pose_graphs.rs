@@ -29,7 +29,7 @@ fn measure<G: PoseGroup<DOF>, const DOF: usize>(name: &str, best: f64, graph: (V
             let options = Options { initialisation, ..Options::default() };
             let mut milliseconds = f64::INFINITY;
             let mut solution = optimize(&problem, &options);
-            for _ in 0..if solution.iterations > 50 { 0 } else { 5 } {
+            for _ in 0..if solution.iterations > 50 { 0 } else { 15 } {
                 let start = Instant::now();
                 solution = optimize(&problem, &options);
                 milliseconds = milliseconds.min(start.elapsed().as_secs_f64() * 1e3);

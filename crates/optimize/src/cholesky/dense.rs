@@ -1,5 +1,10 @@
 //! Partial Cholesky factorisation of one dense front.
 
+#![allow(
+    clippy::inline_always,
+    reason = "loops take the vector instructions of the caller they are inlined into"
+)]
+
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
@@ -17,20 +22,22 @@ pub(crate) fn scratch(columns: usize) -> MemBuffer {
 /// Eliminates the `columns` columns of a front of `height` rows, all column-major.
 ///
 /// `panel` holds the columns `[A; B]` and becomes `[L; M]` with `L L^T = A`, `M = B L^-T`. `update`, of order
-/// `height - columns`, is reduced by `M M^T`; only its lower triangle is meant. On failure returns the column whose
-/// pivot was not positive.
+/// `height - columns`, is reduced by `M M^T`, or, if it is `fresh`, becomes `-M M^T` whatever it held; only its lower
+/// triangle is meant. On failure returns the column whose pivot was not positive.
+#[inline(always)]
 pub(crate) fn eliminate<const D: usize>(
     panel: &mut [f64],
     height: usize,
     columns: usize,
     update: &mut [f64],
+    fresh: bool,
     memory: &mut MemBuffer,
 ) -> Result<(), usize> {
     let below = height - columns;
     if columns * (columns * columns / 3 + columns * below + below * below) < LARGE_FRONT {
-        eliminate_small::<D>(panel, height, columns, update)
+        eliminate_small::<D>(panel, height, columns, update, fresh)
     } else {
-        eliminate_large(panel, height, columns, update, memory)
+        eliminate_large(panel, height, columns, update, fresh, memory)
     }
 }
 
@@ -40,6 +47,7 @@ fn eliminate_large(
     height: usize,
     columns: usize,
     update: &mut [f64],
+    fresh: bool,
     memory: &mut MemBuffer,
 ) -> Result<(), usize> {
     let below = height - columns;
@@ -53,7 +61,7 @@ fn eliminate_large(
         matmul(
             MatMut::from_column_major_slice_mut(update, below, below),
             BlockStructure::TriangularLower,
-            Accum::Add,
+            if fresh { Accum::Replace } else { Accum::Add },
             rest.as_ref(),
             BlockStructure::Rectangular,
             rest.as_ref().transpose(),
@@ -66,11 +74,13 @@ fn eliminate_large(
 }
 
 /// Right-looking by blocks of `D` columns, without calls.
+#[inline(always)]
 fn eliminate_small<const D: usize>(
     panel: &mut [f64],
     height: usize,
     columns: usize,
     update: &mut [f64],
+    fresh: bool,
 ) -> Result<(), usize> {
     for start in (0..columns).step_by(D) {
         let (done, later) = panel.split_at_mut((start + D) * height);
@@ -81,10 +91,12 @@ fn eliminate_small<const D: usize>(
         }
     }
     let below = height - columns;
-    for start in (0..columns).step_by(D) {
-        let block = &panel[start * height..(start + D) * height];
-        for column in 0..below {
-            let target = &mut update[column * below + column..(column + 1) * below];
+    for (column, target) in update.chunks_exact_mut(below.max(1)).enumerate() {
+        let target = &mut target[column..];
+        if fresh {
+            target.fill(0.0);
+        }
+        for block in panel[..columns * height].chunks_exact(D * height) {
             subtract_outer::<D>(target, block, height, columns + column);
         }
     }
@@ -92,6 +104,7 @@ fn eliminate_small<const D: usize>(
 }
 
 /// Cholesky of `D` columns whose diagonal block starts at row `start`.
+#[inline(always)]
 fn factor_block<const D: usize>(block: &mut [f64], height: usize, start: usize) -> Result<(), usize> {
     for column in 0..D {
         let (done, later) = block.split_at_mut((column + 1) * height);
@@ -118,16 +131,46 @@ fn factor_block<const D: usize>(block: &mut [f64], height: usize, start: usize) 
 }
 
 /// `target -= sum over the block's columns c of block[row.., c] * block[row, c]`.
-#[inline]
+#[inline(always)]
 fn subtract_outer<const D: usize>(target: &mut [f64], block: &[f64], height: usize, row: usize) {
     let length = target.len();
     let sources: [&[f64]; D] = std::array::from_fn(|column| &block[column * height + row..][..length]);
     let factors: [f64; D] = std::array::from_fn(|column| sources[column].first().copied().unwrap_or(0.0));
-    for (index, value) in target.iter_mut().enumerate() {
-        let mut sum = 0.0;
-        for column in 0..D {
-            sum += sources[column][index] * factors[column];
-        }
-        *value -= sum;
+    // Tiles of one vector register each. Columns are short: a loop that the compiler unrolls for long ones would spend
+    // its time in the remainder.
+    let mut start = 0;
+    while start + 8 <= length {
+        subtract_tile::<D, 8>(target, &sources, &factors, start);
+        start += 8;
     }
+    if start + 4 <= length {
+        subtract_tile::<D, 4>(target, &sources, &factors, start);
+        start += 4;
+    }
+    if start + 2 <= length {
+        subtract_tile::<D, 2>(target, &sources, &factors, start);
+        start += 2;
+    }
+    if start < length {
+        subtract_tile::<D, 1>(target, &sources, &factors, start);
+    }
+}
+
+/// `W` rows of [`subtract_outer`].
+#[inline(always)]
+fn subtract_tile<const D: usize, const W: usize>(
+    target: &mut [f64],
+    sources: &[&[f64]; D],
+    factors: &[f64; D],
+    start: usize,
+) {
+    let Some(target) = target[start..].first_chunk_mut::<W>() else { return };
+    let mut sums = *target;
+    for (source, factor) in sources.iter().zip(factors) {
+        let Some(source) = source[start..].first_chunk::<W>() else { return };
+        for (sum, value) in sums.iter_mut().zip(source) {
+            *sum -= value * factor;
+        }
+    }
+    *target = sums;
 }

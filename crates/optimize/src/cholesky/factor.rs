@@ -1,6 +1,12 @@
 //! The numeric phase: multifrontal factorisation and triangular solves.
 
+#![allow(
+    clippy::inline_always,
+    reason = "loops take the vector instructions of the caller they are inlined into"
+)]
+
 use faer::dyn_stack::MemBuffer;
+use faer::traits::pulp::Arch;
 use nalgebra::{SMatrix, SVector};
 use thiserror::Error;
 
@@ -25,6 +31,8 @@ pub struct Factor<const D: usize> {
     stacks: [Vec<f64>; 2],
     memory: MemBuffer,
     permuted: Vec<f64>,
+    below: Vec<f64>,
+    runs: Vec<Run>,
     /// Smallest share that elimination has left of a diagonal entry, and where.
     smallest_pivot: (f64, usize, usize),
 }
@@ -39,11 +47,14 @@ impl<const D: usize> Factor<D> {
     /// Reserves all memory that factorising and solving with this pattern need.
     pub fn new(symbolic: &Symbolic) -> Self {
         let columns = symbolic.fronts.iter().map(|front| front.columns).max().unwrap_or(0);
+        let below = symbolic.fronts.iter().map(Front::below).max().unwrap_or(0);
         Self {
             panels: vec![0.0; symbolic.panel_blocks * D * D],
             stacks: symbolic.stack_blocks.map(|blocks| vec![0.0; blocks * D * D]),
             memory: dense::scratch(columns * D),
             permuted: vec![0.0; symbolic.variables() * D],
+            below: vec![0.0; below * D],
+            runs: Vec::with_capacity(below),
             smallest_pivot: (1.0, 0, 0),
         }
     }
@@ -53,6 +64,22 @@ impl<const D: usize> Factor<D> {
     /// `damping` is added to every diagonal entry as a multiple of that entry, after it was raised to at least
     /// `floor`: `A + damping * max(diag A, floor)`.
     pub fn factorize(
+        &mut self,
+        symbolic: &Symbolic,
+        diagonal: &[SMatrix<f64, D, D>],
+        off_diagonal: &[SMatrix<f64, D, D>],
+        damping: f64,
+        floor: f64,
+    ) -> Result<(), Breakdown> {
+        // The widest vector instructions of the machine, chosen here once for all loops that are inlined below.
+        Arch::new().dispatch(
+            #[inline(always)]
+            || self.factorize_fronts(symbolic, diagonal, off_diagonal, damping, floor),
+        )
+    }
+
+    #[inline(always)]
+    fn factorize_fronts(
         &mut self,
         symbolic: &Symbolic,
         diagonal: &[SMatrix<f64, D, D>],
@@ -86,17 +113,20 @@ impl<const D: usize> Factor<D> {
             let below = front.below() * D;
             let update_start = front.update * D * D;
             let update = &mut own[update_start..update_start + below * below];
-            update.fill(0.0);
-            for &child in &symbolic.children[front.children.clone()] {
-                extend_add::<D>(symbolic, &symbolic.fronts[child], front, others, panel, update);
+            let fresh = front.children.is_empty();
+            if !fresh {
+                update.fill(0.0);
             }
-            // Assembled diagonal entries less what the children took: a front's own share is judged after it.
-            dense::eliminate::<D>(panel, height, front.columns * D, update, &mut self.memory).map_err(
-                |column| Breakdown {
+            for &child in &symbolic.children[front.children.clone()] {
+                let child = &symbolic.fronts[child];
+                find_runs::<D>(&symbolic.relative[child.rows.clone()], &mut self.runs);
+                extend_add::<D>(symbolic, child, front, others, &self.runs, panel, update);
+            }
+            dense::eliminate::<D>(panel, height, front.columns * D, update, fresh, &mut self.memory)
+                .map_err(|column| Breakdown {
                     variable: symbolic.order[front.first + column / D],
                     component: column % D,
-                },
-            )?;
+                })?;
             self.note_pivots(symbolic, front, diagonal, damping, floor);
         }
         Ok(())
@@ -136,12 +166,18 @@ impl<const D: usize> Factor<D> {
         for (position, &variable) in symbolic.order.iter().enumerate() {
             self.permuted[position * D..(position + 1) * D].copy_from_slice(values[variable].as_slice());
         }
-        for front in &symbolic.fronts {
-            forward::<D>(symbolic, front, &self.panels, &mut self.permuted);
-        }
-        for front in symbolic.fronts.iter().rev() {
-            backward::<D>(symbolic, front, &self.panels, &mut self.permuted);
-        }
+        let (panels, permuted, below) = (&self.panels, &mut self.permuted, &mut self.below);
+        Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                for front in &symbolic.fronts {
+                    forward::<D>(symbolic, front, panels, permuted, below);
+                }
+                for front in symbolic.fronts.iter().rev() {
+                    backward::<D>(symbolic, front, panels, permuted, below);
+                }
+            },
+        );
         for (position, &variable) in symbolic.order.iter().enumerate() {
             values[variable].as_mut_slice().copy_from_slice(&self.permuted[position * D..(position + 1) * D]);
         }
@@ -149,6 +185,7 @@ impl<const D: usize> Factor<D> {
 }
 
 /// Copies a block to block position `(row, column)` of a column-major panel.
+#[inline(always)]
 fn write_block<const D: usize>(
     panel: &mut [f64],
     height: usize,
@@ -162,12 +199,34 @@ fn write_block<const D: usize>(
     }
 }
 
-/// Adds a child's update matrix to its parent's front.
+/// A stretch of a child's rows that lies together in the parent's front, too. Scalars.
+#[derive(Clone, Copy)]
+struct Run {
+    source: usize,
+    target: usize,
+    length: usize,
+}
+
+/// Splits the child's rows into runs.
+#[inline(always)]
+fn find_runs<const D: usize>(relative: &[usize], runs: &mut Vec<Run>) {
+    runs.clear();
+    for (index, &place) in relative.iter().enumerate() {
+        match runs.last_mut() {
+            Some(run) if run.target + run.length == place * D => run.length += D,
+            _ => runs.push(Run { source: index * D, target: place * D, length: D }),
+        }
+    }
+}
+
+/// Adds the lower triangle of a child's update matrix to its parent's front.
+#[inline(always)]
 fn extend_add<const D: usize>(
     symbolic: &Symbolic,
     child: &Front,
     parent: &Front,
     stack: &[f64],
+    runs: &[Run],
     panel: &mut [f64],
     update: &mut [f64],
 ) {
@@ -175,18 +234,27 @@ fn extend_add<const D: usize>(
     let order = relative.len() * D;
     let source = &stack[child.update * D * D..][..order * order];
     let (height, below) = (parent.height() * D, parent.below() * D);
+    let eliminated = parent.columns * D;
+    let mut first_run = 0;
     for (block_column, &place) in relative.iter().enumerate() {
+        while runs[first_run].source + runs[first_run].length <= block_column * D {
+            first_run += 1;
+        }
         for component in 0..D {
-            let column = &source[(block_column * D + component) * order..][..order];
+            let index = block_column * D + component;
+            let column = &source[index * order..][..order];
             let (target, skipped) = if place < parent.columns {
                 (&mut panel[(place * D + component) * height..][..height], 0)
             } else {
-                let start = ((place - parent.columns) * D + component) * below;
-                (&mut update[start..start + below], parent.columns)
+                let start = (place * D - eliminated + component) * below;
+                (&mut update[start..start + below], eliminated)
             };
-            for (values, &row) in column.chunks_exact(D).zip(relative).skip(block_column) {
-                let start = (row - skipped) * D;
-                for (sum, value) in target[start..start + D].iter_mut().zip(values) {
+            for run in &runs[first_run..] {
+                // The first run may have begun above the diagonal.
+                let above = index.saturating_sub(run.source);
+                let values = &column[run.source + above..run.source + run.length];
+                let sums = &mut target[run.target + above - skipped..][..values.len()];
+                for (sum, value) in sums.iter_mut().zip(values) {
                     *sum += value;
                 }
             }
@@ -194,46 +262,91 @@ fn extend_add<const D: usize>(
     }
 }
 
-/// `x_1 = L^-1 x_1`, then `x_2 -= M x_1`, for the columns of one front.
-fn forward<const D: usize>(symbolic: &Symbolic, front: &Front, panels: &[f64], x: &mut [f64]) {
+/// `x_1 = L^-1 x_1`, then `x_2 -= M x_1`, for the columns of one front. `below` is working memory.
+#[inline(always)]
+fn forward<const D: usize>(
+    symbolic: &Symbolic,
+    front: &Front,
+    panels: &[f64],
+    x: &mut [f64],
+    below: &mut [f64],
+) {
     let height = front.height() * D;
     let panel = &panels[front.panel * D * D..][..front.columns * D * height];
     let (before, after) = x.split_at_mut((front.first + front.columns) * D);
     let own = &mut before[front.first * D..];
-    let offset = (front.first + front.columns) * D;
     let columns = own.len();
-    for (column, values) in panel.chunks_exact(height).enumerate() {
-        let solved = own[column] / values[column];
-        own[column] = solved;
-        for (target, value) in own[column + 1..].iter_mut().zip(&values[column + 1..columns]) {
-            *target -= solved * value;
-        }
-        for (&row, block) in symbolic.rows[front.rows.clone()].iter().zip(values[columns..].chunks_exact(D)) {
-            for (target, value) in after[row * D - offset..][..D].iter_mut().zip(block) {
-                *target -= solved * value;
+    let offset = (front.first + front.columns) * D;
+    let below = &mut below[..height - columns];
+    below.fill(0.0);
+    for (block_index, block) in panel.chunks_exact(D * height).enumerate() {
+        let start = block_index * D;
+        let mut solved = [0.0; D];
+        for column in 0..D {
+            let values = &block[column * height..][..height];
+            let value = own[start + column] / values[start + column];
+            own[start + column] = value;
+            solved[column] = value;
+            for (target, entry) in
+                own[start + column + 1..].iter_mut().zip(&values[start + column + 1..columns])
+            {
+                *target -= value * entry;
             }
+        }
+        let sources: [&[f64]; D] =
+            std::array::from_fn(|column| &block[column * height + columns..][..below.len()]);
+        for (index, target) in below.iter_mut().enumerate() {
+            let mut sum = 0.0;
+            for column in 0..D {
+                sum += sources[column][index] * solved[column];
+            }
+            *target += sum;
+        }
+    }
+    for (&row, values) in symbolic.rows[front.rows.clone()].iter().zip(below.chunks_exact(D)) {
+        for (target, value) in after[row * D - offset..][..D].iter_mut().zip(values) {
+            *target -= value;
         }
     }
 }
 
-/// `x_1 = L^-T (x_1 - M^T x_2)` for the columns of one front.
-fn backward<const D: usize>(symbolic: &Symbolic, front: &Front, panels: &[f64], x: &mut [f64]) {
+/// `x_1 = L^-T (x_1 - M^T x_2)` for the columns of one front. `below` is working memory.
+#[inline(always)]
+fn backward<const D: usize>(
+    symbolic: &Symbolic,
+    front: &Front,
+    panels: &[f64],
+    x: &mut [f64],
+    below: &mut [f64],
+) {
     let height = front.height() * D;
     let panel = &panels[front.panel * D * D..][..front.columns * D * height];
     let (before, after) = x.split_at_mut((front.first + front.columns) * D);
     let own = &mut before[front.first * D..];
-    let offset = (front.first + front.columns) * D;
     let columns = own.len();
-    for (column, values) in panel.chunks_exact(height).enumerate().rev() {
-        let mut sum = own[column];
-        for (&row, block) in symbolic.rows[front.rows.clone()].iter().zip(values[columns..].chunks_exact(D)) {
-            for (known, value) in after[row * D - offset..][..D].iter().zip(block) {
-                sum -= known * value;
+    let offset = (front.first + front.columns) * D;
+    let below = &mut below[..height - columns];
+    for (&row, values) in symbolic.rows[front.rows.clone()].iter().zip(below.chunks_exact_mut(D)) {
+        values.copy_from_slice(&after[row * D - offset..][..D]);
+    }
+    for (block_index, block) in panel.chunks_exact(D * height).enumerate().rev() {
+        let start = block_index * D;
+        // D sums at a time: one alone would wait for its own last addition.
+        let sources: [&[f64]; D] =
+            std::array::from_fn(|column| &block[column * height + columns..][..below.len()]);
+        let mut sums = [0.0; D];
+        for (index, &known) in below.iter().enumerate() {
+            for column in 0..D {
+                sums[column] += sources[column][index] * known;
             }
         }
-        for (known, value) in own[column + 1..].iter().zip(&values[column + 1..columns]) {
-            sum -= known * value;
+        for column in (0..D).rev() {
+            let values = &block[column * height..][..height];
+            let mut sum = own[start + column] - sums[column];
+            for (known, value) in own[start + column + 1..].iter().zip(&values[start + column + 1..columns]) {
+                sum -= known * value;
+            }
+            own[start + column] = sum / values[start + column];
         }
-        own[column] = sum / values[column];
     }
 }

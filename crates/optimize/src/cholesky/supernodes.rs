@@ -72,8 +72,8 @@ pub(crate) fn maximal(parent: &[usize], upper: &Adjacency) -> Vec<Supernode> {
 }
 
 /// Merges a supernode into its parent where the two are adjacent and few zeros come of it: larger fronts cost some
-/// arithmetic and save much bookkeeping. The limits are those of CHOLMOD (Chen, Davis, Hager, Rajamanickam, 2008),
-/// whose counts are of scalar columns; `block` is the number of scalars in a block.
+/// arithmetic and save much bookkeeping. The rule is CHOLMOD's (Chen, Davis, Hager, Rajamanickam, 2008); its limits, on
+/// numbers of scalar columns, were set by measurement. `block` is the number of scalars in a block.
 pub(crate) fn amalgamate(supernodes: Vec<Supernode>, block: usize) -> Vec<Supernode> {
     // Right to left, so that a parent is complete before its last child asks to join it.
     let mut merged: Vec<Supernode> = Vec::with_capacity(supernodes.len());
@@ -105,5 +105,5 @@ fn joins(child: &Supernode, parent: &Supernode, block: usize) -> bool {
     let size = columns * (columns + 1) / 2 + columns * parent.rows.len();
     let share = zeros as f64 / size as f64;
     let scalars = columns * block;
-    zeros == 0 || share < 0.05 || (scalars <= 48 && share < 0.1) || (scalars <= 16 && share < 0.4)
+    zeros == 0 || share < 0.1 || (scalars <= 64 && share < 0.2) || (scalars <= 24 && share < 0.5)
 }
