@@ -24,6 +24,9 @@ pub(crate) struct Point {
 /// Most Newton steps; usual are 10 to 30.
 const STEPS: usize = 100;
 
+/// Most entries of a factor: one gigabyte. Larger programs keep the bound they have.
+const LARGEST_FACTOR: usize = 1 << 27;
+
 /// Newton steps in a row that may bring no progress.
 const PATIENCE: usize = 8;
 
@@ -216,6 +219,9 @@ impl<'a> NewtonSystem<'a> {
             CholeskySymbolicParams::default(),
         )
         .ok()?;
+        if symbolic.len_val() > LARGEST_FACTOR {
+            return None;
+        }
         let request = symbolic
             .factorize_numeric_llt_scratch::<f64>(Par::Seq, faer::Spec::default())
             .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));

@@ -36,7 +36,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             solver: Solver::Exact,
-            time_limit: Some(Duration::from_secs(60)),
+            time_limit: Some(Duration::from_mins(1)),
             work_limit: None,
             seed: 0,
             certificate: false,

@@ -180,7 +180,7 @@ fn triangle(graph: &SignedGraph, u: u32, v: u32, total_u: f64, budget: &mut Budg
             continue;
         }
         position += at_v[position..].partition_point(|other| other.node < arc.node);
-        let Some(other) = at_v.get(position) else { return None };
+        let other = at_v.get(position)?;
         if other.node != arc.node || other.cost <= 0.0 {
             continue;
         }

@@ -170,7 +170,9 @@ impl Tree {
         let total = |states: &[State]| {
             let mut sum = Sum::default();
             sum.add(decomposition.constant);
-            states.iter().for_each(|state| sum.add(state.bound));
+            for state in states {
+                sum.add(state.bound);
+            }
             sum.value()
         };
         let mut order: Vec<usize> = (0..kernels.len()).collect();

@@ -399,7 +399,9 @@ impl<B: BufRead> Checker<B> {
     fn packing(&mut self, kernel: &Part, cycles: usize) -> Result<(Part, f64), VerifyError> {
         let mut residual = kernel.clone();
         for arcs in &mut residual.arcs {
-            arcs.values_mut().for_each(|cost| *cost = cost.abs());
+            for cost in arcs.values_mut() {
+                *cost = cost.abs();
+            }
         }
         let mut bound = kernel.negative_sum();
         for _ in 0..cycles {

@@ -1,4 +1,5 @@
 //! Every solver against all partitions of small graphs.
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use posecut_multicut::{Graph, Options, Solution, Solver, solve, verify};
 use rand::{RngExt, SeedableRng};
