@@ -36,7 +36,9 @@ fn renumber(edges: &Edges, nodes: u64, random: &mut ChaCha8Rng) -> (Vec<u64>, Ed
 /// What symmetries of the graph leave alone: the sizes of the clusters.
 fn sizes(labels: &[u32]) -> Vec<usize> {
     let mut sizes = vec![0; labels.len()];
-    labels.iter().for_each(|&label| sizes[label as usize] += 1);
+    for &label in labels {
+        sizes[label as usize] += 1;
+    }
     sizes.sort_unstable();
     sizes
 }
@@ -62,7 +64,9 @@ fn unique_optima_are_the_same_partition_after_renumbering() {
     let mut random = ChaCha8Rng::seed_from_u64(12);
     for _ in 0..15 {
         let mut edges = sparse(40, 110, 0.6, &mut random);
-        edges.iter_mut().for_each(|edge| edge.2 *= random.random_range(0.5..1.5));
+        for edge in &mut edges {
+            edge.2 *= random.random_range(0.5..1.5);
+        }
         let (numbers, renumbered) = renumber(&edges, 40, &mut random);
         let options = Options { time_limit: None, ..Options::default() };
         let first = solve(&Graph::new(40, edges).unwrap(), &options);
@@ -125,7 +129,7 @@ fn a_spoiled_certificate_is_refuted() {
                 lines[index] = &line;
                 match verify(&graph, lines.join("\n").as_bytes()) {
                     Ok(verified) => {
-                        assert!(verified.lower_bound <= solution.objective, "line {index}: {line}")
+                        assert!(verified.lower_bound <= solution.objective, "line {index}: {line}");
                     }
                     Err(_) => refuted += 1,
                 }
