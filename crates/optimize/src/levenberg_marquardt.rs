@@ -22,6 +22,9 @@ const SMALLEST_DAMPING: f64 = 1e-8;
 /// Share of a diagonal entry that elimination must leave: below it the direction is undetermined.
 const SINGULAR: f64 = 1e-14;
 
+/// Cost below which only rounding is left to lower: a graph without noise never meets a relative tolerance.
+const NOISELESS: f64 = 1e-5;
+
 /// How an iteration ended.
 pub(crate) struct Outcome {
     pub(crate) cost: f64,
@@ -68,8 +71,7 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
             outcome.termination = Termination::Gradient;
             return outcome;
         }
-        // Absolute part of the cost test: a graph without noise ends at a cost of rounding errors.
-        let cost_tolerance = |cost: f64| options.cost_tolerance * cost.max(1e-9);
+        let cost_tolerance = |cost: f64| options.cost_tolerance * cost.max(NOISELESS);
         while outcome.iterations < options.max_iterations {
             outcome.iterations += 1;
             let Some((promised, largest)) = self.solve(damping.value, &mut outcome.undetermined) else {

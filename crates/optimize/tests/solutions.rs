@@ -4,6 +4,7 @@
 
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use posecut_geometry::{LieGroup, SE2, SE3};
+use posecut_optimize::initialisation::spanning_tree;
 use posecut_optimize::{
     Edge, EdgeKind, Initialisation, Kernel, Options, Problem, ProblemError, Start, Termination, optimize,
 };
@@ -235,4 +236,48 @@ fn graphs_that_make_no_sense_are_refused_with_place_and_remedy() {
     let pose = SE3::identity();
     let parallel = vec![Edge::new(0, 1, pose, Matrix6::identity(), EdgeKind::Odometry); 3];
     assert!(optimize(&Problem::new(vec![pose; 2], parallel).unwrap(), &Options::default()).converged);
+}
+
+#[test]
+fn the_tree_takes_odometry_first_and_edges_of_both_directions() {
+    let (truth, edges) = exact(30, 21, planar);
+    let turned: Vec<_> = edges
+        .iter()
+        .enumerate()
+        .map(|(index, edge)| {
+            let back =
+                Edge { from: edge.to, to: edge.from, measurement: edge.measurement.inverse(), ..*edge };
+            if index % 2 == 0 { back } else { *edge }
+        })
+        .collect();
+    let mut poses = vec![SE2::identity(); 30];
+    poses[0] = truth[0];
+    for (pose, truth) in spanning_tree(&poses, &turned).iter().zip(&truth) {
+        assert!(pose.between(truth).log().norm() < 1e-9);
+    }
+    // A false landmark edge that comes first must not displace the odometry it competes with.
+    let false_edge = Edge::new(0, 5, SE2::new(99.0, 0.0, 0.0), Matrix3::identity(), EdgeKind::Landmark);
+    let with_false: Vec<_> = std::iter::once(false_edge).chain(turned).collect();
+    assert!(spanning_tree(&poses, &with_false)[5].between(&truth[5]).log().norm() < 1e-9);
+}
+
+#[test]
+fn pivots_that_are_only_rounding_do_not_throw_a_pose_away() {
+    for index in 0..40 {
+        // Two measured directions out of three: the last pivot is zero plus or minus rounding.
+        let first = Vector3::new(f64::from(index).cos(), f64::from(index).sin(), 0.3);
+        let second = Vector3::new(0.2, f64::from(index).cos(), f64::from(index).sin());
+        let information = first * first.transpose() + second * second.transpose();
+        let edges = vec![
+            Edge::new(0, 1, SE2::new(1.0, 0.0, 0.2), Matrix3::identity(), EdgeKind::Odometry),
+            Edge::new(1, 2, SE2::new(2.0, 0.5, 1.0), information, EdgeKind::Odometry),
+        ];
+        let start = vec![SE2::identity(), SE2::new(0.9, 0.1, 0.1), SE2::new(2.5, 0.3, 1.4)];
+        let problem = Problem::new(start, edges).unwrap();
+        let solution =
+            optimize(&problem, &Options { initialisation: Initialisation::Given, ..Options::default() });
+        assert_eq!(solution.components[0].undetermined.map(|(node, _)| node), Some(2), "{index}");
+        assert!(solution.converged && solution.chi2 < 1e-6, "{index}: {:?}", solution.components);
+        assert!(solution.poses[2].translation.norm() < 10.0, "{index}: {:?}", solution.poses[2]);
+    }
 }
