@@ -170,10 +170,11 @@ $(RESULTS)/%/trajectories.svg $(RESULTS)/%/trajectories.png: $$(call sessions_of
 	  --reference $*/oracle.optimized.jsonl -o $*/graphs.png
 
 # ---- development ------------------------------------------------------------------------------------------
-# The programs first: the contract tests run them.
+# The programs first: the contract tests run them. Optimised, because tests run real experiments, and because
+# `make table` has built most of it already.
 test:
-	cargo build --workspace --bins --locked
-	cargo test --workspace --locked
+	cargo build --release --workspace --bins --locked
+	cargo test --release --workspace --locked
 
 check:
 	cargo fmt --all --check

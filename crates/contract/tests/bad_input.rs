@@ -103,6 +103,16 @@ fn faults() -> Vec<(&'static str, String, &'static [&'static str])> {
             format!("{HEADER}\n{{\"kind\":\"node\",\"id\":0,\"id\":1}}\n"),
             &["line 2", "\"id\"", "twice"],
         ),
+        (
+            "twice the same noise model",
+            r#"{"kind":"header","format":"posecut","version":1,"dimension":2,"noise_models":{"a":{"information":[1,0,0,1,0,1]},"a":{"information":[2,0,0,2,0,2]}}}"#.to_owned(),
+            &["line 1", "\"noise_models\"", "\"a\" stands twice"],
+        ),
+        (
+            "twice the same truth",
+            format!("{HEADER}\n{{\"kind\":\"node\",\"id\":0,\"truth\":{{\"pose\":[0,0,0],\"pose\":[1,0,0]}}}}\n"),
+            &["line 2", "\"truth\"", "\"pose\" stands twice"],
+        ),
         ("no UTF-8", format!("{HEADER}\n"), &[]),
     ]
 }

@@ -20,6 +20,18 @@ pub enum Freedom {
     Sim3,
 }
 
+impl Freedom {
+    /// The name that results and messages give.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "no",
+            Self::Se2 => "SE(2)",
+            Self::Se3 => "SE(3)",
+            Self::Sim3 => "Sim(3)",
+        }
+    }
+}
+
 /// p -> scale * rotation * p + translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alignment {

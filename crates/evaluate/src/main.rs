@@ -41,8 +41,11 @@ fn main() -> ExitCode {
                 .transpose()?;
             let result = evaluate(&estimate, reference.as_ref(), &command.options)?;
             info!(
-                "RMSE {:.3} m over {} poses after {:?} alignment, {:?}",
-                result.rmse, result.poses, result.alignment.freedom, result.alignment.scope
+                "RMSE {:.3} m over {} poses after {} alignment of {}",
+                result.rmse,
+                result.poses,
+                result.alignment.freedom.name(),
+                result.alignment.scope.name()
             );
             context.statistics.note("rmse", result.rmse);
             context.statistics.note("poses", result.poses);

@@ -23,6 +23,16 @@ pub enum Scope {
     PerSession,
 }
 
+impl Scope {
+    /// What messages call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Joint => "all sessions together",
+            Self::PerSession => "each session by itself",
+        }
+    }
+}
+
 /// The options of evaluation.
 #[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
 pub struct Options {

@@ -369,8 +369,8 @@ impl Fields for HeaderFields {
             Key::Dimension => once(map, &mut self.dimension),
             Key::Provenance => once(map, &mut self.provenance),
             Key::NoiseModels => {
-                let models: Extra = map.next_value()?;
-                for (name, model) in models {
+                let models: Option<UniqueFields> = map.next_value()?;
+                for (name, model) in models.map(|models| models.0).unwrap_or_default() {
                     let model = noise_model(model).map_err(A::Error::custom)?;
                     self.noise_models.push((name, model));
                 }
@@ -382,6 +382,37 @@ impl Fields for HeaderFields {
 
     fn extra(&mut self) -> &mut Extra {
         &mut self.extra
+    }
+}
+
+/// The fields of a nested object. One that stands twice is a fault here too: JSON's own answer, that the last
+/// one counts, would lose data without a word.
+struct UniqueFields(Extra);
+
+impl<'de> Deserialize<'de> for UniqueFields {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Fields;
+
+        impl<'de> Visitor<'de> for Fields {
+            type Value = UniqueFields;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str("an object")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<UniqueFields, A::Error> {
+                let mut fields = Extra::new();
+                while let Some((name, value)) = map.next_entry::<String, Value>()? {
+                    if fields.contains_key(&name) {
+                        return Err(A::Error::custom(format!("\"{name}\" stands twice")));
+                    }
+                    fields.insert(name, value);
+                }
+                Ok(UniqueFields(fields))
+            }
+        }
+
+        deserializer.deserialize_map(Fields)
     }
 }
 
@@ -405,7 +436,7 @@ fn take_known<T: DeserializeOwned>(fields: &mut Extra, name: &str) -> Result<Opt
 
 impl<'de> Deserialize<'de> for NodeTruth {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let mut extra = Extra::deserialize(deserializer)?;
+        let UniqueFields(mut extra) = UniqueFields::deserialize(deserializer)?;
         let pose = take_known(&mut extra, "pose").map_err(D::Error::custom)?;
         Ok(Self { pose, extra })
     }
@@ -413,7 +444,7 @@ impl<'de> Deserialize<'de> for NodeTruth {
 
 impl<'de> Deserialize<'de> for EdgeTruth {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let mut extra = Extra::deserialize(deserializer)?;
+        let UniqueFields(mut extra) = UniqueFields::deserialize(deserializer)?;
         let correct = take_known(&mut extra, "correct").map_err(D::Error::custom)?;
         Ok(Self { correct, extra })
     }

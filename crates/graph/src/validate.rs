@@ -24,14 +24,7 @@ impl Validator {
             validator.information(&model.information).map_err(|problem| {
                 problem.record("header").field(format!("noise_models.{name}.information"))
             })?;
-            if !validator.noise_models.insert(name.clone()) {
-                return Err(Problem::new(
-                    format!("the noise model \"{name}\" is defined twice"),
-                    "keep one definition",
-                )
-                .record("header")
-                .field("noise_models"));
-            }
+            validator.noise_models.insert(name.clone());
         }
         Ok(validator)
     }

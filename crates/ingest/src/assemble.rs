@@ -102,7 +102,7 @@ fn keyframes(
             "keep more with --keep-every, or check that images and odometry are of the same session",
         ));
     }
-    info!("{} keyframes, clock {source:?}, every {}", times.len(), options.keep_every);
+    info!("{} keyframes, one of {} by {}", times.len(), options.keep_every, source.name());
     Ok((source, times))
 }
 

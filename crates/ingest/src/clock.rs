@@ -14,6 +14,17 @@ pub enum ClockSource {
     Period,
 }
 
+impl ClockSource {
+    /// What messages call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Images => "image names",
+            Self::RelativeOdometry => "odometry_mu.csv",
+            Self::Period => "a fixed period",
+        }
+    }
+}
+
 /// Every `keep`-th time of a clock that the odometry covers, starting with the first.
 ///
 /// `clock` holds the times of images, ascending; without any, `period` microseconds set the rhythm from the

@@ -61,7 +61,7 @@ impl Reader<'_> {
         let Some((file, bytes)) = self.files.content(kind)? else {
             return Err(IngestError::session(
                 self.files.place(),
-                format!("there is no file for {kind:?}; found {found}"),
+                format!("there is no {}; found {found}", kind.file_name()),
                 "complete the session with scripts/fetch-nclt.sh, or choose another source (--odometry, --heading)",
             ));
         };
@@ -117,6 +117,6 @@ fn choose(files: &SessionFiles, wanted: OdometrySource) -> Result<OdometrySource
             "one of odometry_mu.csv, odometry_mu_100hz.csv or wheels.csv is needed; scripts/fetch-nclt.sh downloads them",
         ));
     };
-    info!("odometry from {kind:?} (choose another with --odometry)");
+    info!("odometry from {} (choose another with --odometry)", kind.file_name());
     Ok(source)
 }

@@ -37,6 +37,21 @@ pub enum FileKind {
 }
 
 impl FileKind {
+    /// The name that NCLT gives the file.
+    pub fn file_name(self) -> &'static str {
+        match self {
+            Self::GroundTruth => "groundtruth_DATE.csv",
+            Self::RelativeOdometry => "odometry_mu.csv",
+            Self::RelativeCovariance => "odometry_cov.csv",
+            Self::IntegratedOdometry => "odometry_mu_100hz.csv",
+            Self::IntegratedCovariance => "odometry_cov_100hz.csv",
+            Self::Wheels => "wheels.csv",
+            Self::Imu => "ms25.csv",
+            Self::Euler => "ms25_euler.csv",
+            Self::FibreOpticGyro => "kvh.csv",
+        }
+    }
+
     fn from_name(name: &str) -> Option<Self> {
         let csv = Path::new(name).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
         Some(match name {

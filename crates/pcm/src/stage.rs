@@ -2,7 +2,7 @@
 
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_graph::{Dimension, PoseGraph};
-use posecut_stage::{Context, GraphStage, info, warn};
+use posecut_stage::{Context, GraphStage, counted, info, warn};
 use serde::Serialize;
 
 use crate::candidate::group;
@@ -60,10 +60,10 @@ impl Summary {
     fn note(&self, context: &mut Context) {
         let optimal = self.clique_size == self.clique_upper_bound;
         info!(
-            "{} of {} landmark edges kept in {} groups{}",
+            "{} of {} kept, {}{}",
             self.clique_size,
-            self.candidates,
-            self.groups,
+            counted(self.candidates, "landmark edge"),
+            counted(self.groups, "group"),
             if optimal { ", proved largest" } else { "" }
         );
         if !optimal {

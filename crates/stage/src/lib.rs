@@ -20,6 +20,7 @@ mod output;
 mod program;
 mod randomness;
 mod statistics;
+mod words;
 
 pub use arguments::{CommonArguments, Source, Target};
 pub use context::Context;
@@ -30,6 +31,7 @@ pub use output::{write_atomically, write_output};
 pub use program::{Identity, Outcome, run};
 pub use randomness::random;
 pub use statistics::Statistics;
+pub use words::counted;
 
 // What stages write their messages with, so that they need no logging crate of their own.
 pub use indicatif::ProgressBar;

@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use flate2::{Compression, GzBuilder};
 
 use crate::{Target, interrupt};
@@ -35,13 +35,21 @@ pub fn write_atomically(
     // A link keeps pointing where it pointed; a device or pipe cannot be replaced by a file.
     let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     if fs::metadata(&real).is_ok_and(|metadata| !metadata.is_file()) {
-        let file = File::options().write(true).open(&real).with_context(place)?;
-        return fill(file, false, write).map(drop).with_context(place);
+        let device = || format!("{}: cannot be written", path.display());
+        let file = File::options().write(true).open(&real).with_context(device)?;
+        return fill(file, false, write).map(drop).with_context(device);
     }
     let folder = match real.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
         _ => PathBuf::from("."),
     };
+    if !folder.is_dir() {
+        bail!(
+            "{}: there is no folder {} to write it in; make the folder first",
+            path.display(),
+            folder.display()
+        );
+    }
     let mut builder = tempfile::Builder::new();
     builder.prefix(".posecut-").suffix(".tmp");
     #[cfg(unix)]

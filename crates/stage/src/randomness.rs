@@ -30,6 +30,6 @@ mod tests {
     #[test]
     fn the_first_number_is_the_same_on_every_machine() {
         // Printed by this test once; a change would silently change every published result.
-        assert_eq!(random(1, "noise").next_u64(), 0);
+        assert_eq!(random(1, "noise").next_u64(), 13_670_758_585_516_955_643);
     }
 }

@@ -26,7 +26,7 @@ pub(super) fn dead_reckoning(
     let Some(&(first, _, start)) = covered.first() else {
         return Err(IngestError::session(
             &wheels.file,
-            format!("no row lies within the times of the heading ({heading:?})"),
+            "no row lies within the times of the heading",
             "choose another --heading; both files must be of the same session",
         ));
     };
@@ -64,7 +64,7 @@ fn choose(files: &SessionFiles, wanted: HeadingSource) -> Result<HeadingSource, 
             "add kvh.csv, ms25_euler.csv or ms25.csv",
         ));
     };
-    info!("heading from {kind:?} (choose another with --heading)");
+    info!("heading from {} (choose another with --heading)", kind.file_name());
     Ok(heading)
 }
 

@@ -3,6 +3,8 @@
 use std::fmt::Write as _;
 
 use super::{Cell, Table, metres};
+use posecut_stage::counted;
+
 use crate::published::Published;
 
 /// One section an experiment: RMSE with the published figures between the rows, then the landmark edges kept.
@@ -24,7 +26,8 @@ fn section(text: &mut String, table: &Table, published: &Published) {
     let _ = writeln!(text, "### {}\n", table.pipeline);
     let _ = writeln!(
         text,
-        "RMSE in metres against the pseudo ground truth, mean ± standard deviation over {seeds} seeds.\n"
+        "RMSE in metres against the pseudo ground truth, mean ± standard deviation over {}.\n",
+        counted(seeds, "seed")
     );
     let mut rows = vec![header(table)];
     for row in &table.methods {
