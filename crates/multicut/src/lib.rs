@@ -19,6 +19,7 @@
 mod blocks;
 mod budget;
 mod canonical;
+pub mod command;
 mod decomposition;
 mod error;
 mod graph;
@@ -26,6 +27,7 @@ mod greedy;
 mod interior_point;
 mod kernel;
 mod kernighan_lin;
+mod landmarks;
 mod local_search;
 mod options;
 mod packing;

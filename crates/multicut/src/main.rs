@@ -1,5 +1,5 @@
-//! `posecut-multicut`: minimum-cost multicuts of landmark edges.
+//! `posecut-multicut`: minimum-cost multicuts of landmark edges and of plain signed graphs.
 
 fn main() -> std::process::ExitCode {
-    posecut_stage::run_graph_stage::<posecut_multicut::stage::StageOptions>(env!("CARGO_PKG_VERSION"))
+    posecut_multicut::command::main()
 }

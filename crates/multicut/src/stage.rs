@@ -7,8 +7,9 @@ use posecut_graph::{EdgeKind, PoseGraph};
 use posecut_stage::{Context, GraphStage, info, warn};
 use serde::Serialize;
 
+use crate::landmarks::{label_landmarks, mark};
 use crate::support::support_counts;
-use crate::{Graph, Solver, solve};
+use crate::{Graph, Solution, Solver, solve};
 
 /// What cutting a landmark edge costs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
@@ -77,7 +78,8 @@ pub enum SolverChoice {
 }
 
 impl StageOptions {
-    fn solver_options(&self) -> anyhow::Result<crate::Options> {
+    /// How to solve, as the command line says it.
+    pub(crate) fn solver_options(&self, certificate: bool) -> anyhow::Result<crate::Options> {
         let time_limit = Duration::try_from_secs_f64(self.time_limit).map_err(|_| {
             anyhow::anyhow!(
                 "--time-limit is {}, and must be zero or a positive number of seconds",
@@ -93,6 +95,7 @@ impl StageOptions {
             solver,
             time_limit: Some(time_limit),
             work_limit: self.work_limit,
+            certificate,
             ..crate::Options::default()
         })
     }
@@ -125,6 +128,80 @@ impl StageOptions {
             .map(|(index, count)| (index, cost(count)))
             .collect())
     }
+
+    /// The signed graph of a pose graph: its nodes are the places of the pose graph's nodes.
+    pub(crate) fn cut_graph(&self, graph: &PoseGraph) -> anyhow::Result<Graph> {
+        self.graph_of(graph, &self.costs(graph)?)
+    }
+
+    fn graph_of(&self, graph: &PoseGraph, costs: &[(usize, f64)]) -> anyhow::Result<Graph> {
+        let mut edges: Vec<_> = costs.iter().map(|&(index, cost)| ends(graph, index, cost)).collect();
+        if self.graph == CutGraph::Full {
+            anyhow::ensure!(
+                self.odometry_cost.is_finite(),
+                "--odometry-cost is {}, and must be a finite number",
+                self.odometry_cost
+            );
+            for (index, edge) in graph.edges.iter().enumerate() {
+                if edge.kind == EdgeKind::Odometry && edge.in_use() {
+                    edges.push(ends(graph, index, self.odometry_cost));
+                }
+            }
+        }
+        Ok(Graph::new(graph.nodes.len(), edges)?)
+    }
+
+    /// Cuts a pose graph: marks the landmark edges cut, labels the landmarks, notes figures.
+    pub(crate) fn cut(
+        &self,
+        graph: &mut PoseGraph,
+        certificate: bool,
+        context: &mut Context,
+    ) -> anyhow::Result<Solution> {
+        let costs = self.costs(graph)?;
+        let solution = solve(&self.graph_of(graph, &costs)?, &self.solver_options(certificate)?);
+        let cut_edges = mark(graph, &costs, &solution.labels);
+        let landmarks = label_landmarks(graph, &costs, &solution.labels);
+        let repulsive = costs.iter().filter(|(_, cost)| *cost < 0.0).count();
+        if repulsive == 0 && !costs.is_empty() {
+            info!("no landmark edge has a negative cost, so nothing is cut");
+        }
+        info!("{cut_edges} of {} landmark edges cut, {landmarks} landmarks remain", costs.len());
+        let statistics = &mut context.statistics;
+        statistics.note("landmark_edges", costs.len());
+        statistics.note("unsupported_edges", repulsive);
+        note(&solution, context);
+        let statistics = &mut context.statistics;
+        statistics.note("landmarks", landmarks);
+        statistics.note("cut_edges", cut_edges);
+        Ok(solution)
+    }
+}
+
+/// Notes what is known of a solution, and warns if the proof is not complete.
+pub(crate) fn note(solution: &Solution, context: &mut Context) {
+    if !solution.optimal {
+        warn!(
+            "not proved optimal: objective {}, lower bound {}, gap {}",
+            solution.objective,
+            solution.lower_bound,
+            solution.gap()
+        );
+    }
+    let statistics = &mut context.statistics;
+    statistics.note("objective", solution.objective);
+    statistics.note("lower_bound", solution.lower_bound);
+    statistics.note("gap", solution.gap());
+    statistics.note("optimal", solution.optimal);
+    statistics.note("kernel_nodes", solution.kernel_nodes);
+    statistics.note("kernel_edges", solution.kernel_edges);
+    statistics.note("largest_kernel_edges", solution.largest_kernel.1);
+    statistics.note("work", solution.work);
+}
+
+fn ends(graph: &PoseGraph, edge: usize, cost: f64) -> (u64, u64, f64) {
+    let place = |id| graph.node_index(id).map_or(u64::MAX, |index| index as u64);
+    (place(graph.edges[edge].from), place(graph.edges[edge].to), cost)
 }
 
 impl GraphStage for StageOptions {
@@ -133,91 +210,6 @@ impl GraphStage for StageOptions {
         "Reject the landmark edges that a minimum-cost multicut cuts, and label the landmarks";
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
-        let costs = self.costs(graph)?;
-        let mut edges = Vec::with_capacity(costs.len());
-        for (index, cost) in &costs {
-            edges.push(ends(graph, *index, *cost));
-        }
-        if self.graph == CutGraph::Full {
-            for (index, edge) in graph.edges.iter().enumerate() {
-                if edge.kind == EdgeKind::Odometry && edge.in_use() {
-                    edges.push(ends(graph, index, self.odometry_cost));
-                }
-            }
-        }
-        let cut_graph = Graph::new(graph.nodes.len(), edges)?;
-        let solution = solve(&cut_graph, &self.solver_options()?);
-        let cut_edges = mark(graph, &costs, &solution.labels);
-        let landmarks = label_landmarks(graph, &costs, &solution.labels);
-        let repulsive = costs.iter().filter(|(_, cost)| *cost < 0.0).count();
-        if repulsive == 0 && !costs.is_empty() {
-            info!("no landmark edge has a negative cost, so nothing is cut");
-        }
-        info!("{cut_edges} of {} landmark edges cut, {landmarks} landmarks remain", costs.len());
-        if !solution.optimal {
-            warn!(
-                "the limit ended the proof: objective {}, lower bound {}; raise --time-limit or --work-limit",
-                solution.objective, solution.lower_bound
-            );
-        }
-        let statistics = &mut context.statistics;
-        statistics.note("landmark_edges", costs.len());
-        statistics.note("unsupported_edges", repulsive);
-        statistics.note("objective", solution.objective);
-        statistics.note("lower_bound", solution.lower_bound);
-        statistics.note("gap", solution.gap());
-        statistics.note("optimal", solution.optimal);
-        statistics.note("landmarks", landmarks);
-        statistics.note("cut_edges", cut_edges);
-        statistics.note("kernel_nodes", solution.kernel_nodes);
-        statistics.note("kernel_edges", solution.kernel_edges);
-        statistics.note("work", solution.work);
-        Ok(())
+        self.cut(graph, false, context).map(drop)
     }
-}
-
-fn ends(graph: &PoseGraph, edge: usize, cost: f64) -> (u64, u64, f64) {
-    let place = |id| graph.node_index(id).unwrap_or(usize::MAX) as u64;
-    (place(graph.edges[edge].from), place(graph.edges[edge].to), cost)
-}
-
-/// Whether the multicut separates the ends of an edge.
-fn is_cut(graph: &PoseGraph, edge: usize, labels: &[u32]) -> bool {
-    let label = |id| graph.node_index(id).map(|index| labels[index]);
-    label(graph.edges[edge].from) != label(graph.edges[edge].to)
-}
-
-/// Writes costs and rejections; returns the number of landmark edges cut.
-fn mark(graph: &mut PoseGraph, costs: &[(usize, f64)], labels: &[u32]) -> usize {
-    let mut cut = 0;
-    for (index, cost) in costs {
-        let rejected = is_cut(graph, *index, labels);
-        let edge = &mut graph.edges[*index];
-        edge.cost = Some(*cost);
-        if rejected {
-            edge.reject(StageOptions::NAME);
-            cut += 1;
-        }
-    }
-    cut
-}
-
-/// Numbers the components that a landmark edge holds together, by their first node, and writes the number to
-/// their nodes; returns how many there are.
-fn label_landmarks(graph: &mut PoseGraph, costs: &[(usize, f64)], labels: &[u32]) -> usize {
-    let mut seen = vec![false; graph.nodes.len()];
-    for (index, _) in costs {
-        let edge = &graph.edges[*index];
-        if edge.in_use() {
-            for place in [edge.from, edge.to].into_iter().filter_map(|id| graph.node_index(id)) {
-                seen[place] = true;
-            }
-        }
-    }
-    let mut numbers: std::collections::HashMap<u32, u64> = std::collections::HashMap::new();
-    for (node, place) in graph.nodes.iter_mut().zip(0..) {
-        let next = numbers.len() as u64;
-        node.landmark = seen[place].then(|| *numbers.entry(labels[place]).or_insert(next));
-    }
-    numbers.len()
 }

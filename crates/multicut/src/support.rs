@@ -1,6 +1,6 @@
 //! Costs of landmark edges by the support they find in each other.
 
-use std::collections::HashMap;
+use std::collections::HashSet;
 
 use posecut_graph::{Edge, EdgeKind, PoseGraph};
 
@@ -30,12 +30,12 @@ type Ends<'a> = ((&'a str, i64), (&'a str, i64));
 /// O(edges * min((2 delta + 1)^2, edges)).
 pub fn support_counts(graph: &PoseGraph, delta: u32) -> Result<Vec<(usize, usize)>, SupportError> {
     let mut edges = Vec::new();
-    let mut pairs: HashMap<Ends<'_>, ()> = HashMap::new();
+    let mut pairs: HashSet<Ends<'_>> = HashSet::new();
     for (index, edge) in graph.edges.iter().enumerate() {
         if edge.kind == EdgeKind::Landmark && edge.in_use() {
             let ends = ends(graph, edge)?;
             edges.push((index, ends));
-            pairs.insert(ends, ());
+            pairs.insert(ends);
         }
     }
     let reach = i64::from(delta);
@@ -49,11 +49,11 @@ pub fn support_counts(graph: &PoseGraph, delta: u32) -> Result<Vec<(usize, usize
                     && a.1.abs_diff(first.1) <= u64::from(delta)
                     && b.1.abs_diff(second.1) <= u64::from(delta)
             };
-            return pairs.keys().filter(near).count() - 1;
+            return pairs.iter().filter(near).count() - 1;
         }
         let found = |(di, dj): &(i64, i64)| {
             let (i, j) = (first.1.saturating_add(*di), second.1.saturating_add(*dj));
-            pairs.contains_key(&((first.0, i), (second.0, j)))
+            pairs.contains(&((first.0, i), (second.0, j)))
         };
         (-reach..=reach).flat_map(|di| (-reach..=reach).map(move |dj| (di, dj))).filter(found).count() - 1
     };

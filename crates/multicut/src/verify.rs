@@ -28,6 +28,9 @@ pub enum VerifyError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// The first line is not that of a certificate.
+    #[error("line 1 is not {MAGIC:?}; is this a certificate?")]
+    Header,
     /// A statement is malformed or does not hold.
     #[error("line {line} of the certificate does not hold: {reason}")]
     Refuted {
@@ -48,9 +51,10 @@ const DEPTH: usize = 2_000;
 /// signs and capacities, and that the parts of the graph share no edge. `O(log n)` for each edge touched.
 pub fn verify(graph: &Graph, certificate: impl BufRead) -> Result<Verified, VerifyError> {
     let mut checker = Checker { lines: certificate.lines(), line: 0, words: Vec::new() };
-    checker.next()?;
-    if checker.words.join(" ") != MAGIC {
-        return Err(checker.refute(format!("it is not {MAGIC}")));
+    match checker.next() {
+        Ok(()) if checker.words.join(" ") == MAGIC => {}
+        Err(error @ VerifyError::Read { .. }) => return Err(error),
+        _ => return Err(VerifyError::Header),
     }
     checker.next()?;
     let labels: Vec<u32> = checker.numbers("labels")?;
