@@ -27,7 +27,8 @@ splice() { # NAME FILE
 make --silent -j2 table SEEDS=5 RESULTS=results/reproduction/simulated >/dev/null
 splice simulated results/reproduction/simulated/table-simulated.md
 real real
-real seam PIPELINES='paper calibrated' METHODS='pcm pcm+gc' \
+# 2012-11-16 is not in this one: nothing but neighbours across the cut joins its halves.
+real seam SESSIONS='2012-01-08 2012-01-22 2012-08-04 2013-02-23' METHODS='pcm pcm+gc' \
   'paper.construct=--split middle --minimum-interval 60' 'calibrated.construct=--split middle --minimum-interval 60'
 real root PIPELINES=calibrated METHODS='none pcm gc pcm+gc' 'calibrated.pcm=--test root --probability 0.99'
 real space METHODS='pcm pcm+gc' \
