@@ -22,6 +22,7 @@ mod canonical;
 pub mod command;
 mod decomposition;
 mod error;
+pub mod generate;
 mod graph;
 mod greedy;
 mod interior_point;
