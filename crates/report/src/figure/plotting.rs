@@ -24,7 +24,9 @@ pub fn draw(panels: &[Panel], columns: usize, frame: Frame, extension: &str) -> 
         bail!("there is nothing to draw; name at least one graph");
     }
     match extension {
-        "svg" => Ok(SvgBackend::default().render_scene(&scene(panels, columns, frame)).into_bytes()),
+        "svg" => {
+            Ok(renumbered(&SvgBackend::default().render_scene(&scene(panels, columns, frame))).into_bytes())
+        }
         "png" => PngBackend::new()
             .with_scale(PNG_SCALE)
             .render_scene(&scene(panels, columns, frame))
@@ -32,6 +34,27 @@ pub fn draw(panels: &[Panel], columns: usize, frame: Frame, extension: &str) -> 
             .context("the PNG cannot be drawn"),
         other => bail!("the figure's name ends in \".{other}\", and figures are written as .svg or .png"),
     }
+}
+
+/// The library numbers clip paths through the life of the process; ours count from 0 in every figure, so that
+/// a figure's bytes depend on what it shows alone.
+fn renumbered(svg: &str) -> String {
+    const MARK: &str = "kuva-clip-";
+    let mut parts = svg.split(MARK);
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    let mut known: Vec<&str> = Vec::new();
+    for part in parts {
+        let digits = part.find(|character: char| !character.is_ascii_digit()).unwrap_or(part.len());
+        let (number, rest) = part.split_at(digits);
+        let place = known.iter().position(|&other| other == number).unwrap_or_else(|| {
+            known.push(number);
+            known.len() - 1
+        });
+        text.push_str(MARK);
+        text.push_str(&place.to_string());
+        text.push_str(rest);
+    }
+    text
 }
 
 fn scene(panels: &[Panel], columns: usize, frame: Frame) -> Scene {

@@ -1,0 +1,111 @@
+//! Tables from results, checked by hand-made numbers.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use posecut_report::published::Published;
+use posecut_report::results::read_all;
+use posecut_report::table::{latex, markdown, tables, write_csv};
+
+fn result(folder: &Path, method: &str, session: &str, seed: u64, rmse: f64, components: usize) -> PathBuf {
+    let path = folder.join(format!("{method}-{session}-{seed}.result.json"));
+    let text = format!(
+        r#"{{"format":"posecut-result","version":1,"labels":{{"pipeline":"paper","method":"{method}","session":"{session}","seed":{seed}}},
+            "rmse":{rmse},"components":{components},"edges":{{"true_positive":9,"false_positive":{seed},"false_negative":1,"true_negative":2}}}}"#
+    );
+    fs::write(&path, text).unwrap();
+    path
+}
+
+fn published() -> Published {
+    let text = "source = \"a paper\"\n[rmse.pcm]\n\"s\" = 97.4\n\"u\" = 2.6\n";
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("published.toml");
+    fs::write(&path, text).unwrap();
+    Published::read(&path).unwrap()
+}
+
+#[test]
+fn means_spreads_and_published_figures_stand_where_they_belong() {
+    let folder = tempfile::tempdir().unwrap();
+    result(folder.path(), "pcm", "s", 1, 10.0, 1);
+    result(folder.path(), "pcm", "s", 2, 14.0, 1);
+    result(folder.path(), "pcm", "t", 1, 2.0, 2);
+    result(folder.path(), "gc", "s", 1, 0.5, 1);
+    let results = read_all(&[folder.path().to_owned()]).unwrap();
+    let order = ["pcm".to_owned(), "gc".to_owned()];
+    let tables = tables(&results, &order, &["z".to_owned()]);
+    assert_eq!(tables[0].sessions, ["s", "t", "z"]);
+    let cell = tables[0].methods[0].cells[0].unwrap();
+    assert_eq!((cell.mean, cell.seeds, cell.false_kept, cell.false_all), (12.0, 2, 1.5, 3.5));
+    assert!((cell.deviation.unwrap() - 8.0_f64.sqrt()).abs() < 1e-12, "the sample deviation of 10 and 14");
+    assert_eq!(tables[0].methods[0].mean(), Some(7.0), "the mean of the sessions' means");
+    let text = markdown(&tables, &published());
+    let row = |start: &str| {
+        let line = text.lines().find(|line| line.starts_with(start)).unwrap();
+        line.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    assert_eq!(row("| pcm  "), "| pcm | 12.0 ± 2.83 | 2.00 † | no data | 7.00 |");
+    assert_eq!(row("| pcm, published"), "| pcm, published | 97.4 | – | – | 50.0 |");
+    assert!(text.contains("† in at least one seed"), "{text}");
+    let tex = latex(&tables, &published());
+    assert!(tex.contains("pcm & $12.0 \\pm 2.83$ & 2.00 & -- & 7.00 \\\\"), "{tex}");
+    let csv = String::from_utf8(write_csv(&results).unwrap()).unwrap();
+    assert!(csv.contains("paper,pcm,s,2,14,1,9,2,1,2"), "{csv}");
+    assert_eq!(csv.lines().count(), 5);
+}
+
+#[test]
+fn what_is_no_result_is_refused_with_its_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.result.json");
+    for (text, part) in [
+        ("{", "is no result"),
+        (r#"{"format":"other","version":1,"labels":{},"rmse":1,"components":1}"#, "\"other\" version 1"),
+        (r#"{"format":"posecut-result","version":2,"labels":{},"rmse":1,"components":1}"#, "version 2"),
+    ] {
+        fs::write(&path, text).unwrap();
+        let error = format!("{:#}", read_all(std::slice::from_ref(&path)).unwrap_err());
+        assert!(error.contains("x.result.json") && error.contains(part), "{error}");
+    }
+    let error = format!("{:#}", read_all(&[folder.path().join("none.json")]).unwrap_err());
+    assert!(error.contains("none.json: cannot be read"), "{error}");
+}
+
+#[test]
+fn figures_are_drawn_in_both_formats_and_the_same_each_time() {
+    use posecut_graph::PoseGraph;
+    use posecut_report::figure::{Frame, graphs, plotting, trajectories};
+    let text = r#"{"kind":"header","format":"posecut","version":1,"dimension":2}
+{"kind":"node","id":0,"session":"s/a","frame":0,"pose":[0,0,0]}
+{"kind":"node","id":1,"session":"s/a","frame":1,"pose":[50,10,0]}
+{"kind":"node","id":2,"session":"s/b","frame":2,"pose":[60,40,0]}
+{"kind":"node","id":3,"session":"s/b","frame":3,"pose":[10,30,0]}
+{"kind":"landmark","id":0,"from":0,"to":3,"truth":{"correct":true}}
+{"kind":"landmark","id":1,"from":1,"to":3,"truth":{"correct":false}}
+{"kind":"landmark","id":2,"from":1,"to":2,"truth":{"correct":false},"rejected_by":"pcm"}
+"#;
+    let graph = PoseGraph::read("test", text.as_bytes()).unwrap();
+    let panel = graphs::panel("PCM & more", &graph, Some(&graph), Frame::Ned);
+    let legends: Vec<&str> = panel.lines.iter().filter_map(|line| line.legend.as_deref()).collect();
+    assert_eq!(
+        legends,
+        [
+            "reference",
+            "s/a",
+            "s/b",
+            "correct, in use (1)",
+            "incorrect, rejected (1)",
+            "incorrect, in use (1)"
+        ]
+    );
+    assert_eq!(panel.lines[2].points, [(0.0, 0.0), (10.0, 50.0)], "east to the right, north upwards");
+    let panels = [panel, trajectories::panels(&[("s".to_owned(), graph)], Frame::Xy).remove(0)];
+    let svg = plotting::draw(&panels, 2, Frame::Ned, "svg").unwrap();
+    assert!(String::from_utf8(svg.clone()).unwrap().contains("<svg"));
+    assert!(svg == plotting::draw(&panels, 2, Frame::Ned, "svg").unwrap(), "the same bytes each time");
+    let png = plotting::draw(&panels, 2, Frame::Ned, "png").unwrap();
+    assert!(png.starts_with(b"\x89PNG") && png == plotting::draw(&panels, 2, Frame::Ned, "png").unwrap());
+    assert!(plotting::draw(&panels, 2, Frame::Ned, "gif").unwrap_err().to_string().contains(".svg or .png"));
+    assert!(plotting::draw(&[], 2, Frame::Ned, "svg").is_err());
+}
