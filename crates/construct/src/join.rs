@@ -13,7 +13,7 @@ pub fn join(graphs: Vec<PoseGraph>) -> Result<PoseGraph, ConstructError> {
         return Err(refused("there is no graph to construct from", "name at least one session graph"));
     };
     let mut joined = PoseGraph::new(Header::new(first.header.dimension));
-    joined.header.extra = first.header.extra.clone();
+    joined.header.extra.clone_from(&first.header.extra);
     let mut sessions = HashSet::new();
     for graph in graphs {
         if graph.header.dimension != joined.header.dimension {

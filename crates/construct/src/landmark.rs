@@ -35,7 +35,7 @@ pub fn add_landmark_edges(
     statistics: &mut Statistics,
 ) -> Result<(), ConstructError> {
     match graph.header.dimension {
-        Dimension::Two => add::<SE2, 3>(graph, options, statistics, |pose| pose.angle()),
+        Dimension::Two => add::<SE2, 3>(graph, options, statistics, SE2::angle),
         Dimension::Three => add::<SE3, 6>(graph, options, statistics, |pose| pose.to_planar().angle()),
     }
 }
@@ -70,14 +70,13 @@ fn add<G: LieGroup<DOF>, const DOF: usize>(
     }
     edges.sort_by_key(|&(from, to, ..)| (from, to));
     let name = add_noise_model::<DOF>(graph, options);
-    let mut id = graph.edges.last().map_or(0, |edge| edge.id + 1);
-    for (from, to, measurement, correct) in edges {
+    let first = graph.edges.last().map_or(0, |edge| edge.id + 1);
+    for (id, (from, to, measurement, correct)) in (first..).zip(edges) {
         let mut edge = Edge::new(EdgeKind::Landmark, id, viewpoints[from].node, viewpoints[to].node);
         edge.measurement = Some(measurement);
         edge.noise = Some(name.clone());
         edge.truth = Some(EdgeTruth { correct: Some(correct), ..EdgeTruth::default() });
         graph.edges.push(edge);
-        id += 1;
     }
     info!("{} correct landmark edges, {wanted} incorrect", correct.len());
     statistics.note("sessions", graph.sessions());

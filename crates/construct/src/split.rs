@@ -1,6 +1,6 @@
 //! One session becomes two experiences.
 
-use std::collections::HashMap;
+use std::collections::HashSet;
 
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_graph::{Dimension, EdgeKind, Node, PoseGraph};
@@ -12,7 +12,7 @@ use crate::ConstructError;
 /// half's frame is what the landmark edges must tell.
 pub fn split_at_middle(graph: &mut PoseGraph) -> Result<(), ConstructError> {
     let names: Vec<String> = graph.sessions().into_iter().map(str::to_owned).collect();
-    let mut second_half: HashMap<u64, ()> = HashMap::new();
+    let mut second_half: HashSet<u64> = HashSet::new();
     for name in names {
         let members: Vec<usize> = (0..graph.nodes.len())
             .filter(|&index| graph.nodes[index].session.as_deref() == Some(&name))
@@ -34,13 +34,12 @@ pub fn split_at_middle(graph: &mut PoseGraph) -> Result<(), ConstructError> {
         for &index in second {
             let node = &mut graph.nodes[index];
             node.session = Some(format!("{name}/b"));
-            second_half.insert(node.id, ());
+            second_half.insert(node.id);
             restart(graph.header.dimension, start.as_deref(), node);
         }
     }
     graph.edges.retain(|edge| {
-        edge.kind != EdgeKind::Odometry
-            || second_half.contains_key(&edge.from) == second_half.contains_key(&edge.to)
+        edge.kind != EdgeKind::Odometry || second_half.contains(&edge.from) == second_half.contains(&edge.to)
     });
     for (index, edge) in graph.edges.iter_mut().enumerate() {
         edge.id = index as u64;

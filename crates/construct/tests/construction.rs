@@ -1,5 +1,7 @@
 //! What construction promises about edges, ids and random numbers.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use std::collections::BTreeSet;
 
 use posecut_construct::{Options, Split, construct};

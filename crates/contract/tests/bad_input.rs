@@ -1,6 +1,8 @@
 //! What cannot be right is refused with exit status 2 and a sentence naming place and remedy, and no file is
 //! touched.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use posecut_contract::{run, samples};
 
 /// The programs that read pose graphs from standard input.

@@ -1,6 +1,8 @@
 //! One table holds every program to the contract of inputs and outputs. A program that is missing from the
 //! table fails.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use std::collections::BTreeSet;
 use std::io::Read as _;
 use std::process::{Command, Stdio};

@@ -1,5 +1,7 @@
 //! Graphs survive other formats.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use posecut_convert::tum::Poses;
 use posecut_convert::{Repair, g2o, kitti, tum};
 use posecut_graph::{EdgeKind, PoseGraph};

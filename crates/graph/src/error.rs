@@ -56,13 +56,13 @@ impl fmt::Display for FormatProblem {
 pub(crate) struct Problem {
     pub(crate) record: Option<String>,
     pub(crate) field: Option<String>,
-    pub(crate) problem: String,
+    pub(crate) cause: String,
     pub(crate) remedy: String,
 }
 
 impl Problem {
-    pub(crate) fn new(problem: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { record: None, field: None, problem: problem.into(), remedy: remedy.into() }
+    pub(crate) fn new(cause: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self { record: None, field: None, cause: cause.into(), remedy: remedy.into() }
     }
 
     pub(crate) fn record(mut self, record: impl Into<String>) -> Self {
@@ -81,7 +81,7 @@ impl Problem {
             line,
             record: self.record,
             field: self.field,
-            problem: self.problem,
+            problem: self.cause,
             remedy: self.remedy,
         }))
     }

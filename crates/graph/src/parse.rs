@@ -67,6 +67,11 @@ pub(crate) fn parse_edge(line: &str, kind: EdgeKind) -> Result<Edge, Problem> {
     Ok(Edge { id, from, to, ..fields.edge })
 }
 
+#[derive(Deserialize)]
+struct KindOnly {
+    kind: Option<String>,
+}
+
 /// The value of `"kind"`: at once where it stands first, by a pass over the line where it does not.
 pub(crate) fn kind_of(line: &str) -> Result<std::borrow::Cow<'_, str>, Problem> {
     if let Some(rest) = line.strip_prefix("{\"kind\":\"")
@@ -74,10 +79,6 @@ pub(crate) fn kind_of(line: &str) -> Result<std::borrow::Cow<'_, str>, Problem> 
         && rest.as_bytes()[end] == b'"'
     {
         return Ok(rest[..end].into());
-    }
-    #[derive(Deserialize)]
-    struct KindOnly {
-        kind: Option<String>,
     }
     let only: KindOnly = serde_json::from_str(line).map_err(|error| explain(line, &error))?;
     only.kind.map(Into::into).ok_or_else(|| {

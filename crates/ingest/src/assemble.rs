@@ -259,7 +259,9 @@ fn spread(mut values: Vec<f64>) -> Option<[f64; 2]> {
     }
     let root_mean_square =
         (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt();
-    values.iter_mut().for_each(|value| *value = value.abs());
+    for value in &mut values {
+        *value = value.abs();
+    }
     values.sort_by(f64::total_cmp);
     Some([root_mean_square, 1.4826 * values[values.len() / 2]])
 }

@@ -17,7 +17,7 @@ pub(crate) struct StepCovariances {
 impl StepCovariances {
     /// From NCLT's 21 upper-triangle terms in the order x, y, z, roll, pitch, yaw. For steps of a fraction of
     /// a second, Euler angles and the rotation vector agree to second order.
-    pub(crate) fn from_table(table: &Table) -> Result<Self, IngestError> {
+    pub(crate) fn from_table(table: &Table) -> Self {
         let covariances = table
             .rows
             .iter()
@@ -34,7 +34,7 @@ impl StepCovariances {
                 matrix
             })
             .collect();
-        Ok(Self { file: table.file.clone(), times: table.times.clone(), covariances })
+        Self { file: table.file.clone(), times: table.times.clone(), covariances }
     }
 
     /// The covariance of the motion from one time to another, in the frame of the later pose: the sum of

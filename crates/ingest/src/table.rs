@@ -187,7 +187,7 @@ mod tests {
 
     #[test]
     fn duplicate_stamps_keep_the_first_row() {
-        let rows: String = (0..200).map(|time| format!("{time},0,0\n")).collect();
+        let rows = (0..200).map(|time| format!("{time},0,0")).collect::<Vec<_>>().join("\n") + "\n";
         let table = parse(&format!("{rows}199,7,7\n200,1,1\n")).unwrap();
         assert_eq!((table.times.len(), table.dropped, table.first_reversal), (201, 1, Some(201)));
         assert_eq!(table.rows[199], [0.0, 0.0]);

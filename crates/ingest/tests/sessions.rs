@@ -1,5 +1,7 @@
 //! Whole sessions, sound and damaged.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -119,7 +121,7 @@ fn all_sources_of_odometry_tell_the_same_drive() {
     rows(
         &path.join("kvh.csv"),
         (0..=600)
-            .map(|tenth| (time(tenth), vec![(circle(tenth)[5] + 2.0).rem_euclid(6.283_185_307_179_586)])),
+            .map(|tenth| (time(tenth), vec![(circle(tenth)[5] + 2.0).rem_euclid(std::f64::consts::TAU)])),
     );
     rows(
         &path.join("ms25.csv"),
@@ -267,7 +269,7 @@ fn covariances_come_from_the_file_unless_options_say_otherwise() {
     let (_folder, path) = session();
     let covariance: Vec<f64> = (0..6)
         .flat_map(|row| {
-            (row..6).map(move |column| if row == column { 0.01 * (row as f64 + 1.0) } else { 0.0 })
+            (row..6).map(move |column| if row == column { 0.01 * (f64::from(row) + 1.0) } else { 0.0 })
         })
         .collect();
     rows(&path.join("odometry_cov_100hz.csv"), (0..=600).map(|tenth| (time(tenth), covariance.clone())));

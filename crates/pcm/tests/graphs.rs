@@ -1,5 +1,7 @@
 //! PCM on whole graphs through its library.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use posecut_geometry::SE2;
 use posecut_graph::PoseGraph;
 use posecut_pcm::PcmError;

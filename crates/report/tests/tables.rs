@@ -1,5 +1,7 @@
 //! Tables from results, checked by hand-made numbers.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -19,6 +19,10 @@ const DISPLACEMENT: f64 = 18.0;
 /// Share of the grid's paths that are not built.
 const MISSING_PATHS: f64 = 0.25;
 
+/// Directions and phases are drawn from a whole turn, to two digits.
+#[expect(clippy::approx_constant, reason = "more digits would only change every simulated session")]
+const TURN: f64 = 6.28;
+
 /// A network of paths between crossings, on a terrain.
 #[derive(Clone, Debug)]
 pub struct Campus {
@@ -50,11 +54,11 @@ impl Campus {
         let hills = (0..4)
             .map(|_| {
                 let (length, heading): (f64, f64) =
-                    (draw.random_range(180.0..600.0), draw.random_range(0.0..6.28));
+                    (draw.random_range(180.0..600.0), draw.random_range(0.0..TURN));
                 let direction = Vector2::new(heading.cos(), heading.sin()) * (std::f64::consts::TAU / length);
                 Wave {
                     direction,
-                    phase: draw.random_range(0.0..6.28),
+                    phase: draw.random_range(0.0..TURN),
                     amplitude: draw.random_range(0.5..3.0),
                 }
             })

@@ -35,11 +35,11 @@ pub struct Options {
 
 impl Options {
     fn check(&self) -> anyhow::Result<()> {
-        if !(self.rate >= 5.0 && self.rate <= 200.0) {
+        if !(5.0..=200.0).contains(&self.rate) {
             bail!("--rate is {}, and must lie between 5 (the camera's) and 200 Hz", self.rate);
         }
         if let Some(length) = self.length
-            && !(length >= 50.0 && length <= 100_000.0)
+            && !(50.0..=100_000.0).contains(&length)
         {
             bail!("--length is {length}, and must lie between 50 and 100000 m");
         }

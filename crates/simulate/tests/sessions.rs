@@ -1,5 +1,7 @@
 //! Simulated sessions are sound, seeded, and of the size they claim.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use std::fs;
 
 use posecut_simulate::{Options, simulate};

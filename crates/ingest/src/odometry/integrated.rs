@@ -56,5 +56,5 @@ fn read_covariances(reader: &mut Reader<'_>, kind: FileKind) -> Result<Option<St
         return Ok(None);
     }
     let table = reader.table(kind, 21)?;
-    StepCovariances::from_table(&table).map(Some)
+    Ok(Some(StepCovariances::from_table(&table)))
 }

@@ -66,6 +66,9 @@ pub fn panel(title: &str, estimate: &PoseGraph, reference: Option<&PoseGraph>, f
     Panel { title: title.to_owned(), lines }
 }
 
+/// The number and name of an experience, and the points it passes.
+type Way = (usize, String, Vec<(f64, f64)>);
+
 fn positions(graph: &PoseGraph) -> Vec<Option<Vector3<f64>>> {
     let height = |pose: &[f64]| if pose.len() == 7 { pose[2] } else { 0.0 };
     graph
@@ -90,11 +93,7 @@ fn aligned(estimate: &PoseGraph, reference: Option<&PoseGraph>) -> Vec<Option<Ve
     own.iter().map(|place| place.map(|place| alignment.apply(&place))).collect()
 }
 
-fn experiences(
-    graph: &PoseGraph,
-    places: &[Option<Vector3<f64>>],
-    frame: Frame,
-) -> Vec<(usize, String, Vec<(f64, f64)>)> {
+fn experiences(graph: &PoseGraph, places: &[Option<Vector3<f64>>], frame: Frame) -> Vec<Way> {
     graph
         .sessions()
         .into_iter()

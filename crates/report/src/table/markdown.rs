@@ -62,7 +62,9 @@ fn section(text: &mut String, table: &Table, published: &Published) {
         cells.push(String::new());
         rows.push(cells);
     }
-    rows.iter_mut().for_each(|cells| drop(cells.pop()));
+    for cells in &mut rows {
+        cells.pop();
+    }
     grid(text, &rows);
 }
 
