@@ -1,6 +1,6 @@
 //! Errors of poses against a reference.
 
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 use posecut_geometry::SE3;
 use serde::Serialize;
 
@@ -55,8 +55,10 @@ pub fn errors(matches: &[&Match], alignment: &Alignment) -> (Vec<f64>, Vec<f64>)
         .map(|found| {
             let distance =
                 (alignment.apply(&found.estimate.translation) - found.reference.translation).norm();
-            let turned = alignment.rotation * found.estimate.rotation.to_rotation_matrix();
-            (distance, turned.angle_to(&found.reference.rotation.to_rotation_matrix()))
+            // Quaternions: the angle between equal rotation matrices can come out as NaN, the arc cosine of
+            // a little more than 1.
+            let turned = UnitQuaternion::from_rotation_matrix(&alignment.rotation) * found.estimate.rotation;
+            (distance, turned.angle_to(&found.reference.rotation))
         })
         .unzip()
 }
@@ -81,5 +83,27 @@ pub fn relative_error(matches: &[Match], delta: usize) -> RelativeError {
         delta_frames: delta,
         translation_m: Summary::of(&distances),
         rotation_rad: Summary::of(&angles),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Found by an estimate equal to its reference: its rotation error was NaN, which JSON wrote as null.
+    #[test]
+    fn a_perfect_estimate_has_rotation_error_zero_not_nan() {
+        let matches: Vec<Match> = (0..200)
+            .map(|frame| {
+                let angle = f64::from(frame) * 0.1 - 10.0;
+                let pose = SE3::from_euler(angle, angle.cos(), 0.0, 0.3 * angle.sin(), 0.2, angle);
+                Match { session: String::new(), frame: i64::from(frame), estimate: pose, reference: pose }
+            })
+            .collect();
+        let all: Vec<&Match> = matches.iter().collect();
+        for freedom in [Freedom::None, Freedom::Se2, Freedom::Se3] {
+            let (distances, angles) = errors(&all, &align(&all, freedom));
+            assert!(distances.iter().all(|error| *error < 1e-12) && angles.iter().all(|error| *error < 1e-7));
+        }
     }
 }
