@@ -20,12 +20,17 @@ fn key(cost: f64) -> u64 {
 /// vectors, smaller into larger.
 pub(crate) fn additive_edge_contraction(mut graph: SignedGraph, budget: &mut Budget) -> Vec<u32> {
     let mut joined = UnionFind::new(graph.node_count());
-    let mut heap: BinaryHeap<(u64, Reverse<(u32, u32)>)> = graph
+    let entry = |graph: &SignedGraph, tail: u32, head: u32, cost: f64| {
+        let degrees = (graph.arcs(tail).len() as u32, graph.arcs(head).len() as u32);
+        let degrees = (degrees.0.min(degrees.1), degrees.0.max(degrees.1));
+        (key(cost), Reverse((degrees, tail.min(head), tail.max(head))))
+    };
+    let mut heap: BinaryHeap<_> = graph
         .edges()
         .filter(|&(_, _, cost)| cost > 0.0)
-        .map(|(tail, head, cost)| (key(cost), Reverse((tail, head))))
+        .map(|(tail, head, cost)| entry(&graph, tail, head, cost))
         .collect();
-    while let Some((cost, Reverse((tail, head)))) = heap.pop() {
+    while let Some((cost, Reverse((_, tail, head)))) = heap.pop() {
         let current = graph.cost(tail, head);
         if current <= 0.0 || key(current) != cost {
             continue;
@@ -35,7 +40,7 @@ pub(crate) fn additive_edge_contraction(mut graph: SignedGraph, budget: &mut Bud
         for arc in &arcs {
             let cost = graph.cost(kept, arc.node);
             if cost > 0.0 {
-                heap.push((key(cost), Reverse((kept.min(arc.node), kept.max(arc.node)))));
+                heap.push(entry(&graph, kept, arc.node, cost));
             }
         }
         if !budget.spend(1 + arcs.len() as u64) {

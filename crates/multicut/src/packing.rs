@@ -78,8 +78,9 @@ impl Packing {
     /// a shortest attractive path of edges with capacity left (iterated cycle packing, "ICP": Lange, Karrenbauer,
     /// Andres, ICML 2018, algorithm 1).
     ///
-    /// A breadth-first search for each cycle packed, bounded by the length.
-    pub(crate) fn extend(&mut self, kernel: &Kernel, budget: &mut Budget) {
+    /// A breadth-first search for each cycle packed, bounded by the length; ends when `effort` is spent.
+    pub(crate) fn extend(&mut self, kernel: &Kernel, effort: u64, budget: &mut Budget) {
+        let end = budget.spent().saturating_add(effort);
         let mut search = PathSearch::new(kernel.node_count());
         let mut repulsive: Vec<u32> =
             (0..kernel.edge_count() as u32).filter(|&edge| kernel.costs[edge as usize] < 0.0).collect();
@@ -99,7 +100,7 @@ impl Packing {
                 while self.open(kernel, repulsive) {
                     let path =
                         search.shortest(kernel, repulsive, length, |edge| self.open(kernel, edge), budget);
-                    if budget.is_over() {
+                    if budget.is_over() || budget.spent() > end {
                         return;
                     }
                     let Some(nodes) = path else { break };
@@ -202,7 +203,7 @@ mod tests {
         let graph = SignedGraph::new(3, [(0, 1, 2.0), (1, 2, 3.0), (0, 2, -4.0)].into_iter());
         let kernel = Kernel::new(&graph);
         let mut packing = Packing::new(&kernel);
-        packing.extend(&kernel, &mut Budget::new(None, None));
+        packing.extend(&kernel, u64::MAX, &mut Budget::new(None, None));
         assert_eq!((packing.bound, packing.cycles.len()), (-2.0, 1));
         assert_eq!(packing.residual, [0.0, 2.0, 1.0]);
     }

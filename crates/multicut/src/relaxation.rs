@@ -116,7 +116,7 @@ pub(crate) fn solve_relaxation(
         let weighted = cycles.nodes.iter().zip(&cycles.edges).zip(&point.weights);
         let weighted = weighted.map(|((nodes, edges), &weight)| (nodes.clone(), edges.clone(), weight));
         let mut packing = Packing::from_weights(kernel, weighted.filter(|entry| entry.2 > 1e-11 * scale));
-        packing.extend(kernel, budget);
+        packing.extend(kernel, u64::MAX, budget);
         if packing.bound > relaxation.packing.bound {
             relaxation.packing = packing;
         }

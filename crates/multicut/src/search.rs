@@ -66,15 +66,33 @@ impl State {
     }
 }
 
-/// Heuristic solution and packing bound of a kernel.
-pub(crate) fn survey(graph: &SignedGraph, solver: Solver, record: bool, budget: &mut Budget) -> State {
-    let mut labels = additive_edge_contraction(graph.clone(), budget);
-    if solver != Solver::Gaec {
-        kernighan_lin_with_joins(graph, &mut labels, budget);
-    }
+/// A solution of a kernel by contraction; no worse than joining everything, wherever a limit ends it.
+pub(crate) fn contract(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
+    let labels = additive_edge_contraction(graph.clone(), budget);
+    if graph.objective(&labels) > 0.0 { vec![0; graph.node_count()] } else { labels }
+}
+
+/// Work on the first packing, for each edge and besides: long cycles in large kernels cost more than they bring.
+fn packing_effort(solver: Solver, edges: usize) -> u64 {
+    let (each, besides) = match solver {
+        Solver::Exact => (200, 20_000_000),
+        Solver::Klj => (50, 1_000_000),
+        Solver::Gaec => (10, 1_000_000),
+    };
+    besides + each * edges as u64
+}
+
+/// What is known of a kernel with a solution at hand: its objective and the packing bound.
+pub(crate) fn survey(
+    graph: &SignedGraph,
+    labels: Vec<u32>,
+    solver: Solver,
+    record: bool,
+    budget: &mut Budget,
+) -> State {
     let kernel = Kernel::new(graph);
     let mut packing = Packing::new(&kernel);
-    packing.extend(&kernel, budget);
+    packing.extend(&kernel, packing_effort(solver, kernel.edge_count()), budget);
     let objective = graph.objective(&labels);
     let tolerance = TOLERANCE * magnitude(graph);
     let proof = record.then(|| Proof::Packing(packing.cycles.clone()));
@@ -165,8 +183,14 @@ impl Tree {
     fn solve_within(&self, graph: SignedGraph, cutoff: f64, record: bool, budget: &mut Budget) -> Inside {
         let decomposition = decompose(graph, record, budget);
         let kernels = &decomposition.kernels;
-        let mut states: Vec<State> =
-            kernels.iter().map(|piece| survey(&piece.graph, Solver::Exact, record, budget)).collect();
+        let mut states: Vec<State> = kernels
+            .iter()
+            .map(|piece| {
+                let mut labels = contract(&piece.graph, budget);
+                kernighan_lin_with_joins(&piece.graph, &mut labels, budget);
+                survey(&piece.graph, labels, Solver::Exact, record, budget)
+            })
+            .collect();
         let total = |states: &[State]| {
             let mut sum = Sum::default();
             sum.add(decomposition.constant);

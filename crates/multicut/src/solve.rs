@@ -6,9 +6,10 @@ use crate::budget::Budget;
 use crate::canonical::canonical_order;
 use crate::decomposition::{Decomposition, decompose};
 use crate::graph::Graph;
+use crate::kernighan_lin::kernighan_lin_with_joins;
 use crate::options::{Options, Solver};
 use crate::proof::{Certificate, Reduced};
-use crate::search::{State, close, improve, survey};
+use crate::search::{State, close, contract, improve, survey};
 use crate::signed_graph::SignedGraph;
 use crate::sum::Sum;
 use crate::union_find::UnionFind;
@@ -75,13 +76,7 @@ pub fn solve(graph: &Graph, options: &Options) -> Solution {
         let decomposition = decompose(local, options.certificate, &mut budget);
         components.push(Component { nodes, decomposition, states: Vec::new() });
     }
-    for component in &mut components {
-        let kernels = &component.decomposition.kernels;
-        component.states = kernels
-            .iter()
-            .map(|piece| survey(&piece.graph, options.solver, options.certificate, &mut budget))
-            .collect();
-    }
+    survey_all(&mut components, options, &mut budget);
     if options.solver == Solver::Exact {
         close_all(&mut components, options.seed, &mut budget);
     }
@@ -127,6 +122,30 @@ fn certify(labels: &[u32], components: Vec<Component>) -> Certificate {
         Some((component.nodes, Reduced { trace, kernels }))
     });
     Certificate { labels: labels.to_vec(), components: components.collect() }
+}
+
+/// Heuristic solutions and packing bounds. First a solution everywhere, then better ones, then bounds, so that a
+/// limit finds something sensible in every kernel.
+fn survey_all(components: &mut [Component], options: &Options, budget: &mut Budget) {
+    let mut labels = Vec::new();
+    for component in components.iter() {
+        for piece in &component.decomposition.kernels {
+            labels.push(contract(&piece.graph, budget));
+        }
+    }
+    let pieces = components.iter().flat_map(|component| &component.decomposition.kernels);
+    if options.solver != Solver::Gaec {
+        for (piece, labels) in pieces.zip(&mut labels) {
+            kernighan_lin_with_joins(&piece.graph, labels, budget);
+        }
+    }
+    let mut labels = labels.into_iter();
+    for component in components {
+        let pieces = component.decomposition.kernels.iter().zip(&mut labels);
+        component.states = pieces
+            .map(|(piece, labels)| survey(&piece.graph, labels, options.solver, options.certificate, budget))
+            .collect();
+    }
 }
 
 /// Fusion moves before the exact search: a better solution prunes more.
