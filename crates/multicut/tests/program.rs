@@ -1,0 +1,228 @@
+//! The program from end to end: plain instances, certificates, pose graphs.
+#![allow(clippy::unwrap_used)]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A folder of its own for each test.
+fn folder(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn run(folder: &Path, arguments: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_posecut-multicut"))
+        .args(arguments.split_whitespace())
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+fn succeed(folder: &Path, arguments: &str) -> String {
+    let output = run(folder, arguments);
+    assert!(output.status.success(), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn fails(folder: &Path, arguments: &str, status: i32) -> String {
+    let output = run(folder, arguments);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(status), "{arguments}: {said}");
+    said + &String::from_utf8(output.stdout).unwrap()
+}
+
+/// Whether statistics hold `"key": value`.
+fn holds(folder: &Path, file: &str, key: &str, value: &str) {
+    let text = std::fs::read_to_string(folder.join(file)).unwrap();
+    let line = format!("\"{key}\": {value}");
+    assert!(text.lines().any(|found| found.trim().trim_end_matches(',') == line), "no {line} in {text}");
+}
+
+const TRIANGLE: &str = "MULTICUT\n0 1 2\n1 2 1\n0 2 -3\n";
+
+#[test]
+fn a_plain_instance_gives_one_label_a_line() {
+    let folder = folder("plain");
+    std::fs::write(folder.join("t.mc"), TRIANGLE).unwrap();
+    for solver in ["exact", "klj", "gaec"] {
+        let arguments = format!("--format mc t.mc --solver {solver} --stats s.json -o labels --threads 1");
+        succeed(&folder, &arguments);
+        assert_eq!(std::fs::read_to_string(folder.join("labels")).unwrap(), "0\n0\n1\n");
+        for (key, value) in [
+            ("objective", "-2.0"),
+            ("lower_bound", "-2.0"),
+            ("optimal", "true"),
+            ("gap", "0.0"),
+            ("nodes", "3"),
+        ] {
+            holds(&folder, "s.json", key, value);
+        }
+        let text = std::fs::read_to_string(folder.join("s.json")).unwrap();
+        assert!(["seconds", "kernel_nodes", "kernel_edges"].iter().all(|key| text.contains(key)), "{text}");
+    }
+    assert_eq!(succeed(&folder, "--format mc t.mc --work-limit 0 --time-limit 0"), "0\n0\n1\n");
+}
+
+#[test]
+fn odd_instances_are_defined() {
+    let folder = folder("odd");
+    let labels = |text: &str| {
+        std::fs::write(folder.join("odd.mc"), text).unwrap();
+        succeed(&folder, "--format mc odd.mc --quiet")
+    };
+    assert_eq!(labels("MULTICUT\n"), "", "no node");
+    assert_eq!(labels("MULTICUT\n0 0 -5\n"), "0\n", "one node, one self-loop");
+    assert_eq!(labels("MULTICUT\n0 1 2\n1 0 -3\n"), "0\n1\n", "parallel edges add");
+    assert_eq!(labels("MULTICUT\n0 1 2\n1 0 -1\n"), "0\n0\n", "parallel edges add");
+    assert_eq!(labels("MULTICUT\n0 1 0\n"), "0\n1\n", "nothing holds");
+    assert_eq!(labels("MULTICUT\n2 3 1\n"), "0\n1\n2\n2\n", "nodes without edges");
+}
+
+#[test]
+fn bad_instances_are_refused_with_file_and_line() {
+    let folder = folder("bad");
+    for (text, said) in [
+        ("0 1 1\n", "bad.mc: line 1 "),
+        ("", "bad.mc: line 1 "),
+        ("MULTICUT\n0 1 1\n0 1\n", "bad.mc: line 3 "),
+        ("MULTICUT\n0 1 nan\n", "bad.mc: line 2: edge 0 (0, 1) costs NaN"),
+        ("MULTICUT\n0 1 inf\n", "costs inf"),
+        ("MULTICUT\n0 1 1e308\n0 1 1e308\n", "add up to infinity"),
+        ("MULTICUT\n0 99999999999999999999 1\n", "bad.mc: line 2: the graph has"),
+        ("MULTICUT\n0 4294967295 1\n", "bad.mc: line 2: the graph has"),
+    ] {
+        std::fs::write(folder.join("bad.mc"), text).unwrap();
+        let message = fails(&folder, "--format mc bad.mc -o labels --stats s.json --certificate c", 2);
+        assert!(message.contains(said), "{text:?}: {message}");
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1, "{text:?} left files");
+    }
+    assert!(fails(&folder, "--format mc none.mc", 2).contains("none.mc: cannot be opened"));
+    assert!(fails(&folder, "--format mc bad.mc --costs count", 2).contains("for pose graphs"));
+    assert!(fails(&folder, "--format mc bad.mc --time-limit=-1", 2).contains("--time-limit is -1"));
+    assert!(fails(&folder, "--format mc bad.mc -o x --certificate x", 2).contains("name two files"));
+}
+
+#[test]
+fn certificates_are_written_and_checked() {
+    let folder = folder("certificate");
+    std::fs::write(folder.join("t.mc"), TRIANGLE).unwrap();
+    std::fs::write(folder.join("other.mc"), TRIANGLE.replace("-3", "3")).unwrap();
+    succeed(&folder, "--format mc t.mc -o labels --certificate t.proof");
+    let said = succeed(&folder, "--format mc t.mc --verify t.proof --stats v.json");
+    assert!(said.contains("the labels cost -2, and no multicut costs less"), "{said}");
+    holds(&folder, "v.json", "optimal", "true");
+    holds(&folder, "v.json", "holds", "true");
+    let text = std::fs::read_to_string(folder.join("t.proof")).unwrap();
+    // The same labels are not optimal for other costs.
+    let other = run(&folder, "--format mc other.mc --verify t.proof");
+    let said = String::from_utf8(other.stdout).unwrap();
+    assert!(!said.contains("no multicut costs less\n"), "{said}");
+    // A part with a node that is not there.
+    let component = text.lines().nth(2).unwrap();
+    std::fs::write(folder.join("spoiled"), text.replace(component, "component 0 1 9")).unwrap();
+    assert!(
+        fails(&folder, "--format mc t.mc --verify spoiled", 1).contains("spoiled: proves nothing: line 3")
+    );
+    std::fs::write(folder.join("cut"), &text[..text.len() / 2]).unwrap();
+    assert!(fails(&folder, "--format mc t.mc --verify cut", 1).contains("proves nothing"));
+    assert!(fails(&folder, "--format mc t.mc --verify t.mc", 2).contains("t.mc: line 1 is not"));
+    assert!(fails(&folder, "--format mc t.mc --verify none", 2).contains("none: cannot be opened"));
+    assert!(fails(&folder, "--format mc none.mc --verify t.proof", 2).contains("none.mc: cannot be opened"));
+}
+
+/// Two sessions; 0-3, 1-4, 2-5 support each other, 0-6 stands alone.
+const POSES: &str = r#"{"kind":"header","format":"posecut","version":1,"dimension":2}
+{"kind":"node","id":0,"session":"a","frame":0,"pose":[0,0,0]}
+{"kind":"node","id":1,"session":"a","frame":1,"pose":[1,0,0]}
+{"kind":"node","id":2,"session":"a","frame":2,"pose":[2,0,0]}
+{"kind":"node","id":3,"session":"b","frame":0,"pose":[0,0,0]}
+{"kind":"node","id":4,"session":"b","frame":1,"pose":[1,0,0]}
+{"kind":"node","id":5,"session":"b","frame":2,"pose":[2,0,0]}
+{"kind":"node","id":6,"session":"b","frame":3,"pose":[3,0,0]}
+{"kind":"odometry","id":10,"from":0,"to":1,"measurement":[1,0,0],"information":[1,0,0,1,0,1]}
+{"kind":"odometry","id":11,"from":1,"to":2,"measurement":[1,0,0],"information":[1,0,0,1,0,1]}
+{"kind":"odometry","id":13,"from":3,"to":4,"measurement":[1,0,0],"information":[1,0,0,1,0,1]}
+{"kind":"odometry","id":14,"from":4,"to":5,"measurement":[1,0,0],"information":[1,0,0,1,0,1]}
+{"kind":"odometry","id":12,"from":5,"to":6,"measurement":[1,0,0],"information":[1,0,0,1,0,1]}
+{"kind":"landmark","id":20,"from":0,"to":3,"cost":-1,"truth":{"correct":true}}
+{"kind":"landmark","id":21,"from":4,"to":1,"cost":2,"truth":{"correct":true}}
+{"kind":"landmark","id":22,"from":2,"to":5,"cost":3,"truth":{"correct":true}}
+{"kind":"landmark","id":23,"from":0,"to":6,"cost":5,"truth":{"correct":false}}
+"#;
+
+/// The line of an edge.
+fn line<'a>(text: &'a str, id: &str) -> &'a str {
+    text.lines().find(|line| line.contains(&format!("\"id\":{id},"))).unwrap()
+}
+
+#[test]
+fn cost_models_and_cut_graphs() {
+    let folder = folder("poses");
+    std::fs::write(folder.join("g.jsonl"), POSES).unwrap();
+    let support = succeed(&folder, "g.jsonl --stats s.json");
+    assert!(line(&support, "20").contains("\"cost\":1"), "{support}");
+    assert!(
+        line(&support, "23").contains("\"cost\":-1")
+            && line(&support, "23").contains("\"rejected_by\":\"multicut\"")
+    );
+    assert_eq!(support.matches("rejected_by").count(), 1);
+    for (key, value) in [("objective", "-1.0"), ("landmarks", "3"), ("cut_edges", "1"), ("optimal", "true")] {
+        holds(&folder, "s.json", key, value);
+    }
+    // Landmarks are numbered by their first node: 0-3, 1-4, 2-5.
+    for (node, landmark) in [("0", 0), ("1", 1), ("2", 2), ("3", 0), ("4", 1), ("5", 2)] {
+        assert!(line(&support, node).contains(&format!("\"landmark\":{landmark}")), "{support}");
+    }
+    let count = succeed(&folder, "g.jsonl --costs count");
+    assert!(
+        line(&count, "20").contains("\"cost\":1") && line(&count, "21").contains("\"cost\":2"),
+        "{count}"
+    );
+    let field = succeed(&folder, "g.jsonl --costs field");
+    assert!(
+        line(&field, "20").contains("rejected_by") && !line(&field, "23").contains("rejected_by"),
+        "{field}"
+    );
+    let wide = succeed(&folder, "g.jsonl --delta 2");
+    assert!(!wide.contains("rejected_by"), "{wide}");
+    // Odometry ties everything together and outweighs the repulsive edge.
+    let full = succeed(&folder, "g.jsonl --graph full --odometry-cost 2 --stats s.json");
+    assert!(!full.contains("rejected_by"), "{full}");
+    holds(&folder, "s.json", "landmarks", "1");
+    assert!(!succeed(&folder, "g.jsonl --drop-rejected").contains("\"id\":23,"));
+    let missing = POSES.replace("\"cost\":2,", "");
+    std::fs::write(folder.join("m.jsonl"), missing).unwrap();
+    assert!(fails(&folder, "m.jsonl --costs field", 2).contains("landmark 21: has no \"cost\""));
+    assert!(fails(&folder, "g.jsonl --graph full --odometry-cost nan", 2).contains("--odometry-cost"));
+}
+
+#[test]
+fn pose_graphs_have_certificates_too() {
+    let folder = folder("pose-certificate");
+    std::fs::write(folder.join("g.jsonl"), POSES).unwrap();
+    for options in ["", "--costs field", "--graph full", "--solver gaec"] {
+        let plain = succeed(&folder, &format!("g.jsonl {options}"));
+        assert_eq!(plain, succeed(&folder, &format!("g.jsonl {options} --certificate g.proof")), "{options}");
+        let said = succeed(&folder, &format!("g.jsonl {options} --verify g.proof"));
+        assert!(said.contains("no multicut costs less\n"), "{options}: {said}");
+    }
+    succeed(&folder, "g.jsonl --certificate g.proof");
+    let said = succeed(&folder, "g.jsonl --costs field --verify g.proof");
+    assert!(!said.contains("no multicut costs less\n"), "a proof for other costs: {said}");
+}
+
+#[test]
+fn the_truth_is_not_looked_at() {
+    let folder = folder("blind");
+    std::fs::write(folder.join("g.jsonl"), POSES).unwrap();
+    let lies = POSES.replace("\"correct\":true", "\"correct\":false");
+    std::fs::write(folder.join("lies.jsonl"), &lies).unwrap();
+    let records = |file: &str| {
+        let text = succeed(&folder, file).replace("\"correct\":true", "\"correct\":false");
+        // The header's provenance has the digest of the input.
+        text.lines().skip(1).map(String::from).collect::<Vec<_>>()
+    };
+    assert_eq!(records("g.jsonl"), records("lies.jsonl"));
+}
