@@ -15,6 +15,15 @@ pub enum Kernel {
     /// Dynamic covariance scaling (Agarwal, Tipaldi, Spinello, Stachniss, Burgard, 2013) in closed form: `s` up to
     /// `phi`, then `phi (3 s - phi) / (s + phi)`. Parameter phi is a squared residual.
     DynamicCovarianceScaling(f64),
+    /// The surrogate of truncated least squares `min(s, c^2)` with convexity `mu` (Yang, Antonante, Tzoumas, Carlone,
+    /// 2020, equation 8): `s` up to `c^2 mu / (mu + 1)`, `c^2` from `c^2 (mu + 1) / mu`, and
+    /// `2 c sqrt(s mu (mu + 1)) - mu (c^2 + s)` between. Convex as mu tends to 0, the cost itself at infinity.
+    Truncated {
+        /// Width c in standard deviations.
+        width: f64,
+        /// Convexity mu.
+        convexity: f64,
+    },
 }
 
 impl Kernel {
@@ -24,7 +33,8 @@ impl Kernel {
             Self::Huber(parameter)
             | Self::Cauchy(parameter)
             | Self::GemanMcClure(parameter)
-            | Self::DynamicCovarianceScaling(parameter) => parameter,
+            | Self::DynamicCovarianceScaling(parameter)
+            | Self::Truncated { width: parameter, .. } => parameter,
         }
     }
 
@@ -49,11 +59,60 @@ impl Kernel {
                 let scale = 2.0 * phi / (phi + squared);
                 (phi * (3.0 * squared - phi) / (squared + phi), scale * scale)
             }
+            Self::Truncated { width, convexity } => truncated(width * width, convexity, squared),
         }
+    }
+}
+
+/// Surrogate of truncated least squares and its derivative.
+fn truncated(bound: f64, convexity: f64, squared: f64) -> (f64, f64) {
+    let share = 1.0 / (1.0 + 1.0 / convexity);
+    if squared <= bound * share {
+        (squared, 1.0)
+    } else if squared * share >= bound {
+        (bound, 0.0)
+    } else {
+        let root = (bound * convexity * (convexity + 1.0)).sqrt();
+        let length = squared.sqrt();
+        (2.0 * root * length - convexity * (bound + squared), root / length - convexity)
     }
 }
 
 /// Cost and weight of a squared residual under an optional kernel.
 pub(crate) fn charge(kernel: Option<Kernel>, squared: f64) -> (f64, f64) {
     kernel.map_or((squared, 1.0), |kernel| kernel.evaluate(squared))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_are_derivatives_and_costs_are_continuous() {
+        let kernels = [
+            Kernel::Huber(1.3),
+            Kernel::Cauchy(0.7),
+            Kernel::GemanMcClure(2.0),
+            Kernel::DynamicCovarianceScaling(1.5),
+            Kernel::Truncated { width: 2.0, convexity: 1e-3 },
+            Kernel::Truncated { width: 2.0, convexity: 0.8 },
+            Kernel::Truncated { width: 2.0, convexity: 50.0 },
+        ];
+        for kernel in kernels {
+            for index in 1..2000 {
+                let squared = f64::from(index) * 0.0131;
+                let step = 1e-6;
+                let slope =
+                    (kernel.evaluate(squared + step).0 - kernel.evaluate(squared - step).0) / (2.0 * step);
+                let weight = kernel.evaluate(squared).1;
+                assert!((slope - weight).abs() < 1e-4, "{kernel:?} at {squared}: {slope} {weight}");
+                assert!((0.0..=1.0).contains(&weight));
+            }
+        }
+        let hard = Kernel::Truncated { width: 2.0, convexity: f64::INFINITY };
+        assert_eq!(
+            [3.9, 4.1, 1e9].map(|squared| hard.evaluate(squared)),
+            [(3.9, 1.0), (4.0, 0.0), (4.0, 0.0)]
+        );
+    }
 }

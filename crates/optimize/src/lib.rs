@@ -26,8 +26,10 @@
 
 pub mod cholesky;
 pub mod components;
+mod graduated;
 pub mod initialisation;
 mod kernel;
+mod kernel_name;
 mod levenberg_marquardt;
 mod normal_equations;
 mod options;
@@ -37,7 +39,9 @@ mod solution;
 mod solve;
 pub mod stage;
 
+pub use graduated::Graduated;
 pub use kernel::Kernel;
+pub use kernel_name::KernelNameError;
 pub use options::{Initialisation, Options};
 pub use problem::{Edge, EdgeKind, Problem, ProblemError};
 pub use residual::{chi2, residual};

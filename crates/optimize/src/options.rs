@@ -1,5 +1,7 @@
 //! What the caller may choose.
 
+use crate::graduated::Graduated;
+
 /// Where to start from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Initialisation {
@@ -28,10 +30,13 @@ pub struct Options {
     pub step_tolerance: f64,
     /// Converged when no component of the gradient exceeds this (inverse metres or radians).
     pub gradient_tolerance: f64,
+    /// Graduated non-convexity over the landmark edges, whose own kernels it replaces.
+    pub graduated: Option<Graduated>,
 }
 
 impl Default for Options {
-    /// Best start, 200 iterations, tolerances 1e-10 (cost), 1e-10 (step), 1e-10 (gradient).
+    /// Best start, 200 iterations, tolerances 1e-10 (cost), 1e-10 (step), 1e-10 (gradient); no
+    /// graduation.
     fn default() -> Self {
         Self {
             initialisation: Initialisation::Best,
@@ -39,6 +44,7 @@ impl Default for Options {
             cost_tolerance: 1e-10,
             step_tolerance: 1e-10,
             gradient_tolerance: 1e-10,
+            graduated: None,
         }
     }
 }

@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use posecut_geometry::{LieGroup, SE2, SE3};
 
 use crate::components::{Component, connected_components};
+use crate::graduated::{Graduated, set_landmark_kernels};
 use crate::initialisation::{chordal, spanning_tree};
 use crate::kernel::charge;
 use crate::levenberg_marquardt::Workspace;
@@ -48,6 +49,15 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
     problem: &Problem<G, DOF>,
     options: &Options,
 ) -> Solution<G> {
+    let graduated;
+    let problem = if let Some(graduation) = options.graduated {
+        let mut edges = problem.edges().to_vec();
+        set_landmark_kernels(&mut edges, Some(graduation.kernel()));
+        graduated = Problem::from_checked(problem.poses().to_vec(), edges);
+        &graduated
+    } else {
+        problem
+    };
     let edges = problem.edges();
     let components =
         connected_components(problem.poses().len(), edges.iter().map(|edge| (edge.from, edge.to)));
@@ -60,7 +70,10 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
             local[node] = index;
         }
         let part = extract(problem, component, &local);
-        let (start, result, mut report) = solve_component(&part, options);
+        let (start, result, mut report) = match options.graduated {
+            Some(graduation) => graduate_component(&part, graduation, options),
+            None => solve_component(&part, options),
+        };
         report.gauge = component.nodes[0];
         report.undetermined = report.undetermined.map(|(node, axis)| (component.nodes[node], axis));
         for ((&node, start), pose) in component.nodes.iter().zip(start).zip(result) {
@@ -129,6 +142,44 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     }
     let (start, result) = best.unwrap_or_else(|| (given.to_vec(), given.to_vec()));
     (start, result, report)
+}
+
+/// Graduation from the result of [`solve_component`] without kernels on the landmark edges, and, if the best start is
+/// asked for, from the spanning tree too: false edges may fold the former so that no surrogate unfolds it, while odometry
+/// drifts but never folds. The lower cost is kept.
+fn graduate_component<G: PoseGroup<DOF>, const DOF: usize>(
+    part: &Problem<G, DOF>,
+    graduation: Graduated,
+    options: &Options,
+) -> (Vec<G>, Vec<G>, ComponentReport) {
+    let mut plain = part.edges().to_vec();
+    set_landmark_kernels(&mut plain, None);
+    let plain = Problem::from_checked(part.poses().to_vec(), plain);
+    let (start, solved, mut report) = solve_component(&plain, options);
+    let edges = part.edges();
+    if edges.is_empty() {
+        return (start, solved, report);
+    }
+    let mut starts = vec![(report.start, start, solved)];
+    if options.initialisation == Initialisation::Best {
+        let tree = spanning_tree(part.poses(), edges);
+        starts.push((Start::SpanningTree, tree.clone(), tree));
+    }
+    let pattern = Pattern::new(part.poses().len(), edges.iter().map(|edge| (edge.from, edge.to)), DOF);
+    let mut workspace = Workspace::new(&pattern);
+    report.cost_given = cost(edges, part.poses());
+    report.cost = f64::INFINITY;
+    let mut best = (Vec::new(), part.poses().to_vec());
+    for (name, start, mut poses) in starts {
+        let outcome = graduation.minimise(&mut workspace, edges, &mut poses, options);
+        report.iterations += outcome.iterations;
+        report.rejected += outcome.rejected;
+        if best.0.is_empty() || outcome.cost < report.cost {
+            report.adopt(name, cost(edges, &start), &outcome);
+            best = (start, poses);
+        }
+    }
+    (best.0, best.1, report)
 }
 
 /// A proposed start.

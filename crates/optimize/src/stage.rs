@@ -1,5 +1,7 @@
 //! Optimisation as a stage: writes the optimised poses of a pose graph.
 
+mod robust;
+
 use anyhow::Context as _;
 use nalgebra::SMatrix;
 use posecut_geometry::covariance::unpack_upper_triangle;
@@ -7,6 +9,8 @@ use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, PoseGraph};
 use posecut_stage::{Context, GraphStage, info, warn};
 use serde::Serialize;
+
+pub use robust::{Graduation, RobustOptions};
 
 use crate::{Edge, EdgeKind, Initialisation, Options, PoseGroup, Problem, Solution, optimize};
 
@@ -46,10 +50,14 @@ pub struct StageOptions {
     /// Converged when no component of the gradient exceeds this, per metre and per radian
     #[arg(long, value_name = "SIZE", default_value_t = Options::default().gradient_tolerance)]
     pub gradient_tolerance: f64,
+
+    /// Robust kernels.
+    #[command(flatten)]
+    pub robust: RobustOptions,
 }
 
 impl StageOptions {
-    fn library_options(&self) -> anyhow::Result<Options> {
+    fn library_options(&self, degrees_of_freedom: usize) -> anyhow::Result<Options> {
         for (name, value) in [
             ("--cost-tolerance", self.cost_tolerance),
             ("--step-tolerance", self.step_tolerance),
@@ -72,6 +80,7 @@ impl StageOptions {
             cost_tolerance: self.cost_tolerance,
             step_tolerance: self.step_tolerance,
             gradient_tolerance: self.gradient_tolerance,
+            graduated: self.robust.graduated(degrees_of_freedom)?,
         })
     }
 }
@@ -93,8 +102,9 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
     graph: &mut PoseGraph,
     context: &mut Context,
 ) -> anyhow::Result<()> {
-    let (edges, unmeasured) = edges::<G, DOF>(graph)?;
-    let count = edges.len();
+    let library_options = options.library_options(DOF)?;
+    let Measured { mut edges, places, unmeasured } = edges::<G, DOF>(graph)?;
+    options.robust.set_kernels(&mut edges);
     let identity = graph.header.dimension;
     let poses = graph
         .nodes
@@ -105,24 +115,31 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
         })
         .collect::<anyhow::Result<Vec<G>>>()?;
     let problem = Problem::new(poses, edges)?;
-    let solution = optimize(&problem, &options.library_options()?);
+    let solution = optimize(&problem, &library_options);
     for (node, pose) in graph.nodes.iter_mut().zip(&solution.poses) {
         node.pose = Some(pose.components());
     }
     tell(graph, &solution, unmeasured);
-    note(&solution, count, unmeasured, context);
+    note(&solution, problem.edges().len(), unmeasured, context);
+    options.robust.write_weights(graph, &places, &solution.weights, &mut context.statistics)?;
+    options.robust.note(library_options.graduated, solution.cost, &mut context.statistics);
     Ok(())
 }
 
-/// The edges in use that measure something, and how many in use do not.
-fn edges<G: PoseGroup<DOF>, const DOF: usize>(
-    graph: &PoseGraph,
-) -> anyhow::Result<(Vec<Edge<G, DOF>>, usize)> {
-    let mut edges = Vec::new();
-    let mut unmeasured = 0;
-    for edge in graph.edges.iter().filter(|edge| edge.in_use()) {
+/// The edges in use that measure something.
+struct Measured<G, const DOF: usize> {
+    edges: Vec<Edge<G, DOF>>,
+    /// Their places in the graph.
+    places: Vec<usize>,
+    /// How many edges in use measure nothing.
+    unmeasured: usize,
+}
+
+fn edges<G: PoseGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Result<Measured<G, DOF>> {
+    let mut found = Measured { edges: Vec::new(), places: Vec::new(), unmeasured: 0 };
+    for (place, edge) in graph.edges.iter().enumerate().filter(|(_, edge)| edge.in_use()) {
         let (Some(measurement), Some(packed)) = (&edge.measurement, graph.information(edge)) else {
-            unmeasured += 1;
+            found.unmeasured += 1;
             continue;
         };
         let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to)) else {
@@ -136,9 +153,10 @@ fn edges<G: PoseGroup<DOF>, const DOF: usize>(
             posecut_graph::EdgeKind::Odometry => EdgeKind::Odometry,
             posecut_graph::EdgeKind::Landmark => EdgeKind::Landmark,
         };
-        edges.push(Edge::new(from, to, measurement, information, kind));
+        found.edges.push(Edge::new(from, to, measurement, information, kind));
+        found.places.push(place);
     }
-    Ok((edges, unmeasured))
+    Ok(found)
 }
 
 fn tell<G>(graph: &PoseGraph, solution: &Solution<G>, unmeasured: usize) {

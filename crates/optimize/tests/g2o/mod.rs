@@ -19,6 +19,7 @@ pub(crate) fn shared_data() -> Option<PathBuf> {
 }
 
 /// The text of a graph, or a note that it is missing.
+#[allow(dead_code, reason = "not every test reads the benchmark graphs")]
 pub(crate) fn text(name: &str) -> Option<String> {
     let found = shared_data()
         .and_then(|path| std::fs::read_to_string(path.join("g2o").join(format!("{name}.g2o"))).ok());
@@ -29,6 +30,7 @@ pub(crate) fn text(name: &str) -> Option<String> {
 }
 
 /// Whether the graph is one of the plane.
+#[allow(dead_code, reason = "not every test reads the benchmark graphs")]
 pub(crate) fn is_planar(text: &str) -> bool {
     text.contains("EDGE_SE2")
 }

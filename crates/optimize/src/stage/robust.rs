@@ -1,0 +1,130 @@
+//! Robust kernels of the stage: options, weights on the edges, figures.
+
+use posecut_graph::PoseGraph;
+use posecut_stage::Statistics;
+use serde::{Serialize, Serializer};
+
+use crate::{Edge, EdgeKind, Graduated, Kernel};
+
+/// The cost that graduated non-convexity ends with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Graduation {
+    /// Truncated least squares: an edge is in or out
+    #[value(alias = "tls")]
+    TruncatedLeastSquares,
+    /// Geman-McClure
+    GemanMcclure,
+}
+
+/// Robust kernels.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, clap::Args)]
+pub struct RobustOptions {
+    /// Kernel of odometry edges: huber, cauchy, geman-mcclure or dcs, and its width after a colon, in standard deviations
+    /// (dcs: phi, a squared residual)
+    #[arg(long, value_name = "NAME[:WIDTH]", help_heading = "Robust kernels")]
+    #[serde(serialize_with = "kernel_word")]
+    pub kernel_odometry: Option<Kernel>,
+
+    /// Kernel of landmark edges, in the same words
+    #[arg(long, value_name = "NAME[:WIDTH]", help_heading = "Robust kernels")]
+    #[serde(serialize_with = "kernel_word")]
+    pub kernel_landmark: Option<Kernel>,
+
+    /// Graduated non-convexity over the landmark edges, which finds outliers without a good start
+    #[arg(
+        long,
+        value_enum,
+        value_name = "COST",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "truncated-least-squares",
+        conflicts_with = "kernel_landmark",
+        help_heading = "Robust kernels"
+    )]
+    pub gnc: Option<Graduation>,
+
+    /// Largest residual of a correct landmark edge in standard deviations, for --gnc; default is the 0.99 quantile, 3.368 in
+    /// the plane and 4.100 in space
+    #[arg(long, value_name = "WIDTH", requires = "gnc", help_heading = "Robust kernels")]
+    pub gnc_width: Option<f64>,
+}
+
+#[allow(clippy::ref_option, reason = "serde hands a field over as it stands")]
+fn kernel_word<S: Serializer>(kernel: &Option<Kernel>, serializer: S) -> Result<S::Ok, S::Error> {
+    kernel.map(|kernel| kernel.to_string()).serialize(serializer)
+}
+
+impl RobustOptions {
+    /// Graduation for residuals of so many components.
+    pub(super) fn graduated(&self, degrees_of_freedom: usize) -> anyhow::Result<Option<Graduated>> {
+        // Roots of the 0.99 quantiles of chi-square with 3 and 6 degrees of freedom, 11.3449 and 16.8119.
+        let quantile = if degrees_of_freedom == 3 { 3.368_2 } else { 4.100_2 };
+        let width = self.gnc_width.unwrap_or(quantile);
+        anyhow::ensure!(
+            width > 0.0 && width.is_finite(),
+            "--gnc-width is {width}, and must be a positive number of standard deviations"
+        );
+        Ok(self.gnc.map(|gnc| match gnc {
+            Graduation::TruncatedLeastSquares => Graduated::TruncatedLeastSquares(width),
+            Graduation::GemanMcclure => Graduated::GemanMcClure(width),
+        }))
+    }
+
+    fn kernel(&self, kind: EdgeKind) -> Option<Kernel> {
+        match kind {
+            EdgeKind::Odometry => self.kernel_odometry,
+            EdgeKind::Landmark => self.kernel_landmark,
+        }
+    }
+
+    /// Gives the edges their kernels.
+    pub(super) fn set_kernels<G, const DOF: usize>(&self, edges: &mut [Edge<G, DOF>]) {
+        for edge in edges {
+            edge.kernel = self.kernel(edge.kind);
+        }
+    }
+
+    /// Writes the weight of every edge under a kernel to its field `weight`; `places` are the edges' places in the graph.
+    pub(super) fn write_weights(
+        &self,
+        graph: &mut PoseGraph,
+        places: &[usize],
+        weights: &[f64],
+        statistics: &mut Statistics,
+    ) -> anyhow::Result<()> {
+        let mut below_half = 0_usize;
+        for (&place, &weight) in places.iter().zip(weights) {
+            let edge = &mut graph.edges[place];
+            let under_kernel = match edge.kind {
+                posecut_graph::EdgeKind::Odometry => self.kernel_odometry.is_some(),
+                posecut_graph::EdgeKind::Landmark => self.kernel_landmark.is_some() || self.gnc.is_some(),
+            };
+            if under_kernel {
+                anyhow::ensure!(
+                    weight.is_finite(),
+                    "{}: the weight of its residual is not a number; give its measurement and information finite, moderate values",
+                    edge.name()
+                );
+                below_half += usize::from(weight < 0.5);
+                edge.extra.insert("weight".to_owned(), weight.into());
+            }
+        }
+        if *self != Self::default() {
+            statistics.note("edges_below_half_weight", below_half);
+        }
+        Ok(())
+    }
+
+    /// Notes which kernels were used and what cost they lead to.
+    pub(super) fn note(&self, graduated: Option<Graduated>, cost: f64, statistics: &mut Statistics) {
+        if *self == Self::default() {
+            return;
+        }
+        let landmark = graduated.map(Graduated::kernel).or(self.kernel_landmark);
+        statistics.note("kernel_odometry", self.kernel_odometry.map(|kernel| kernel.to_string()));
+        statistics.note("kernel_landmark", landmark.map(|kernel| kernel.to_string()));
+        statistics.note("graduated_non_convexity", self.gnc);
+        statistics.note("robust_cost", cost);
+    }
+}

@@ -1,0 +1,80 @@
+//! The stage as a process: what its options leave in the graph.
+
+#![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
+
+use std::io::Write as _;
+use std::process::{Command, Output, Stdio};
+
+/// A square of four steps, closed by a true landmark edge (5) and crossed by a false one (6).
+const GRAPH: &str = r#"{"kind":"header","format":"posecut","version":1,"dimension":2}
+{"kind":"node","id":0,"pose":[0,0,0]}
+{"kind":"node","id":1,"pose":[1,0,1.5]}
+{"kind":"node","id":2,"pose":[1,1,3]}
+{"kind":"node","id":3,"pose":[0,1,-1.5]}
+{"kind":"odometry","id":0,"from":0,"to":1,"measurement":[1,0,1.57],"information":[100,0,0,100,0,400]}
+{"kind":"odometry","id":1,"from":1,"to":2,"measurement":[1,0,1.57],"information":[100,0,0,100,0,400]}
+{"kind":"odometry","id":2,"from":2,"to":3,"measurement":[1,0,1.57],"information":[100,0,0,100,0,400]}
+{"kind":"landmark","id":5,"from":3,"to":0,"measurement":[1,0,1.57],"information":[100,0,0,100,0,400]}
+{"kind":"landmark","id":6,"from":0,"to":2,"measurement":[9,9,0],"information":[100,0,0,100,0,400]}
+"#;
+
+fn run(arguments: &[&str]) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_posecut-optimize"))
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let _ = child.stdin.take().unwrap().write_all(GRAPH.as_bytes());
+    child.wait_with_output().unwrap()
+}
+
+/// Standard output of a run that must succeed.
+fn succeed(arguments: &[&str]) -> String {
+    let output = run(arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Standard error of a run that must fail.
+fn fail(arguments: &[&str]) -> String {
+    let output = run(arguments);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+    assert!(output.stdout.is_empty(), "{arguments:?}");
+    String::from_utf8(output.stderr).unwrap()
+}
+
+/// The number in a field of the record with this kind and id, if it has the field.
+fn field(graph: &str, kind: &str, id: u64, name: &str) -> Option<f64> {
+    let start = format!("{{\"kind\":\"{kind}\",\"id\":{id},");
+    let line = graph.lines().find(|line| line.starts_with(&start)).unwrap();
+    let rest = line.split_once(&format!("\"{name}\":"))?.1;
+    let end = rest.find([',', '}']).unwrap();
+    Some(rest[..end].parse().unwrap())
+}
+
+#[test]
+fn weights_stand_on_the_edges_under_a_kernel_and_nowhere_else() {
+    let plain = succeed(&[]);
+    assert!(!plain.contains("\"weight\""), "{plain}");
+    for arguments in [["--kernel-landmark", "dcs"], ["--kernel-landmark", "geman-mcclure:2"], ["--gnc", "-q"]]
+    {
+        let graph = succeed(&arguments);
+        assert!(field(&graph, "landmark", 5, "weight").unwrap() > 0.9, "{arguments:?}: {graph}");
+        assert!(field(&graph, "landmark", 6, "weight").unwrap() < 0.01, "{arguments:?}: {graph}");
+        assert_eq!(field(&graph, "odometry", 0, "weight"), None);
+    }
+    let graph = succeed(&["--kernel-odometry", "huber"]);
+    assert!(
+        field(&graph, "odometry", 0, "weight").is_some() && field(&graph, "landmark", 5, "weight").is_none()
+    );
+}
+
+#[test]
+fn kernels_that_make_no_sense_are_refused() {
+    assert!(fail(&["--kernel-landmark", "tukey"]).contains("'tukey' is no robust kernel"));
+    assert!(fail(&["--kernel-odometry", "huber:-1"]).contains("'-1' is no width"));
+    assert!(fail(&["--gnc", "--gnc-width=-2"]).contains("positive number of standard deviations"));
+    assert!(fail(&["--gnc", "--kernel-landmark", "dcs"]).contains("cannot be used with"));
+}
