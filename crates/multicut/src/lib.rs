@@ -43,6 +43,7 @@ pub mod stage;
 mod sum;
 pub mod support;
 mod union_find;
+mod verified_part;
 mod verify;
 
 pub use error::{GraphError, LabelError, MAXIMUM_NODES};

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::budget::Budget;
 use crate::decomposition::decompose;
-use crate::greedy::additive_edge_contraction;
+use crate::greedy::{additive_edge_contraction, greedy_fixation};
 use crate::kernighan_lin::kernighan_lin_with_joins;
 use crate::signed_graph::SignedGraph;
 use crate::union_find::UnionFind;
@@ -14,7 +14,7 @@ use crate::union_find::UnionFind;
 const NOISE: [f64; 4] = [0.3, 1.0, 0.1, 0.6];
 
 /// Improves `labels` by `rounds` fusion moves (Beier, Hamprecht, Kappes, CVPR 2015): a proposal from greedy contraction
-/// with noisy costs and Kernighan-Lin, then the best combination that can be found of proposal and incumbent,
+/// or fixation with noisy costs and Kernighan-Lin, then the best combination that can be found of proposal and incumbent,
 /// by contracting the edges that both join, reducing, and solving the small rest heuristically. Never worsens.
 pub(crate) fn fuse_proposals(
     graph: &SignedGraph,
@@ -32,7 +32,12 @@ pub(crate) fn fuse_proposals(
             .map(|(tail, head, cost)| (tail, head, cost * (1.0 + noise * random.random_range(-1.0..1.0))))
             .collect();
         let noisy = SignedGraph::new(graph.node_count(), noisy.into_iter());
-        let mut proposal = additive_edge_contraction(noisy, budget);
+        // Every other proposal looks at repulsion first.
+        let mut proposal = if round % 2 == 0 {
+            additive_edge_contraction(noisy, budget)
+        } else {
+            greedy_fixation(noisy, budget)
+        };
         kernighan_lin_with_joins(graph, &mut proposal, budget);
         let fused = fuse(graph, labels, &proposal, budget);
         for candidate in [proposal, fused] {

@@ -9,12 +9,12 @@ use crate::graph::{Edge, Graph};
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// The file could not be read.
-    #[error("the instance could not be read after line {line}: {source}")]
+    #[error("the instance could not be read after line {line}: {cause}")]
     Read {
         /// Lines read before.
         line: usize,
         /// What the system says.
-        source: std::io::Error,
+        cause: std::io::Error,
     },
     /// The first line is not `MULTICUT`.
     #[error("line 1 is {found:?} instead of MULTICUT; is this an instance in the mc format?")]
@@ -31,12 +31,12 @@ pub enum ReadError {
         found: String,
     },
     /// The edges make no graph.
-    #[error("line {line}: {source}")]
+    #[error("line {line}: {cause}")]
     Graph {
         /// Number of the line, from 1.
         line: usize,
         /// What is wrong with the edge.
-        source: GraphError,
+        cause: GraphError,
     },
 }
 
@@ -54,7 +54,7 @@ pub fn read_mc(input: impl std::io::Read) -> Result<Graph, ReadError> {
     loop {
         line.clear();
         let read = input.read_until(b'\n', &mut line);
-        if read.map_err(|source| ReadError::Read { line: number, source })? == 0 {
+        if read.map_err(|cause| ReadError::Read { line: number, cause })? == 0 {
             break;
         }
         number += 1;
@@ -71,7 +71,7 @@ pub fn read_mc(input: impl std::io::Read) -> Result<Graph, ReadError> {
         }
         let (tail, head, cost) =
             parse(text).ok_or_else(|| ReadError::Line { line: number, found: excerpt(text) })?;
-        let refuse = |source| ReadError::Graph { line: number, source };
+        let refuse = |cause| ReadError::Graph { line: number, cause };
         let largest = tail.max(head);
         if largest >= MAXIMUM_NODES as u64 {
             return Err(refuse(GraphError::TooManyNodes { nodes: largest.saturating_add(1) }));
@@ -98,7 +98,7 @@ pub fn read_mc(input: impl std::io::Read) -> Result<Graph, ReadError> {
         return Err(ReadError::Header { found: String::new() });
     }
     if !f64::is_finite(magnitude) {
-        return Err(ReadError::Graph { line: number, source: GraphError::CostsOverflow });
+        return Err(ReadError::Graph { line: number, cause: GraphError::CostsOverflow });
     }
     edges.shrink_to_fit();
     Ok(Graph::from_checked(node_count, edges, self_loops))

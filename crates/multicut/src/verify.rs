@@ -1,10 +1,10 @@
 //! An independent check of certificates: shares no algorithm with the solver.
 
-use std::collections::BTreeMap;
 use std::io::BufRead;
 
 use crate::graph::Graph;
 use crate::proof::MAGIC;
+use crate::verified_part::{Part, ROUNDING};
 
 /// What a certificate proves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,12 +21,12 @@ pub struct Verified {
 #[derive(Debug, thiserror::Error)]
 pub enum VerifyError {
     /// The file could not be read.
-    #[error("the certificate could not be read after line {line}: {source}")]
+    #[error("the certificate could not be read after line {line}: {cause}")]
     Read {
         /// Lines read before.
         line: usize,
         /// What the system says.
-        source: std::io::Error,
+        cause: std::io::Error,
     },
     /// The first line is not that of a certificate.
     #[error("line 1 is not {MAGIC:?}; is this a certificate?")]
@@ -40,9 +40,6 @@ pub enum VerifyError {
         reason: String,
     },
 }
-
-/// Share of the costs involved by which a condition may fail for rounding.
-const ROUNDING: f64 = 1e-12;
 
 /// Proofs nested deeper than this are refused, for the sake of the stack.
 const DEPTH: usize = 2_000;
@@ -87,164 +84,6 @@ pub fn verify(graph: &Graph, certificate: impl BufRead) -> Result<Verified, Veri
     Ok(Verified { objective, lower_bound: bound, optimal: bound >= objective - tolerance })
 }
 
-/// A graph as ordered maps, nodes numbered as the certificate numbers them.
-#[derive(Clone)]
-struct Part {
-    arcs: Vec<BTreeMap<u32, f64>>,
-    /// What left the graph.
-    constant: f64,
-}
-
-impl Part {
-    fn new(nodes: usize) -> Self {
-        Self { arcs: vec![BTreeMap::new(); nodes], constant: 0.0 }
-    }
-
-    fn add(&mut self, tail: u32, head: u32, cost: f64) {
-        for (a, b) in [(tail, head), (head, tail)] {
-            let sum = self.arcs[a as usize].entry(b).or_insert(0.0);
-            *sum += cost;
-            if *sum == 0.0 {
-                self.arcs[a as usize].remove(&b);
-            }
-        }
-    }
-
-    fn remove(&mut self, tail: u32, head: u32) -> Option<f64> {
-        self.arcs[head as usize].remove(&tail);
-        self.arcs[tail as usize].remove(&head)
-    }
-
-    fn cost(&self, tail: u32, head: u32) -> f64 {
-        self.arcs.get(tail as usize).and_then(|arcs| arcs.get(&head)).copied().unwrap_or(0.0)
-    }
-
-    /// Sum of the absolute costs at a node.
-    fn magnitude(&self, node: u32) -> f64 {
-        self.arcs[node as usize].values().map(|cost| cost.abs()).sum()
-    }
-
-    fn has(&self, nodes: &[u32]) -> Result<(), String> {
-        match nodes.iter().find(|&&node| node as usize >= self.arcs.len()) {
-            Some(node) => Err(format!("there is no node {node}")),
-            None => Ok(()),
-        }
-    }
-
-    /// Moves the edges among `nodes` to a part of their own, where nodes bear their positions.
-    fn take(&mut self, nodes: &[u32]) -> Result<Self, String> {
-        self.has(nodes)?;
-        let places: BTreeMap<u32, u32> =
-            nodes.iter().enumerate().map(|(place, &node)| (node, place as u32)).collect();
-        if places.len() != nodes.len() {
-            return Err("a node appears twice".into());
-        }
-        let mut part = Self::new(nodes.len());
-        for (place, &node) in nodes.iter().enumerate() {
-            let inside: Vec<(u32, u32)> = self.arcs[node as usize]
-                .keys()
-                .filter_map(|other| places.get(other).map(|&to| (*other, to)))
-                .collect();
-            for (other, to) in inside {
-                if let Some(cost) = self.remove(node, other) {
-                    part.add(place as u32, to, cost);
-                }
-            }
-        }
-        Ok(part)
-    }
-
-    /// Moves the edges among `nodes` to a graph of their own, where nodes keep their names.
-    fn split(&mut self, nodes: &[u32]) -> Result<Self, String> {
-        let part = self.take(nodes)?;
-        let mut named = Self::new(self.arcs.len());
-        for (tail, arcs) in part.arcs.iter().enumerate() {
-            for (&head, &cost) in arcs {
-                if (tail as u32) < head {
-                    named.add(nodes[tail], nodes[head as usize], cost);
-                }
-            }
-        }
-        Ok(named)
-    }
-
-    fn negative_sum(&self) -> f64 {
-        let arcs = self.arcs.iter().enumerate();
-        arcs.flat_map(|(tail, arcs)| arcs.range(tail as u32 + 1..)).map(|arc| arc.1.min(0.0)).sum()
-    }
-
-    fn is_integral(&self) -> bool {
-        self.arcs.iter().flat_map(BTreeMap::values).all(|cost| cost.fract() == 0.0)
-    }
-
-    fn isolate(&mut self, node: u32) -> Result<(), String> {
-        self.has(&[node])?;
-        let arcs = self.arcs[node as usize].clone();
-        if arcs.values().any(|cost| *cost > 0.0) {
-            return Err(format!("node {node} has an attractive edge"));
-        }
-        for (other, cost) in arcs {
-            self.constant += cost;
-            self.remove(node, other);
-        }
-        Ok(())
-    }
-
-    fn eliminate(&mut self, node: u32) -> Result<(), String> {
-        self.has(&[node])?;
-        let arcs: Vec<(u32, f64)> = self.arcs[node as usize].iter().map(|(&x, &c)| (x, c)).collect();
-        let [(x, a), (y, b)] = arcs[..] else {
-            return Err(format!("node {node} has {} edges instead of two", arcs.len()));
-        };
-        let (joined, apart) = ((a + b).min(0.0), a.min(b).min(a + b));
-        self.remove(node, x);
-        self.remove(node, y);
-        self.constant += joined;
-        self.add(x, y, apart - joined);
-        Ok(())
-    }
-
-    fn contract(&mut self, kept: u32, gone: u32) {
-        self.remove(kept, gone);
-        let arcs = std::mem::take(&mut self.arcs[gone as usize]);
-        for (other, cost) in arcs {
-            self.arcs[other as usize].remove(&gone);
-            self.add(kept, other, cost);
-        }
-    }
-
-    fn dominance(&mut self, kept: u32, gone: u32) -> Result<(), String> {
-        self.has(&[kept, gone])?;
-        let cost = self.cost(kept, gone);
-        let total = self.magnitude(kept).min(self.magnitude(gone));
-        if !(cost > 0.0 && 2.0 * cost >= total * (1.0 - ROUNDING)) {
-            return Err(format!("edge {kept} {gone} costs {cost}, less than half of {total}"));
-        }
-        self.contract(kept, gone);
-        Ok(())
-    }
-
-    fn triangle(&mut self, u: u32, v: u32, w: u32) -> Result<(), String> {
-        self.has(&[u, v, w])?;
-        let (uv, uw, vw) = (self.cost(u, v), self.cost(u, w), self.cost(v, w));
-        let (at_u, at_v) = (self.magnitude(u), self.magnitude(v));
-        let (rest_u, rest_v) = (at_u - uv - uw, at_v - uv - vw);
-        let slack = ROUNDING * (at_u + at_v);
-        let least = |gain: f64, loss: f64| gain >= loss - slack;
-        let holds = uv > 0.0
-            && uw > 0.0
-            && vw > 0.0
-            && least(uv + uw, rest_u)
-            && least(uv + vw, rest_v)
-            && (least(uv, rest_u) || least(uv, rest_v) || least(uv + uw + vw, rest_u + rest_v));
-        if !holds {
-            return Err(format!("the triangle {u} {v} {w} does not dominate"));
-        }
-        self.contract(u, v);
-        Ok(())
-    }
-}
-
 struct Checker<B> {
     lines: std::io::Lines<B>,
     line: usize,
@@ -260,7 +99,7 @@ impl<B: BufRead> Checker<B> {
         self.line += 1;
         match self.lines.next() {
             None => Err(self.refute("the file ends too early".into())),
-            Some(Err(source)) => Err(VerifyError::Read { line: self.line - 1, source }),
+            Some(Err(cause)) => Err(VerifyError::Read { line: self.line - 1, cause }),
             Some(Ok(line)) => {
                 self.words = line.split_ascii_whitespace().map(String::from).collect();
                 Ok(())

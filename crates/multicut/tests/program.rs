@@ -95,7 +95,7 @@ fn bad_instances_are_refused_with_file_and_line() {
     ] {
         std::fs::write(folder.join("bad.mc"), text).unwrap();
         let message = fails(&folder, "--format mc bad.mc -o labels --stats s.json --certificate c", 2);
-        assert!(message.contains(said), "{text:?}: {message}");
+        assert_eq!(message.matches(said).count(), 1, "{text:?}: {message}");
         assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1, "{text:?} left files");
     }
     assert!(fails(&folder, "--format mc none.mc", 2).contains("none.mc: cannot be opened"));
