@@ -9,8 +9,7 @@ use posecut_geometry::LieGroup;
 use crate::cholesky::Factor;
 use crate::normal_equations::{NormalEquations, Pattern};
 use crate::options::Options;
-use crate::problem::Edge;
-use crate::residual::cost as total_cost;
+use crate::residual::Term;
 use crate::solution::Termination;
 
 /// Damping after the first failure, as a share of the diagonal.
@@ -56,7 +55,12 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
     }
 
     /// Minimises the cost of the edges over all poses but the first.
-    pub(crate) fn minimise(&mut self, edges: &[Edge<G, DOF>], poses: &mut [G], options: &Options) -> Outcome {
+    pub(crate) fn minimise<T: Term<G, DOF>>(
+        &mut self,
+        edges: &[T],
+        poses: &mut [G],
+        options: &Options,
+    ) -> Outcome {
         let mut damping = Damping { value: 0.0, growth: 4.0 };
         let mut outcome = Outcome {
             cost: self.equations.assemble(self.pattern, edges, poses),
@@ -83,7 +87,7 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
                 continue;
             };
             self.retract(poses);
-            let cost = total_cost(edges, &self.trial);
+            let cost = edges.iter().map(|edge| edge.cost(&self.trial)).sum::<f64>();
             let nearly_undamped = damping.value <= 1e-3;
             let met = if nearly_undamped && promised <= cost_tolerance(outcome.cost) {
                 Some(Termination::Cost)

@@ -24,7 +24,9 @@
 //! # Ok::<(), posecut_optimize::ProblemError>(())
 //! ```
 
+mod certificate;
 pub mod cholesky;
+mod chordal_cost;
 pub mod components;
 mod graduated;
 pub mod initialisation;
@@ -39,6 +41,7 @@ mod solution;
 mod solve;
 pub mod stage;
 
+pub use certificate::Certificate;
 pub use graduated::Graduated;
 pub use kernel::Kernel;
 pub use kernel_name::KernelNameError;
@@ -46,4 +49,4 @@ pub use options::{Initialisation, Options};
 pub use problem::{Edge, EdgeKind, Problem, ProblemError};
 pub use residual::{chi2, residual};
 pub use solution::{ComponentReport, Solution, Start, Termination};
-pub use solve::{PoseGroup, optimize};
+pub use solve::{PoseGroup, certify, optimize};

@@ -4,8 +4,7 @@ use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
 use crate::cholesky::Symbolic;
-use crate::problem::Edge;
-use crate::residual::linearise;
+use crate::residual::Term;
 
 /// Where an edge's blocks go. Variable v is node v + 1; node 0 is the gauge.
 #[derive(Clone, Copy, Debug)]
@@ -90,16 +89,16 @@ impl<const D: usize> NormalEquations<D> {
     }
 
     /// Linearises all edges, in their order, and returns the cost.
-    pub(crate) fn assemble<G: LieGroup<D>>(
+    pub(crate) fn assemble<G: LieGroup<D>, T: Term<G, D>>(
         &mut self,
         pattern: &Pattern,
-        edges: &[Edge<G, D>],
+        edges: &[T],
         poses: &[G],
     ) -> f64 {
         self.clear();
         let mut cost = 0.0;
         for (edge, slot) in edges.iter().zip(&pattern.slots) {
-            let model = linearise(edge, poses);
+            let model = edge.linearise(poses);
             cost += model.cost;
             if let Some(from) = slot.from {
                 self.diagonal[from] += model.from_from;

@@ -43,6 +43,40 @@ pub(crate) struct Linearised<const DOF: usize> {
     pub(crate) cost: f64,
 }
 
+/// One summand of a cost over poses.
+pub(crate) trait Term<G, const DOF: usize> {
+    /// Its value.
+    fn cost(&self, poses: &[G]) -> f64;
+    /// Its quadratic model.
+    fn linearise(&self, poses: &[G]) -> Linearised<DOF>;
+}
+
+impl<G: LieGroup<DOF>, const DOF: usize> Term<G, DOF> for Edge<G, DOF> {
+    fn cost(&self, poses: &[G]) -> f64 {
+        charge(self.kernel, squared(self, poses)).0
+    }
+
+    fn linearise(&self, poses: &[G]) -> Linearised<DOF> {
+        linearise(self, poses)
+    }
+}
+
+impl<const DOF: usize> Linearised<DOF> {
+    /// From block and half gradient in a right perturbation of `X_ij`, which equals one of `X_j`.
+    pub(crate) fn new<G: LieGroup<DOF>>(
+        relative: &G,
+        to_to: SMatrix<f64, DOF, DOF>,
+        to_gradient: SVector<f64, DOF>,
+        cost: f64,
+    ) -> Self {
+        let adjoint = relative.inverse().adjoint();
+        let from_to = -adjoint.tr_mul(&to_to);
+        let from_gradient = -adjoint.tr_mul(&to_gradient);
+        let from_from = -(from_to * adjoint);
+        Self { from_from, from_to, to_to, from_gradient, to_gradient, cost }
+    }
+}
+
 /// Linearises an edge.
 ///
 /// With `X_ij = X_i^-1 X_j` and `E = Z^-1 X_ij`: `J_j = J_r^-1(Log E)`, and since `Exp(-d) X_ij = X_ij Exp(-Ad(X_ij^-1) d)`,
@@ -56,13 +90,9 @@ pub(crate) fn linearise<G: LieGroup<DOF>, const DOF: usize>(
     let weighted = edge.information * error;
     let (cost, weight) = charge(edge.kernel, error.dot(&weighted));
     let jacobian = G::right_jacobian_inverse(&error);
-    let adjoint = relative.inverse().adjoint();
     let to_to = jacobian.tr_mul(&(edge.information * jacobian)) * weight;
     let to_gradient = jacobian.tr_mul(&weighted) * weight;
-    let from_to = -adjoint.tr_mul(&to_to);
-    let from_gradient = -adjoint.tr_mul(&to_gradient);
-    let from_from = -(from_to * adjoint);
-    Linearised { from_from, from_to, to_to, from_gradient, to_gradient, cost }
+    Linearised::new(&relative, to_to, to_gradient, cost)
 }
 
 #[cfg(test)]

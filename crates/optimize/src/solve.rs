@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 
 use posecut_geometry::{LieGroup, SE2, SE3};
 
+use crate::certificate::{self, Certificate};
 use crate::components::{Component, connected_components};
 use crate::graduated::{Graduated, set_landmark_kernels};
 use crate::initialisation::{chordal, spanning_tree};
@@ -21,6 +22,10 @@ pub trait PoseGroup<const DOF: usize>: LieGroup<DOF> {
     /// them.
     #[doc(hidden)]
     fn chordal_poses(pattern: &Relaxation<'_>, edges: &[Edge<Self, DOF>], first: &Self) -> Option<Vec<Self>>;
+
+    /// The certificate of a connected graph.
+    #[doc(hidden)]
+    fn certificate(edges: &[Edge<Self, DOF>], poses: &[Self]) -> Certificate;
 }
 
 /// What the relaxation needs of the normal equations.
@@ -32,11 +37,19 @@ impl PoseGroup<3> for SE2 {
     fn chordal_poses(pattern: &Relaxation<'_>, edges: &[Edge<Self, 3>], first: &Self) -> Option<Vec<Self>> {
         chordal::poses::<Self, 3, 2>(pattern.0, edges, first)
     }
+
+    fn certificate(edges: &[Edge<Self, 3>], poses: &[Self]) -> Certificate {
+        certificate::certify::<Self, 3, 2, 3>(edges, poses)
+    }
 }
 
 impl PoseGroup<6> for SE3 {
     fn chordal_poses(pattern: &Relaxation<'_>, edges: &[Edge<Self, 6>], first: &Self) -> Option<Vec<Self>> {
         chordal::poses::<Self, 6, 3>(pattern.0, edges, first)
+    }
+
+    fn certificate(edges: &[Edge<Self, 6>], poses: &[Self]) -> Certificate {
+        certificate::certify::<Self, 6, 3, 4>(edges, poses)
     }
 }
 
@@ -94,6 +107,25 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
         components: reports,
         poses,
     }
+}
+
+/// SE-Sync's dual certificate of every connected part, for its cost `F` (chordal, isotropic weights), not for that of
+/// [`optimize`]: the poses are refined for `F` first. Kernels are not looked at.
+pub fn certify<G: PoseGroup<DOF>, const DOF: usize>(
+    problem: &Problem<G, DOF>,
+    poses: &[G],
+) -> Vec<Certificate> {
+    let ends = problem.edges().iter().map(|edge| (edge.from, edge.to));
+    let solved = Problem::from_checked(poses.to_vec(), problem.edges().to_vec());
+    let mut local = vec![0; poses.len()];
+    let certificate = |component: &Component| {
+        for (index, &node) in component.nodes.iter().enumerate() {
+            local[node] = index;
+        }
+        let part = extract(&solved, component, &local);
+        G::certificate(part.edges(), part.poses())
+    };
+    connected_components(poses.len(), ends).iter().map(certificate).collect()
 }
 
 /// The part of the graph with its own numbering.

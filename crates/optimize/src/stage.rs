@@ -1,5 +1,6 @@
 //! Optimisation as a stage: writes the optimised poses of a pose graph.
 
+mod certify;
 mod robust;
 
 use anyhow::Context as _;
@@ -12,7 +13,7 @@ use serde::Serialize;
 
 pub use robust::{Graduation, RobustOptions};
 
-use crate::{Edge, EdgeKind, Initialisation, Options, PoseGroup, Problem, Solution, optimize};
+use crate::{Edge, EdgeKind, Initialisation, Options, PoseGroup, Problem, Solution, certify, optimize};
 
 /// Where to start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
@@ -50,6 +51,10 @@ pub struct StageOptions {
     /// Converged when no component of the gradient exceeds this, per metre and per radian
     #[arg(long, value_name = "SIZE", default_value_t = Options::default().gradient_tolerance)]
     pub gradient_tolerance: f64,
+
+    /// Tell in the statistics whether the solution is provably global, by SE-Sync's dual certificate for its own cost
+    #[arg(long, conflicts_with_all = ["kernel_odometry", "kernel_landmark", "gnc"])]
+    pub certify: bool,
 
     /// Robust kernels.
     #[command(flatten)]
@@ -121,6 +126,9 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
     }
     tell(graph, &solution, unmeasured);
     note(&solution, problem.edges().len(), unmeasured, context);
+    if options.certify {
+        certify::note(&certify(&problem, &solution.poses), &mut context.statistics);
+    }
     options.robust.write_weights(graph, &places, &solution.weights, &mut context.statistics)?;
     options.robust.note(library_options.graduated, solution.cost, &mut context.statistics);
     Ok(())

@@ -78,3 +78,24 @@ fn kernels_that_make_no_sense_are_refused() {
     assert!(fail(&["--gnc", "--gnc-width=-2"]).contains("positive number of standard deviations"));
     assert!(fail(&["--gnc", "--kernel-landmark", "dcs"]).contains("cannot be used with"));
 }
+
+#[test]
+fn certificates_stand_in_the_statistics_and_exclude_kernels() {
+    let file = std::env::temp_dir().join(format!("posecut-certificate-{}.json", std::process::id()));
+    let poses = succeed(&["--certify", "--stats", file.to_str().unwrap()]);
+    let statistics = std::fs::read_to_string(&file).unwrap();
+    std::fs::remove_file(&file).unwrap();
+    let names = [
+        "certificate",
+        "certificate_eigenvalue",
+        "certificate_tolerance",
+        "chordal_cost",
+        "chordal_lower_bound",
+    ];
+    for name in names {
+        assert!(statistics.contains(&format!("\"{name}\": ")), "{name}: {statistics}");
+    }
+    let without_provenance = |text: &str| text.lines().skip(1).map(str::to_owned).collect::<Vec<_>>();
+    assert_eq!(without_provenance(&poses), without_provenance(&succeed(&[])), "certifying moves no pose");
+    assert!(fail(&["--certify", "--gnc"]).contains("cannot be used with"));
+}

@@ -1,0 +1,217 @@
+//! Whether a solution is provably global, by SE-Sync's dual certificate.
+//!
+//! The cost `F` of `chordal_cost` is `tr(X M X^T)` with `X = [t R]`. Let `Lambda` be block-diagonal with
+//! `Lambda_i = sym(R_i^T (X M)_i)`. For every feasible `X'`, `F(X') >= sum of tr(Lambda_i) + d n min(lambda, 0)`, where
+//! `lambda` is the least eigenvalue of `S = Q - Lambda` and `Q` is `M` with the translations eliminated (theorem 7 there).
+//! `S + eta I` is positive definite if and only if `M - Lambda + eta I` (on the rotations alone, one translation held) is:
+//! one sparse Cholesky factorisation decides.
+//!
+//! D. M. Rosen, L. Carlone, A. S. Bandeira, J. J. Leonard, "SE-Sync", IJRR 38(2-3), 2019.
+
+use nalgebra::{SMatrix, SVector};
+use posecut_geometry::LieGroup;
+
+use crate::cholesky::{Factor, Symbolic};
+use crate::chordal_cost::ChordalEdge;
+use crate::initialisation::chordal::MatrixPose;
+use crate::levenberg_marquardt::Workspace;
+use crate::normal_equations::Pattern;
+use crate::options::Options;
+use crate::problem::Edge;
+
+/// Share of the cost that the bound may lie below it for a verdict of 'global'.
+const GAP: f64 = 1e-6;
+/// Share of the largest diagonal entry below which an eigenvalue is rounding.
+const ROUNDING: f64 = 1e-12;
+/// Inverse iterations for the eigenvalue that is reported; the verdict does not depend on them.
+const ITERATIONS: usize = 60;
+
+/// What is known about a connected part.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Certificate {
+    /// No poses have a lower `F` than the refined ones, but for `dimension * nodes * tolerance`.
+    pub global: bool,
+    /// `F` after refinement from the given poses.
+    pub cost: f64,
+    /// No poses have an `F` below this; minus infinity where nothing is known.
+    pub lower_bound: f64,
+    /// Least eigenvalue of the certificate matrix `S`, an estimate from above.
+    pub eigenvalue: f64,
+    /// Eigenvalues above minus this count as not negative.
+    pub tolerance: f64,
+}
+
+impl Certificate {
+    const NONE: Self = Self {
+        global: false,
+        cost: f64::NAN,
+        lower_bound: f64::NEG_INFINITY,
+        eigenvalue: f64::NAN,
+        tolerance: f64::NAN,
+    };
+}
+
+/// Refines the poses of a connected graph for `F` and certifies them. `M` is `N + 1`.
+pub(crate) fn certify<G, const DOF: usize, const N: usize, const M: usize>(
+    edges: &[Edge<G, DOF>],
+    poses: &[G],
+) -> Certificate
+where
+    G: LieGroup<DOF> + MatrixPose<N>,
+{
+    let Some(terms) = edges.iter().map(ChordalEdge::<N>::new::<G, DOF>).collect::<Option<Vec<_>>>() else {
+        return Certificate::NONE;
+    };
+    let mut poses = poses.to_vec();
+    let pattern = Pattern::new(poses.len(), edges.iter().map(|edge| (edge.from, edge.to)), DOF);
+    let refine = Options { cost_tolerance: 1e-14, max_iterations: 500, ..Options::default() };
+    let outcome = Workspace::new(&pattern).minimise(&terms, &mut poses, &refine);
+    let (matrix, trace) = Matrix::<M>::new::<G, DOF, N>(&terms, &poses);
+    let size = (N * poses.len()) as f64;
+    let tolerance = (GAP * outcome.cost / size).max(ROUNDING * matrix.largest());
+    // From the tolerance on, tenfold, until the matrix is positive definite.
+    let mut factor = Factor::<M>::new(&matrix.symbolic);
+    let mut shift = tolerance;
+    while !matrix.factorize(&mut factor, shift) {
+        shift *= 10.0;
+        if !shift.is_finite() {
+            return Certificate { cost: outcome.cost, tolerance, ..Certificate::NONE };
+        }
+    }
+    Certificate {
+        global: shift <= tolerance,
+        cost: outcome.cost,
+        lower_bound: trace - size * shift,
+        eigenvalue: matrix.least_eigenvalue(&mut factor, shift),
+        tolerance,
+    }
+}
+
+/// `M - Lambda`, one block (translation, rotation) per pose; the first translation is held at zero.
+struct Matrix<const M: usize> {
+    symbolic: Symbolic,
+    diagonal: Vec<SMatrix<f64, M, M>>,
+    off_diagonal: Vec<SMatrix<f64, M, M>>,
+}
+
+impl<const M: usize> Matrix<M> {
+    /// The matrix and the sum of `tr(Lambda_i)`.
+    fn new<G, const DOF: usize, const N: usize>(terms: &[ChordalEdge<N>], poses: &[G]) -> (Self, f64)
+    where
+        G: LieGroup<DOF> + MatrixPose<N>,
+    {
+        let ends = |term: &ChordalEdge<N>| (term.from.min(term.to), term.from.max(term.to));
+        let mut pairs: Vec<_> = terms.iter().map(ends).collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        let mut diagonal = vec![SMatrix::<f64, M, M>::zeros(); poses.len()];
+        let mut off_diagonal = vec![SMatrix::<f64, M, M>::zeros(); pairs.len()];
+        // Lambda before it is made symmetric.
+        let mut multipliers = vec![SMatrix::<f64, N, N>::zeros(); poses.len()];
+        let identity = SMatrix::<f64, N, N>::identity();
+        for term in terms {
+            let (kappa, tau, z) = (term.kappa, term.tau, &term.translation);
+            let (from, to) = (&poses[term.from], &poses[term.to]);
+            let (turn, turned) = (from.rotation_matrix(), to.rotation_matrix());
+            let error = to.translation_vector() - from.translation_vector() - turn * z;
+            multipliers[term.from] += identity * kappa
+                - turn.tr_mul(&turned) * term.rotation.transpose() * kappa
+                - turn.tr_mul(&error) * z.transpose() * tau;
+            multipliers[term.to] += identity * kappa - turned.tr_mul(&turn) * term.rotation * kappa;
+            let lever = z * tau;
+            let first = join(tau, &lever, &lever, &(identity * kappa + z * z.transpose() * tau));
+            let zero = SVector::zeros();
+            let mut between: SMatrix<f64, M, M> = join(-tau, &zero, &-lever, &(term.rotation * -kappa));
+            diagonal[term.from] += first;
+            diagonal[term.to] += join::<N, M>(tau, &zero, &zero, &(identity * kappa));
+            if term.from > term.to {
+                between = between.transpose();
+            }
+            if let Ok(index) = pairs.binary_search(&ends(term)) {
+                off_diagonal[index] += between;
+            }
+        }
+        let mut trace = 0.0;
+        for (block, multiplier) in diagonal.iter_mut().zip(&multipliers) {
+            trace += multiplier.trace();
+            for row in 0..N {
+                for column in 0..N {
+                    let half = multiplier[(row, column)] + multiplier[(column, row)];
+                    block[(row + 1, column + 1)] -= 0.5 * half;
+                }
+            }
+        }
+        hold_translation(&mut diagonal[0], true);
+        for (block, pair) in off_diagonal.iter_mut().zip(&pairs) {
+            if pair.0 == 0 {
+                hold_translation(block, false);
+            }
+        }
+        (Self { symbolic: Symbolic::new(poses.len(), &pairs, M), diagonal, off_diagonal }, trace)
+    }
+
+    fn largest(&self) -> f64 {
+        self.diagonal.iter().map(SMatrix::amax).fold(0.0, f64::max)
+    }
+
+    /// Factorises with the shift added on the rotations; whether that is positive definite.
+    fn factorize(&self, factor: &mut Factor<M>, shift: f64) -> bool {
+        let mut shifted = self.diagonal.clone();
+        for block in &mut shifted {
+            for axis in 1..M {
+                block[(axis, axis)] += shift;
+            }
+        }
+        factor.factorize(&self.symbolic, &shifted, &self.off_diagonal, 0.0, 0.0).is_ok()
+    }
+
+    /// Inverse iteration on `S + shift I`: the rotations' part of the inverse is the inverse of the Schur complement.
+    fn least_eigenvalue(&self, factor: &mut Factor<M>, shift: f64) -> f64 {
+        let mut vector: Vec<SVector<f64, M>> = (0..self.diagonal.len())
+            .map(|node| SVector::from_fn(|row, _| ((node * M + row) as f64 * 1.618_034).sin()))
+            .collect();
+        let mut eigenvalue = f64::NAN;
+        for _ in 0..ITERATIONS {
+            for block in &mut vector {
+                block[0] = 0.0;
+            }
+            let norm = vector.iter().map(SVector::norm_squared).sum::<f64>().sqrt();
+            for block in &mut vector {
+                *block /= norm;
+            }
+            let before = vector.clone();
+            factor.solve(&self.symbolic, &mut vector);
+            let quotient: f64 = before.iter().zip(&vector).map(|(a, b)| a.dot(b)).sum();
+            eigenvalue = 1.0 / quotient - shift;
+        }
+        eigenvalue
+    }
+}
+
+/// A block from its parts.
+fn join<const N: usize, const M: usize>(
+    corner: f64,
+    row: &SVector<f64, N>,
+    column: &SVector<f64, N>,
+    rest: &SMatrix<f64, N, N>,
+) -> SMatrix<f64, M, M> {
+    SMatrix::from_fn(|i, j| match (i, j) {
+        (0, 0) => corner,
+        (0, j) => row[j - 1],
+        (i, 0) => column[i - 1],
+        (i, j) => rest[(i - 1, j - 1)],
+    })
+}
+
+/// Takes a translation out of the equations.
+fn hold_translation<const M: usize>(block: &mut SMatrix<f64, M, M>, diagonal: bool) {
+    for index in 0..M {
+        block[(0, index)] = 0.0;
+        if diagonal {
+            block[(index, 0)] = 0.0;
+        }
+    }
+    if diagonal {
+        block[(0, 0)] = 1.0;
+    }
+}
