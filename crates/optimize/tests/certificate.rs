@@ -36,17 +36,35 @@ fn check<G: PoseGroup<DOF>, const DOF: usize>(name: &str, best: f64, graph: (Vec
     let certificate = &certify(&problem, &solution.poses)[0];
     println!("{name}: {certificate:?}");
     assert!(certificate.global, "{name}: {certificate:?}");
-    // The published figures have seven digits.
-    assert!((certificate.cost - best).abs() < 1e-6 * best, "{name}: {certificate:?}");
+    // The published figures have seven digits; that of sphere_a lies 3e-6 above the minimum.
+    assert!(certificate.cost < best * (1.0 + 1e-6), "{name}: {certificate:?}");
 }
 
 #[test]
 fn graphs_that_se_sync_certifies_are_global() {
-    for (name, best) in [("CSAIL", 31.70372), ("MIT", 61.15412), ("intel", 52.34823), ("M3500", 193.8623)] {
+    let planar = [
+        ("CSAIL", 31.70372),
+        ("MIT", 61.15412),
+        ("intel", 52.34823),
+        ("intel_carlone", 393.6525),
+        ("ringCity", 271.7759),
+        ("kitti_00", 125.6935),
+        ("M3500", 193.8623),
+        ("M3500a", 1597.636),
+        ("city10000", 638.6246),
+    ];
+    for (name, best) in planar {
         let Some(text) = g2o::text(name) else { continue };
         check(name, best, g2o::planar(&text));
     }
-    for (name, best) in [("smallGrid3D", 1025.398), ("parking-garage", 1.262_524), ("sphere2500", 1687.006)] {
+    let spatial = [
+        ("smallGrid3D", 1025.398),
+        ("parking-garage", 1.262_524),
+        ("torus3D", 24_227.05),
+        ("sphere2500", 1687.006),
+        ("sphere_a", 2_961_764.5),
+    ];
+    for (name, best) in spatial {
         let Some(text) = g2o::text(name) else { continue };
         check(name, best, g2o::spatial(&text));
     }
