@@ -1,0 +1,42 @@
+#!/bin/sh
+# Holds posecut-optimize to gtsam: on the same graph gtsam must find the same cost, and no better one from our optimum.
+# Skipped where gtsam cannot be installed.
+# Usage: scripts/check-with-gtsam.sh [DIRECTORY_OF_PROGRAMS]
+set -eu
+cd "$(dirname "$0")/.."
+programs=${1:-target/release}
+environment=target/gtsam
+if ! "$environment/bin/python" -c 'import gtsam' 2>/dev/null; then
+  if ! { python3 -m venv "$environment" && "$environment/bin/pip" install --quiet gtsam; } >/dev/null 2>&1 ||
+     ! "$environment/bin/python" -c 'import gtsam' 2>/dev/null; then
+    echo 'skipped: gtsam cannot be installed here'
+    exit 0
+  fi
+fi
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+"$programs/posecut-oracle" -q testdata/graph.jsonl | "$programs/posecut-optimize" -q -o "$work/ours.jsonl" --stats "$work/stats.json"
+"$programs/posecut-convert" -q "$work/ours.jsonl" -o "$work/ours.g2o"
+"$environment/bin/python" - "$work" <<'PYTHON'
+import json, sys
+import gtsam
+
+work = sys.argv[1]
+graph, ours = gtsam.readG2o(f"{work}/ours.g2o", False)
+first = ours.keys()[0]
+graph.add(gtsam.PriorFactorPose2(first, ours.atPose2(first), gtsam.noiseModel.Isotropic.Sigma(3, 1e-3)))
+chi2 = json.load(open(f"{work}/stats.json"))["chi2"]
+theirs = 2.0 * graph.error(ours)  # gtsam's error is half the sum of squares
+parameters = gtsam.LevenbergMarquardtParams()
+parameters.setRelativeErrorTol(1e-14)
+parameters.setAbsoluteErrorTol(1e-14)
+best = gtsam.LevenbergMarquardtOptimizer(graph, ours, parameters).optimize()
+improved = 2.0 * graph.error(best)
+moved = max((ours.atPose2(key).translation() - best.atPose2(key).translation()).__abs__().max() for key in ours.keys())
+print(f"chi2: posecut {chi2!r}, gtsam at our poses {theirs!r}, gtsam optimised from there {improved!r}; poses moved {moved:.1e} m")
+if abs(theirs - chi2) > 1e-9 * chi2:
+    sys.exit("posecut and gtsam disagree on the cost of the same poses")
+if chi2 - improved > 1e-8 * chi2 or moved > 1e-3:
+    sys.exit("gtsam found a better optimum")
+PYTHON
