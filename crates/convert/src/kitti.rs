@@ -8,31 +8,19 @@ use posecut_geometry::{LieGroup as _, SE3};
 use posecut_graph::{Dimension, Header, Node, PoseGraph};
 
 use crate::ConvertError;
-use crate::error::number;
+use crate::trajectory_lines::{Layout, numbers};
 use crate::tum::{Poses, spatial_poses};
 
 /// How far R may be from a rotation: files are printed with six digits or so.
 const ROTATION_TOLERANCE: f64 = 1e-3;
 
+const LAYOUT: Layout = Layout { count: 12, described: "12 numbers", format: "KITTI", comments: false };
+
 /// Reads a trajectory as a graph of dimension 3 without edges and times.
 pub fn read(file: &str, reader: impl BufRead, session: &str) -> Result<PoseGraph, ConvertError> {
     let mut graph = PoseGraph::new(Header::new(Dimension::Three));
-    for (index, line) in reader.lines().enumerate() {
-        let place = index as u64 + 1;
-        let line = line.map_err(|error| ConvertError::Io { file: file.to_owned(), error })?;
-        let fields: Vec<&str> = line.split_whitespace().collect();
-        if fields.is_empty() {
-            continue;
-        }
-        if fields.len() != 12 {
-            return Err(ConvertError::line(
-                file,
-                place,
-                format!("expected 12 numbers, found {}", fields.len()),
-                "the line is cut short, or the file is no KITTI trajectory",
-            ));
-        }
-        let n: Vec<f64> = fields.iter().map(|field| number(file, place, field)).collect::<Result<_, _>>()?;
+    for line in numbers(file, reader, &LAYOUT) {
+        let (place, n) = line?;
         let matrix = Matrix3::new(n[0], n[1], n[2], n[4], n[5], n[6], n[8], n[9], n[10]);
         let off = (matrix * matrix.transpose() - Matrix3::identity()).norm();
         if off > ROTATION_TOLERANCE || matrix.determinant() < 0.0 {

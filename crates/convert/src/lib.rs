@@ -13,6 +13,7 @@ pub mod format;
 pub mod g2o;
 mod information;
 pub mod kitti;
+mod trajectory_lines;
 pub mod tum;
 
 pub use error::ConvertError;

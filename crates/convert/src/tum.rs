@@ -7,7 +7,7 @@ use posecut_geometry::SE2;
 use posecut_graph::{Dimension, Header, Node, PoseGraph};
 
 use crate::ConvertError;
-use crate::error::number;
+use crate::trajectory_lines::{Layout, numbers};
 
 /// Which poses of a graph are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -18,26 +18,14 @@ pub enum Poses {
     Truth,
 }
 
+const LAYOUT: Layout =
+    Layout { count: 8, described: "8 numbers (seconds x y z qx qy qz qw)", format: "TUM", comments: true };
+
 /// Reads a trajectory as a graph of dimension 3 without edges.
 pub fn read(file: &str, reader: impl BufRead, session: &str) -> Result<PoseGraph, ConvertError> {
     let mut graph = PoseGraph::new(Header::new(Dimension::Three));
-    for (index, line) in reader.lines().enumerate() {
-        let place = index as u64 + 1;
-        let line = line.map_err(|error| ConvertError::Io { file: file.to_owned(), error })?;
-        let fields: Vec<&str> = line.split_whitespace().collect();
-        if fields.first().is_none_or(|first| first.starts_with('#')) {
-            continue;
-        }
-        if fields.len() != 8 {
-            return Err(ConvertError::line(
-                file,
-                place,
-                format!("expected 8 numbers (seconds x y z qx qy qz qw), found {}", fields.len()),
-                "the line is cut short, or the file is no TUM trajectory",
-            ));
-        }
-        let numbers: Vec<f64> =
-            fields.iter().map(|field| number(file, place, field)).collect::<Result<_, _>>()?;
+    for line in numbers(file, reader, &LAYOUT) {
+        let (place, numbers) = line?;
         let norm = numbers[4..].iter().map(|component| component * component).sum::<f64>().sqrt();
         if (norm - 1.0).abs() > 1e-3 {
             return Err(ConvertError::line(

@@ -6,7 +6,7 @@ use posecut_stage::{ProgressBar, Statistics, info, warn};
 
 use crate::clock::{ClockSource, keyframe_times};
 use crate::covariance::{isotropic_information, step_error};
-use crate::odometry::{self, Odometry, Reader};
+use crate::odometry::{self, Odometry, Reader, from_row};
 use crate::{FileKind, IngestError, Options, SessionFiles, Table, Trajectory};
 
 /// The name of the noise model that all odometry edges share when the options set it.
@@ -52,11 +52,7 @@ fn read_truth(reader: &mut Reader<'_>, options: &Options) -> Result<Option<Traje
     let table: Table = reader.table(FileKind::GroundTruth, 6)?;
     let longest = (options.longest_silence * 1e6) as i64;
     let gaps = table.gaps(longest).collect();
-    let poses = table
-        .rows
-        .iter()
-        .map(|row| SE3::from_euler(row[0], row[1], row[2], row[3], row[4], row[5]))
-        .collect();
+    let poses = table.rows.iter().map(|row| from_row(row)).collect();
     Ok(Some(Trajectory { times: table.times, poses, gaps }))
 }
 

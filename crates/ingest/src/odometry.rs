@@ -3,6 +3,8 @@
 mod integrated;
 mod wheels;
 
+pub(crate) use integrated::from_row;
+
 use posecut_stage::{ProgressBar, info, warn};
 use serde::Serialize;
 

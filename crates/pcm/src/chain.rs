@@ -1,6 +1,7 @@
 //! Odometry chains: accumulated poses and covariances.
 
 use nalgebra::{SMatrix, SVector};
+use petgraph::unionfind::UnionFind;
 use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::{covariance_from_information, unpack_upper_triangle};
 use posecut_graph::{Edge, EdgeKind, PoseGraph};
@@ -146,19 +147,17 @@ struct Links<'a> {
 impl<'a> Links<'a> {
     fn of(graph: &'a PoseGraph) -> Self {
         let mut links: Vec<[Option<(&Edge, usize)>; 2]> = vec![[None; 2]; graph.nodes.len()];
-        let mut parts: Vec<usize> = (0..graph.nodes.len()).collect();
+        let mut parts = UnionFind::<usize>::new(graph.nodes.len());
         let mut left_out = 0_usize;
         for edge in graph.edges_of(EdgeKind::Odometry).filter(|edge| edge.in_use()) {
             let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to)) else {
                 continue;
             };
-            let (part_from, part_to) = (find(&mut parts, from), find(&mut parts, to));
             let full = links[from][1].is_some() || links[to][1].is_some();
-            if full || part_from == part_to {
+            if full || !parts.union(from, to) {
                 left_out += 1;
                 continue;
             }
-            parts[part_to] = part_from;
             for (here, there) in [(from, to), (to, from)] {
                 let free = usize::from(links[here][0].is_some());
                 links[here][free] = Some((edge, there));
@@ -177,13 +176,4 @@ impl<'a> Links<'a> {
     fn next(&self, node: usize, seen: impl Fn(usize) -> bool) -> Option<(&'a Edge, usize)> {
         self.links[node].iter().flatten().find(|(_, there)| !seen(*there)).copied()
     }
-}
-
-/// Union-find with path halving.
-fn find(parts: &mut [usize], mut node: usize) -> usize {
-    while parts[node] != node {
-        parts[node] = parts[parts[node]];
-        node = parts[node];
-    }
-    node
 }

@@ -1,0 +1,47 @@
+//! Trajectory files: one pose a line, a fixed count of numbers.
+
+use std::io::BufRead;
+
+use crate::ConvertError;
+use crate::error::number;
+
+/// What the lines of a format hold.
+pub(crate) struct Layout {
+    /// Numbers a line.
+    pub(crate) count: usize,
+    /// The same in words, for messages.
+    pub(crate) described: &'static str,
+    /// The format's name.
+    pub(crate) format: &'static str,
+    /// Whether a line that starts with `#` is a comment.
+    pub(crate) comments: bool,
+}
+
+/// The numbers of each line that is neither blank nor a comment, with the line's place, counted from 1.
+pub(crate) fn numbers<'a>(
+    file: &'a str,
+    reader: impl BufRead + 'a,
+    layout: &'a Layout,
+) -> impl Iterator<Item = Result<(u64, Vec<f64>), ConvertError>> + 'a {
+    reader.lines().zip(1..).filter_map(move |(line, place)| {
+        let line = match line {
+            Ok(line) => line,
+            Err(error) => return Some(Err(ConvertError::Io { file: file.to_owned(), error })),
+        };
+        let fields: Vec<&str> = line.split_whitespace().collect();
+        let first = fields.first()?;
+        if layout.comments && first.starts_with('#') {
+            return None;
+        }
+        if fields.len() != layout.count {
+            return Some(Err(ConvertError::line(
+                file,
+                place,
+                format!("expected {}, found {}", layout.described, fields.len()),
+                format!("the line is cut short, or the file is no {} trajectory", layout.format),
+            )));
+        }
+        let parsed: Result<Vec<f64>, _> = fields.iter().map(|field| number(file, place, field)).collect();
+        Some(parsed.map(|numbers| (place, numbers)))
+    })
+}
