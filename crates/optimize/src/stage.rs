@@ -6,7 +6,7 @@ mod robust;
 use anyhow::Context as _;
 use nalgebra::SMatrix;
 use posecut_geometry::covariance::unpack_upper_triangle;
-use posecut_geometry::{SE2, SE3};
+use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_graph::{Dimension, PoseGraph};
 use posecut_stage::{Context, GraphStage, info, warn};
 use serde::Serialize;
@@ -135,15 +135,18 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
 }
 
 /// The edges in use that measure something.
-struct Measured<G, const DOF: usize> {
-    edges: Vec<Edge<G, DOF>>,
-    /// Their places in the graph.
-    places: Vec<usize>,
+#[derive(Clone, Debug)]
+pub struct Measured<G, const DOF: usize> {
+    /// As the library takes them, without kernels; their ends are places among the graph's nodes.
+    pub edges: Vec<Edge<G, DOF>>,
+    /// Their places among the graph's edges.
+    pub places: Vec<usize>,
     /// How many edges in use measure nothing.
-    unmeasured: usize,
+    pub unmeasured: usize,
 }
 
-fn edges<G: PoseGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Result<Measured<G, DOF>> {
+/// Reads the edges in use of a pose graph. O(edges).
+pub fn edges<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Result<Measured<G, DOF>> {
     let mut found = Measured { edges: Vec::new(), places: Vec::new(), unmeasured: 0 };
     for (place, edge) in graph.edges.iter().enumerate().filter(|(_, edge)| edge.in_use()) {
         let (Some(measurement), Some(packed)) = (&edge.measurement, graph.information(edge)) else {

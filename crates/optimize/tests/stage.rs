@@ -99,3 +99,21 @@ fn certificates_stand_in_the_statistics_and_exclude_kernels() {
     assert_eq!(without_provenance(&poses), without_provenance(&succeed(&[])), "certifying moves no pose");
     assert!(fail(&["--certify", "--gnc"]).contains("cannot be used with"));
 }
+
+#[test]
+fn edges_of_low_weight_are_rejected_on_request_alone() {
+    for arguments in
+        [&["--gnc", "--reject-below", "0.5"][..], &["--kernel-landmark", "dcs", "--reject-below", "0.5"]]
+    {
+        let graph = succeed(arguments);
+        let rejected: Vec<&str> = graph.lines().filter(|line| line.contains("\"rejected_by\"")).collect();
+        assert_eq!(rejected.len(), 1, "{arguments:?}: {graph}");
+        assert!(
+            rejected[0].contains("\"id\":6") && rejected[0].contains("\"rejected_by\":\"optimize\""),
+            "{rejected:?}"
+        );
+    }
+    assert!(!succeed(&["--gnc"]).contains("\"rejected_by\""));
+    assert!(fail(&["--reject-below", "0.5"]).contains("--gnc or --kernel-landmark"));
+    assert!(fail(&["--gnc", "--reject-below", "1.5"]).contains("--reject-below is 1.5"));
+}

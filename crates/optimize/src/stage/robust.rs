@@ -48,6 +48,10 @@ pub struct RobustOptions {
     /// the plane and 4.100 in space
     #[arg(long, value_name = "WIDTH", requires = "gnc", help_heading = "Robust kernels")]
     pub gnc_width: Option<f64>,
+
+    /// Mark landmark edges whose weight ends below this as rejected; 0.5 is usual. Without it edges are only weighed
+    #[arg(long, value_name = "WEIGHT", help_heading = "Robust kernels")]
+    pub reject_below: Option<f64>,
 }
 
 #[allow(clippy::ref_option, reason = "serde hands a field over as it stands")]
@@ -65,6 +69,16 @@ impl RobustOptions {
             width > 0.0 && width.is_finite(),
             "--gnc-width is {width}, and must be a positive number of standard deviations"
         );
+        if let Some(weight) = self.reject_below {
+            anyhow::ensure!(
+                weight > 0.0 && weight <= 1.0,
+                "--reject-below is {weight}, and must be above 0 and at most 1"
+            );
+            anyhow::ensure!(
+                self.gnc.is_some() || self.kernel_landmark.is_some(),
+                "--reject-below goes by the weights of landmark edges, which only --gnc or --kernel-landmark give; say one of them"
+            );
+        }
         Ok(self.gnc.map(|gnc| match gnc {
             Graduation::TruncatedLeastSquares => Graduated::TruncatedLeastSquares(width),
             Graduation::GemanMcclure => Graduated::GemanMcClure(width),
@@ -85,7 +99,8 @@ impl RobustOptions {
         }
     }
 
-    /// Writes the weight of every edge under a kernel to its field `weight`; `places` are the edges' places in the graph.
+    /// Writes the weight of every edge under a kernel to its field `weight`, and marks landmark edges of too low a weight;
+    /// `places` are the edges' places in the graph.
     pub(super) fn write_weights(
         &self,
         graph: &mut PoseGraph,
@@ -93,7 +108,7 @@ impl RobustOptions {
         weights: &[f64],
         statistics: &mut Statistics,
     ) -> anyhow::Result<()> {
-        let mut below_half = 0_usize;
+        let (mut below_half, mut rejected) = (0_usize, 0_usize);
         for (&place, &weight) in places.iter().zip(weights) {
             let edge = &mut graph.edges[place];
             let under_kernel = match edge.kind {
@@ -108,10 +123,18 @@ impl RobustOptions {
                 );
                 below_half += usize::from(weight < 0.5);
                 edge.extra.insert("weight".to_owned(), weight.into());
+                let landmark = edge.kind == posecut_graph::EdgeKind::Landmark;
+                if landmark && self.reject_below.is_some_and(|bound| weight < bound) {
+                    edge.reject("optimize");
+                    rejected += 1;
+                }
             }
         }
         if *self != Self::default() {
             statistics.note("edges_below_half_weight", below_half);
+        }
+        if self.reject_below.is_some() {
+            statistics.note("rejected", rejected);
         }
         Ok(())
     }
