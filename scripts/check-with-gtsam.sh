@@ -1,5 +1,6 @@
 #!/bin/sh
-# Holds posecut-optimize to gtsam: on the same graph gtsam must find the same cost, and no better one from our optimum.
+# Holds posecut-optimize to gtsam: on the same graph gtsam must find the same cost, no better one from our optimum, and the same
+# covariances of relative poses, of rejected landmark edges too.
 # Skipped where gtsam cannot be installed.
 # Usage: scripts/check-with-gtsam.sh [DIRECTORY_OF_PROGRAMS]
 set -eu
@@ -16,7 +17,7 @@ fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-"$programs/posecut-oracle" -q testdata/graph.jsonl | "$programs/posecut-optimize" -q -o "$work/ours.jsonl" --stats "$work/stats.json"
+"$programs/posecut-oracle" -q testdata/graph.jsonl | "$programs/posecut-optimize" -q --marginals landmark -o "$work/ours.jsonl" --stats "$work/stats.json"
 "$programs/posecut-convert" -q "$work/ours.jsonl" -o "$work/ours.g2o"
 "$environment/bin/python" - "$work" <<'PYTHON'
 import json, sys
@@ -39,4 +40,28 @@ if abs(theirs - chi2) > 1e-9 * chi2:
     sys.exit("posecut and gtsam disagree on the cost of the same poses")
 if chi2 - improved > 1e-8 * chi2 or moved > 1e-3:
     sys.exit("gtsam found a better optimum")
+
+import numpy as np
+
+# gtsam's prior on the first pose is as good as none for relative poses: they do not depend on it.
+marginals = gtsam.Marginals(graph, ours)
+edges = [json.loads(line) for line in open(f"{work}/ours.jsonl")]
+edges = [edge for edge in edges if edge["kind"] == "landmark" and "predicted_covariance" in edge]
+worst, rejected = 0.0, 0
+for edge in edges:
+    i, j = edge["from"], edge["to"]
+    joint = marginals.jointMarginalCovariance(gtsam.KeyVector([i, j]))
+    adjoint = ours.atPose2(i).between(ours.atPose2(j)).inverse().AdjointMap()
+    jacobian = np.hstack([-adjoint, np.eye(3)])
+    blocks = np.block([[joint.at(a, b) for b in (i, j)] for a in (i, j)])
+    expected = jacobian @ blocks @ jacobian.T
+    found = np.zeros((3, 3))
+    found[np.triu_indices(3)] = edge["predicted_covariance"]
+    found = found + found.T - np.diag(np.diag(found))
+    scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
+    worst = max(worst, (abs(found - expected) / scale).max())
+    rejected += "rejected_by" in edge
+print(f"covariances of {len(edges)} relative poses, {rejected} of them of rejected edges, within {worst:.1e} of gtsam's")
+if not edges or not rejected or worst > 1e-3:
+    sys.exit("posecut and gtsam disagree on covariances")
 PYTHON

@@ -8,9 +8,12 @@
 mod dense;
 mod elimination;
 mod factor;
+mod inverse_column;
 mod ordering;
+mod selected_inverse;
 mod supernodes;
 mod symbolic;
 
 pub use factor::{Breakdown, Factor};
+pub use selected_inverse::SelectedInverse;
 pub use symbolic::Symbolic;

@@ -19,7 +19,7 @@ const LARGEST_DAMPING: f64 = 1e16;
 /// Damping below which the next step is undamped again.
 const SMALLEST_DAMPING: f64 = 1e-8;
 /// Share of a diagonal entry that elimination must leave: below it the direction is undetermined.
-const SINGULAR: f64 = 1e-14;
+pub(crate) const SINGULAR: f64 = 1e-14;
 
 /// Cost below which only rounding is left to lower: a graph without noise never meets a relative tolerance.
 const NOISELESS: f64 = 1e-5;

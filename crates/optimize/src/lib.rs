@@ -9,6 +9,7 @@
 //!    rotations first. The cheapest in cost is taken.
 //! 3. [`optimize`] runs Gauss-Newton steps, damped (Levenberg-Marquardt) once one fails, over an own sparse
 //!    [`cholesky`] factorisation of 3 x 3 or 6 x 6 blocks.
+//! 4. [`Marginals`] gives covariances of poses and of pairs of them, from the factor.
 //!
 //! ```
 //! use nalgebra::Matrix3;
@@ -33,6 +34,7 @@ pub mod initialisation;
 mod kernel;
 mod kernel_name;
 mod levenberg_marquardt;
+mod marginals;
 mod normal_equations;
 mod options;
 mod problem;
@@ -45,6 +47,7 @@ pub use certificate::Certificate;
 pub use graduated::Graduated;
 pub use kernel::Kernel;
 pub use kernel_name::KernelNameError;
+pub use marginals::{Joint, Marginals};
 pub use options::{Initialisation, Options};
 pub use problem::{Edge, EdgeKind, Problem, ProblemError};
 pub use residual::{chi2, residual};

@@ -1,6 +1,7 @@
 //! Optimisation as a stage: writes the optimised poses of a pose graph.
 
 mod certify;
+mod marginals;
 mod robust;
 
 use anyhow::Context as _;
@@ -11,6 +12,7 @@ use posecut_graph::{Dimension, PoseGraph};
 use posecut_stage::{Context, GraphStage, info, warn};
 use serde::Serialize;
 
+pub use marginals::MarginalsOf;
 pub use robust::{Graduation, RobustOptions};
 
 use crate::{Edge, EdgeKind, Initialisation, Options, PoseGroup, Problem, Solution, certify, optimize};
@@ -55,6 +57,12 @@ pub struct StageOptions {
     /// Tell in the statistics whether the solution is provably global, by SE-Sync's dual certificate for its own cost
     #[arg(long, conflicts_with_all = ["kernel_odometry", "kernel_landmark", "gnc"])]
     pub certify: bool,
+
+    /// Write covariances at the solution: of the relative pose between the two nodes of every landmark edge that has a
+    /// measurement, rejected or not, as `predicted_covariance`; of poses, relative to the first node of their part, as
+    /// `covariance`
+    #[arg(long, value_enum, value_name = "OF")]
+    pub marginals: Option<MarginalsOf>,
 
     /// Robust kernels.
     #[command(flatten)]
@@ -128,6 +136,9 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
     note(&solution, problem.edges().len(), unmeasured, context);
     if options.certify {
         certify::note(&certify(&problem, &solution.poses), &mut context.statistics);
+    }
+    if let Some(of) = options.marginals {
+        marginals::write(of, &problem, &solution, graph, &mut context.statistics);
     }
     options.robust.write_weights(graph, &places, &solution.weights, &mut context.statistics)?;
     options.robust.note(library_options.graduated, solution.cost, &mut context.statistics);

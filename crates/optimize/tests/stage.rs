@@ -19,6 +19,10 @@ const GRAPH: &str = r#"{"kind":"header","format":"posecut","version":1,"dimensio
 "#;
 
 fn run(arguments: &[&str]) -> Output {
+    run_on(arguments, GRAPH)
+}
+
+fn run_on(arguments: &[&str], graph: &str) -> Output {
     let mut child = Command::new(env!("CARGO_BIN_EXE_posecut-optimize"))
         .args(arguments)
         .stdin(Stdio::piped())
@@ -26,7 +30,7 @@ fn run(arguments: &[&str]) -> Output {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    let _ = child.stdin.take().unwrap().write_all(GRAPH.as_bytes());
+    let _ = child.stdin.take().unwrap().write_all(graph.as_bytes());
     child.wait_with_output().unwrap()
 }
 
@@ -116,4 +120,41 @@ fn edges_of_low_weight_are_rejected_on_request_alone() {
     assert!(!succeed(&["--gnc"]).contains("\"rejected_by\""));
     assert!(fail(&["--reject-below", "0.5"]).contains("--gnc or --kernel-landmark"));
     assert!(fail(&["--gnc", "--reject-below", "1.5"]).contains("--reject-below is 1.5"));
+}
+
+#[test]
+fn marginals_stand_on_landmark_edges_and_nodes() {
+    let list = |graph: &str, kind: &str, id: u64, name: &str| -> Option<Vec<f64>> {
+        let start = format!("{{\"kind\":\"{kind}\",\"id\":{id},");
+        let line = graph.lines().find(|line| line.starts_with(&start)).unwrap();
+        let rest = line.split_once(&format!("\"{name}\":["))?.1;
+        Some(rest.split_once(']').unwrap().0.split(',').map(|number| number.parse().unwrap()).collect())
+    };
+    let rejected =
+        GRAPH.replace("\"measurement\":[9,9,0]", "\"rejected_by\":\"pcm\",\"measurement\":[9,9,0]");
+    let run = |arguments: &[&str]| {
+        let output = run_on(arguments, &rejected);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let graph = run(&["--marginals", "landmark"]);
+    // A rejected edge has one too, and it does not constrain: the square's diagonal is less certain than its side.
+    let (closing, diagonal) = (
+        list(&graph, "landmark", 5, "predicted_covariance").unwrap(),
+        list(&graph, "landmark", 6, "predicted_covariance").unwrap(),
+    );
+    assert_eq!((closing.len(), diagonal.len()), (6, 6));
+    // A loop of four equal edges: of one step by itself the angle would vary by 1 / 400, with the three others that say the
+    // same by 3/4 of it, and positions round the loop make it less.
+    assert!(closing[5] > 0.0 && closing[5] < 0.75 / 400.0, "{closing:?}");
+    assert!(diagonal[5] > closing[5] && diagonal[0] > closing[0], "{diagonal:?} {closing:?}");
+    assert_eq!(list(&graph, "odometry", 0, "predicted_covariance"), None);
+    assert_eq!(list(&graph, "node", 1, "covariance"), None);
+    let graph = run(&["--marginals", "poses"]);
+    assert_eq!(list(&graph, "node", 0, "covariance").unwrap(), [0.0; 6]);
+    let opposite = list(&graph, "node", 2, "covariance").unwrap();
+    assert!(opposite.iter().zip(&diagonal).all(|(a, b)| (a - b).abs() < 1e-12), "{opposite:?} {diagonal:?}");
+    assert_eq!(list(&graph, "landmark", 5, "predicted_covariance"), None);
+    let both = run(&["--marginals", "all"]);
+    assert!(both.contains("\"covariance\"") && both.contains("\"predicted_covariance\""));
 }

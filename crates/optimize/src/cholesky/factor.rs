@@ -30,8 +30,8 @@ pub struct Factor<const D: usize> {
     pub(crate) panels: Vec<f64>,
     stacks: [Vec<f64>; 2],
     memory: MemBuffer,
-    permuted: Vec<f64>,
-    below: Vec<f64>,
+    pub(super) permuted: Vec<f64>,
+    pub(super) below: Vec<f64>,
     runs: Vec<Run>,
     /// Smallest share that elimination has left of a diagonal entry, and where.
     smallest_pivot: (f64, usize, usize),
@@ -264,7 +264,7 @@ fn extend_add<const D: usize>(
 
 /// `x_1 = L^-1 x_1`, then `x_2 -= M x_1`, for the columns of one front. `below` is working memory.
 #[inline(always)]
-fn forward<const D: usize>(
+pub(super) fn forward<const D: usize>(
     symbolic: &Symbolic,
     front: &Front,
     panels: &[f64],
@@ -312,7 +312,7 @@ fn forward<const D: usize>(
 
 /// `x_1 = L^-T (x_1 - M^T x_2)` for the columns of one front. `below` is working memory.
 #[inline(always)]
-fn backward<const D: usize>(
+pub(super) fn backward<const D: usize>(
     symbolic: &Symbolic,
     front: &Front,
     panels: &[f64],

@@ -1,5 +1,7 @@
 //! Everything about a factorisation that depends on the pattern alone.
 
+use std::collections::BTreeSet;
+
 use super::elimination::{Adjacency, elimination_tree, postorder};
 use super::ordering::approximate_minimum_degree;
 use super::supernodes::{amalgamate, maximal};
@@ -59,6 +61,8 @@ pub(crate) struct Entry {
 #[derive(Debug)]
 pub struct Symbolic {
     pub(crate) order: Vec<usize>,
+    /// Inverse of `order`.
+    pub(crate) position: Vec<usize>,
     pub(crate) fronts: Vec<Front>,
     pub(crate) rows: Vec<usize>,
     /// For each entry of `rows`: its block row in the parent's front.
@@ -108,6 +112,7 @@ impl Symbolic {
 
         let mut symbolic = Self {
             order,
+            position: Vec::new(),
             fronts: Vec::with_capacity(supernodes.len()),
             rows: Vec::new(),
             relative: Vec::new(),
@@ -140,6 +145,7 @@ impl Symbolic {
         symbolic.link_parents();
         symbolic.place_updates();
         symbolic.place_entries(pairs, &position);
+        symbolic.position = position;
         symbolic.flops = symbolic.fronts.iter().map(|front| front_flops(front, block)).sum();
         symbolic
     }
@@ -157,6 +163,18 @@ impl Symbolic {
     /// Floating-point operations of one numeric factorisation at the block size the fronts were tuned for.
     pub fn flops(&self) -> f64 {
         self.flops
+    }
+
+    /// The fronts on the ways from these variables to the roots, children before parents.
+    pub(crate) fn path_to_root(&self, variables: impl Iterator<Item = usize>) -> Vec<usize> {
+        let mut path = BTreeSet::new();
+        for variable in variables {
+            let mut front = self.front_of[self.position[variable]];
+            while front != NO_PARENT && path.insert(front) {
+                front = self.fronts[front].parent;
+            }
+        }
+        path.into_iter().collect()
     }
 
     /// Sets parents, lists of children, and the rows' places in the parent's front.

@@ -1,0 +1,41 @@
+//! Single blocks of the inverse, wherever they lie.
+
+use nalgebra::SMatrix;
+
+use super::factor::{Factor, backward, forward};
+use super::symbolic::Symbolic;
+
+impl<const D: usize> Factor<D> {
+    /// The blocks of `A^-1` in block column `column` and the given block rows.
+    ///
+    /// The triangular solves visit only the fronts on the ways from these variables to the roots of the elimination tree.
+    pub fn inverse_column(
+        &mut self,
+        symbolic: &Symbolic,
+        column: usize,
+        rows: &[usize],
+    ) -> Vec<SMatrix<f64, D, D>> {
+        let own = symbolic.path_to_root([column].into_iter());
+        let all = symbolic.path_to_root(rows.iter().copied().chain([column]));
+        let mut blocks = vec![SMatrix::<f64, D, D>::zeros(); rows.len()];
+        let (panels, values, below) = (&self.panels, &mut self.permuted, &mut self.below);
+        for component in 0..D {
+            for &front in &all {
+                let front = &symbolic.fronts[front];
+                values[front.first * D..(front.first + front.columns) * D].fill(0.0);
+            }
+            values[symbolic.position[column] * D + component] = 1.0;
+            for &front in &own {
+                forward::<D>(symbolic, &symbolic.fronts[front], panels, values, below);
+            }
+            for &front in all.iter().rev() {
+                backward::<D>(symbolic, &symbolic.fronts[front], panels, values, below);
+            }
+            for (block, &row) in blocks.iter_mut().zip(rows) {
+                let start = symbolic.position[row] * D;
+                block.as_mut_slice()[component * D..][..D].copy_from_slice(&values[start..start + D]);
+            }
+        }
+        blocks
+    }
+}
