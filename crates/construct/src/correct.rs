@@ -5,39 +5,72 @@ use std::collections::HashMap;
 use posecut_geometry::wrap_angle;
 
 use crate::Options;
-use crate::landmark::Viewpoint;
+use crate::viewpoint::Viewpoint;
 
-/// Pairs of viewpoints of different experiences within the radius and the heading, in ascending order.
-/// A grid of cells as wide as the radius makes it O(viewpoints + pairs).
-pub(crate) fn similar_pairs(viewpoints: &[Viewpoint], options: &Options) -> Vec<(usize, usize)> {
-    let cell_of = |viewpoint: &Viewpoint| {
-        let cell = |coordinate: f64| (coordinate / options.radius).floor() as i64;
-        (cell(viewpoint.position[0]), cell(viewpoint.position[1]))
-    };
-    let mut cells: HashMap<(i64, i64), Vec<usize>> = HashMap::new();
-    for (index, viewpoint) in viewpoints.iter().enumerate() {
-        cells.entry(cell_of(viewpoint)).or_default().push(index);
-    }
-    let mut pairs = Vec::new();
-    for (first, viewpoint) in viewpoints.iter().enumerate() {
-        let (x, y) = cell_of(viewpoint);
-        for near in (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (x + dx, y + dy))) {
-            let Some(members) = cells.get(&near) else { continue };
-            let similar = members.iter().filter(|&&second| similar(viewpoint, &viewpoints[second], options));
-            pairs.extend(similar.map(|&second| (first, second)));
-        }
-    }
-    pairs.sort_unstable();
-    pairs
+/// When two viewpoints count as seeing the same place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Similarity {
+    /// Largest distance, metres.
+    pub(crate) radius: f64,
+    /// Largest difference of heading, radians.
+    pub(crate) heading: f64,
+    /// Least time between them, seconds.
+    pub(crate) minimum_interval: f64,
+    /// Where the second viewpoint is looked for, seen from the first, metres: zero but for places that are
+    /// mistaken for others.
+    pub(crate) displacement: [f64; 3],
 }
 
-fn similar(first: &Viewpoint, second: &Viewpoint, options: &Options) -> bool {
-    let apart_in_time = match (first.utime, second.utime) {
-        (Some(first), Some(second)) => first.abs_diff(second) as f64 * 1e-6 >= options.minimum_interval,
-        _ => true,
-    };
-    first.experience < second.experience
-        && apart_in_time
-        && first.distance(second) <= options.radius
-        && wrap_angle(first.heading - second.heading).abs() <= options.heading.to_radians()
+impl Similarity {
+    pub(crate) fn of(options: &Options) -> Self {
+        Self {
+            radius: options.radius,
+            heading: options.heading.to_radians(),
+            minimum_interval: options.minimum_interval,
+            displacement: [0.0; 3],
+        }
+    }
+
+    /// Whether the second viewpoint is of a later experience and near where it is looked for.
+    pub(crate) fn holds<G>(&self, first: &Viewpoint<G>, second: &Viewpoint<G>) -> bool {
+        let apart_in_time = match (first.utime, second.utime) {
+            (Some(first), Some(second)) => first.abs_diff(second) as f64 * 1e-6 >= self.minimum_interval,
+            _ => true,
+        };
+        first.experience < second.experience && apart_in_time && self.near(first, second)
+    }
+
+    /// Whether the second viewpoint is near where it is looked for, whatever the experiences.
+    pub(crate) fn near<G>(&self, first: &Viewpoint<G>, second: &Viewpoint<G>) -> bool {
+        second.distance_to(self.sought(first)) <= self.radius
+            && wrap_angle(first.heading - second.heading).abs() <= self.heading
+    }
+
+    fn sought<G>(&self, first: &Viewpoint<G>) -> [f64; 3] {
+        std::array::from_fn(|axis| first.position[axis] + self.displacement[axis])
+    }
+
+    /// All pairs for which it holds, in ascending order. A grid of cells as wide as the radius makes it
+    /// O(viewpoints + pairs).
+    pub(crate) fn pairs<G>(&self, viewpoints: &[Viewpoint<G>]) -> Vec<(usize, usize)> {
+        let cell_of = |position: [f64; 3]| {
+            let cell = |coordinate: f64| (coordinate / self.radius).floor() as i64;
+            (cell(position[0]), cell(position[1]))
+        };
+        let mut cells: HashMap<(i64, i64), Vec<usize>> = HashMap::new();
+        for (index, viewpoint) in viewpoints.iter().enumerate() {
+            cells.entry(cell_of(viewpoint.position)).or_default().push(index);
+        }
+        let mut pairs = Vec::new();
+        for (first, viewpoint) in viewpoints.iter().enumerate() {
+            let (x, y) = cell_of(self.sought(viewpoint));
+            for near in (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (x + dx, y + dy))) {
+                let Some(members) = cells.get(&near) else { continue };
+                let similar = members.iter().filter(|&&second| self.holds(viewpoint, &viewpoints[second]));
+                pairs.extend(similar.map(|&second| (first, second)));
+            }
+        }
+        pairs.sort_unstable();
+        pairs
+    }
 }

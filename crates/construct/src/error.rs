@@ -1,5 +1,7 @@
 //! Requests that cannot be met.
 
+use crate::IncorrectKind;
+
 /// Why a multi-session graph cannot be constructed.
 #[derive(Debug, thiserror::Error)]
 pub enum ConstructError {
@@ -16,6 +18,18 @@ pub enum ConstructError {
     /// The graphs cannot stand in one file.
     #[error("{problem}; {remedy}")]
     Join {
+        /// What is wrong.
+        problem: String,
+        /// What to do about it.
+        remedy: String,
+    },
+    /// A list of matches has a line that cannot be used.
+    #[error("{file}:{line}: {problem}; {remedy}")]
+    Matches {
+        /// The list.
+        file: String,
+        /// Its line, from 1.
+        line: u64,
         /// What is wrong.
         problem: String,
         /// What to do about it.
@@ -38,7 +52,8 @@ pub enum ConstructError {
     },
     /// There are not so many wrong pairs.
     #[error(
-        "a rate of {rate} asks for {wanted} incorrect landmark edges, but only {found} pairs of viewpoints further than {distance} m apart were found in {attempts} draws; lower --incorrect-rate or --incorrect-distance"
+        "a rate of {rate} asks for {wanted} {} landmark edges, but only {found} were found with --incorrect-distance {distance}; {remedy}",
+        kind.words()
     )]
     TooFewWrongPairs {
         /// The rate asked for.
@@ -47,9 +62,11 @@ pub enum ConstructError {
         wanted: usize,
         /// Pairs found.
         found: usize,
+        /// Which mistakes were asked for.
+        kind: IncorrectKind,
         /// Metres.
         distance: f64,
-        /// Draws made.
-        attempts: usize,
+        /// What to do about it.
+        remedy: &'static str,
     },
 }

@@ -1,56 +1,121 @@
-//! Pairs of viewpoints that a place recogniser takes for the same place by mistake.
+//! Landmark edges that a place recogniser makes by mistake.
+
+mod corridor;
+mod grouped;
+mod near_miss;
+mod uniform;
 
 use std::collections::HashSet;
 
-use rand::Rng;
-use rand::RngExt as _;
+use posecut_stage::ChaCha8Rng;
+use serde::Serialize;
 
-use crate::landmark::Viewpoint;
+use crate::viewpoint::{Headed, Viewpoint};
 use crate::{ConstructError, Options};
 
-/// Draws a wanted pair may cost before the request counts as impossible.
-const DRAWS_PER_PAIR: usize = 1000;
+/// How incorrect landmark edges come about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum IncorrectKind {
+    /// Each by itself, uniform over all pairs of distant viewpoints (the paper's)
+    Uniform,
+    /// Perceptual aliasing: a stretch of one experience is taken for a stretch of another, place by place
+    Grouped,
+    /// The right neighbourhood, but metres or a good part of a turn off
+    NearMiss,
+    /// Places that repeat: edges all over the map are off by one and the same displacement
+    Corridor,
+}
+
+impl IncorrectKind {
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            Self::Uniform => "incorrect",
+            Self::Grouped => "incorrect (grouped)",
+            Self::NearMiss => "incorrect (near miss)",
+            Self::Corridor => "incorrect (corridor)",
+        }
+    }
+
+    fn remedy(self) -> &'static str {
+        match self {
+            Self::Uniform | Self::Corridor => "lower --incorrect-rate or --incorrect-distance",
+            Self::Grouped => "lower --incorrect-rate, --incorrect-distance or --group-length",
+            Self::NearMiss => {
+                "lower --incorrect-rate, or widen --incorrect-distance, within which a near miss lies"
+            }
+        }
+    }
+}
+
+/// An edge that claims what is not so.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct FalseMatch<G> {
+    /// Viewpoint of the earlier experience.
+    pub(crate) from: usize,
+    /// Viewpoint of the later one.
+    pub(crate) to: usize,
+    /// The claim: the pose of `to` in the frame of `from`.
+    pub(crate) measurement: G,
+    /// The mistake it belongs to, where one mistake makes many edges.
+    pub(crate) group: Option<usize>,
+}
+
+/// What mistakes are made of.
+pub(crate) struct Scene<'a, G> {
+    pub(crate) viewpoints: &'a [Viewpoint<G>],
+    /// The measurements of the correct edges, at least one: a false match claims what correct matches claim,
+    /// "here, within a few metres".
+    pub(crate) claims: &'a [G],
+    pub(crate) options: &'a Options,
+}
 
 /// How many incorrect edges make the given share of all landmark edges: `correct * rate / (1 - rate)`.
 pub(crate) fn count(correct: usize, rate: f64) -> usize {
     (correct as f64 * rate / (1.0 - rate)).round() as usize
 }
 
-/// Different pairs of viewpoints of different experiences, uniform over those further apart than asked for.
-pub(crate) fn random_pairs(
-    viewpoints: &[Viewpoint],
+/// As many false matches as wanted, between different pairs of viewpoints of different experiences.
+pub(crate) fn false_matches<G: Headed<DOF>, const DOF: usize>(
+    scene: &Scene<'_, G>,
     wanted: usize,
-    options: &Options,
-    random: &mut impl Rng,
-) -> Result<Vec<(usize, usize)>, ConstructError> {
-    let mut chosen = HashSet::new();
-    let mut pairs = Vec::with_capacity(wanted);
-    let most = wanted.saturating_mul(DRAWS_PER_PAIR);
-    for _ in 0..most {
-        if pairs.len() == wanted {
-            break;
-        }
-        let (one, other) =
-            (random.random_range(0..viewpoints.len()), random.random_range(0..viewpoints.len()));
-        let pair = if viewpoints[one].experience < viewpoints[other].experience {
+    random: &mut ChaCha8Rng,
+) -> Result<Vec<FalseMatch<G>>, ConstructError> {
+    let matches = match scene.options.incorrect_kind {
+        IncorrectKind::Uniform => uniform::draw(scene, wanted, random),
+        IncorrectKind::Grouped => grouped::draw(scene, wanted, random),
+        IncorrectKind::NearMiss => near_miss::draw(scene, wanted, random),
+        IncorrectKind::Corridor => corridor::draw(scene, wanted, random),
+    };
+    if matches.len() < wanted {
+        return Err(ConstructError::TooFewWrongPairs {
+            rate: scene.options.incorrect_rate,
+            wanted,
+            found: matches.len(),
+            kind: scene.options.incorrect_kind,
+            distance: scene.options.incorrect_distance,
+            remedy: scene.options.incorrect_kind.remedy(),
+        });
+    }
+    Ok(matches)
+}
+
+impl<G> Scene<'_, G> {
+    /// The pair with the earlier experience first, if it is far apart and in different experiences.
+    fn distant(&self, one: usize, other: usize) -> Option<(usize, usize)> {
+        let pair = if self.viewpoints[one].experience < self.viewpoints[other].experience {
             (one, other)
         } else {
             (other, one)
         };
-        let (from, to) = (&viewpoints[pair.0], &viewpoints[pair.1]);
-        let wrong = from.experience != to.experience && from.distance(to) > options.incorrect_distance;
-        if wrong && chosen.insert(pair) {
-            pairs.push(pair);
-        }
+        let (from, to) = (&self.viewpoints[pair.0], &self.viewpoints[pair.1]);
+        let wrong = from.experience != to.experience && from.distance(to) > self.options.incorrect_distance;
+        wrong.then_some(pair)
     }
-    if pairs.len() < wanted {
-        return Err(ConstructError::TooFewWrongPairs {
-            rate: options.incorrect_rate,
-            wanted,
-            found: pairs.len(),
-            distance: options.incorrect_distance,
-            attempts: most,
-        });
-    }
-    Ok(pairs)
 }
+
+/// Draws a wanted pair may cost before the request counts as impossible.
+const DRAWS_PER_PAIR: usize = 1000;
+
+/// Pairs of viewpoints that have a false match already.
+type Taken = HashSet<(usize, usize)>;

@@ -1,31 +1,14 @@
 //! Landmark edges, correct and incorrect, with their measurements.
 
-use nalgebra::SVector;
-use posecut_geometry::{LieGroup, SE2, SE3};
-use posecut_graph::{Dimension, Edge, EdgeKind, EdgeTruth, Extra, NoiseModel, PoseGraph};
-use posecut_stage::{ChaCha8Rng, Statistics, info, random};
-use rand::RngExt as _;
-use rand_distr::{Distribution, StandardNormal};
+use posecut_geometry::{SE2, SE3};
+use posecut_graph::{Dimension, Edge, EdgeKind, EdgeTruth, PoseGraph};
+use posecut_stage::{Statistics, info, random};
 
-use crate::correct::similar_pairs;
-use crate::incorrect::{count, random_pairs};
+use crate::correct::Similarity;
+use crate::incorrect::{FalseMatch, Scene, count, false_matches};
+use crate::noise::{add_noise_model, draw_noise};
+use crate::viewpoint::{Headed, viewpoints};
 use crate::{ConstructError, Options};
-
-/// A node with truth, as construction sees it.
-pub(crate) struct Viewpoint {
-    pub(crate) node: u64,
-    pub(crate) experience: usize,
-    pub(crate) utime: Option<i64>,
-    pub(crate) position: [f64; 3],
-    pub(crate) heading: f64,
-    pose: Vec<f64>,
-}
-
-impl Viewpoint {
-    pub(crate) fn distance(&self, other: &Self) -> f64 {
-        self.position.iter().zip(&other.position).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
-    }
-}
 
 /// Adds correct edges between spatially similar viewpoints of different experiences and incorrect ones at
 /// the given rate of all. Edges are numbered by their ends, so that an id tells nothing of the truth.
@@ -35,47 +18,48 @@ pub fn add_landmark_edges(
     statistics: &mut Statistics,
 ) -> Result<(), ConstructError> {
     match graph.header.dimension {
-        Dimension::Two => add::<SE2, 3>(graph, options, statistics, SE2::angle),
-        Dimension::Three => add::<SE3, 6>(graph, options, statistics, |pose| pose.to_planar().angle()),
+        Dimension::Two => add::<SE2, 3>(graph, options, statistics),
+        Dimension::Three => add::<SE3, 6>(graph, options, statistics),
     }
 }
 
-fn add<G: LieGroup<DOF>, const DOF: usize>(
+fn add<G: Headed<DOF>, const DOF: usize>(
     graph: &mut PoseGraph,
     options: &Options,
     statistics: &mut Statistics,
-    heading: impl Fn(&G) -> f64,
 ) -> Result<(), ConstructError> {
-    let viewpoints = viewpoints(graph, heading);
+    let viewpoints = viewpoints::<G, DOF>(graph);
     if viewpoints.is_empty() {
         return Err(ConstructError::NoTruth);
     }
-    let correct = similar_pairs(&viewpoints, options);
+    let correct = Similarity::of(options).pairs(&viewpoints);
     if correct.is_empty() {
         return Err(ConstructError::NoOverlap { radius: options.radius, heading: options.heading });
     }
     let mut noise = random(options.seed, "landmark noise");
-    let mut edges: Vec<(usize, usize, Vec<f64>, bool)> = Vec::new();
-    for &(from, to) in &correct {
-        let truth = pose::<G, DOF>(&viewpoints[from]).between(&pose(&viewpoints[to]));
-        let measurement = truth.compose(&G::exp(&draw_noise(options, &mut noise)));
-        edges.push((from, to, measurement.components(), true));
-    }
+    let measure = |&(from, to): &(usize, usize)| {
+        let truth = viewpoints[from].pose.between(&viewpoints[to].pose);
+        truth.compose(&G::exp(&draw_noise(options, &mut noise)))
+    };
+    let claims: Vec<G> = correct.iter().map(measure).collect();
+    let scene = Scene { viewpoints: &viewpoints, claims: &claims, options };
     let wanted = count(correct.len(), options.incorrect_rate);
-    let mut wrong = random(options.seed, "incorrect edges");
-    for (from, to) in random_pairs(&viewpoints, wanted, options, &mut wrong)? {
-        // The false match claims what correct matches claim: "here, within a few metres".
-        let claim = edges[wrong.random_range(0..correct.len())].2.clone();
-        edges.push((from, to, claim, false));
-    }
+    let wrong = false_matches(&scene, wanted, &mut random(options.seed, "incorrect edges"))?;
+    let groups = wrong.iter().filter_map(|edge| edge.group).max().map(|last| last + 1);
+
+    let right =
+        correct.iter().zip(&claims).map(|(&(from, to), claim)| (from, to, claim, EdgeTruth::of(true)));
+    let mut edges: Vec<_> = right
+        .chain(wrong.iter().map(|edge| (edge.from, edge.to, &edge.measurement, truth_of(edge))))
+        .collect();
     edges.sort_by_key(|&(from, to, ..)| (from, to));
     let name = add_noise_model::<DOF>(graph, options);
     let first = graph.edges.last().map_or(0, |edge| edge.id + 1);
-    for (id, (from, to, measurement, correct)) in (first..).zip(edges) {
+    for (id, (from, to, measurement, truth)) in (first..).zip(edges) {
         let mut edge = Edge::new(EdgeKind::Landmark, id, viewpoints[from].node, viewpoints[to].node);
-        edge.measurement = Some(measurement);
+        edge.measurement = Some(measurement.components());
         edge.noise = Some(name.clone());
-        edge.truth = Some(EdgeTruth { correct: Some(correct), ..EdgeTruth::default() });
+        edge.truth = Some(truth);
         graph.edges.push(edge);
     }
     info!("{} correct landmark edges, {wanted} incorrect", correct.len());
@@ -85,76 +69,18 @@ fn add<G: LieGroup<DOF>, const DOF: usize>(
     statistics.note("landmark_edges", correct.len() + wanted);
     statistics.note("correct_edges", correct.len());
     statistics.note("incorrect_edges", wanted);
+    statistics.note("incorrect_kind", options.incorrect_kind);
+    if let Some(groups) = groups {
+        statistics.note("incorrect_groups", groups);
+    }
     Ok(())
 }
 
-fn viewpoints<G: LieGroup<DOF>, const DOF: usize>(
-    graph: &PoseGraph,
-    heading: impl Fn(&G) -> f64,
-) -> Vec<Viewpoint> {
-    let sessions: Vec<&str> = graph.sessions();
-    let mut viewpoints = Vec::new();
-    let mut last = (None, 0);
-    for node in &graph.nodes {
-        let session = node.session.as_deref();
-        if last.0 != session {
-            let place = sessions.iter().position(|&name| Some(name) == session);
-            last = (session, place.unwrap_or(sessions.len()));
-        }
-        let Some(components) = node.truth.as_ref().and_then(|truth| truth.pose.clone()) else { continue };
-        let Some(pose) = G::from_components(&components) else { continue };
-        viewpoints.push(Viewpoint {
-            node: node.id,
-            experience: last.1,
-            utime: node.utime,
-            position: pose.translation(),
-            heading: heading(&pose),
-            pose: components,
-        });
+/// That an edge is incorrect, and which mistake it belongs to.
+fn truth_of<G>(edge: &FalseMatch<G>) -> EdgeTruth {
+    let mut truth = EdgeTruth::of(false);
+    if let Some(group) = edge.group {
+        truth.extra.insert("group".to_owned(), group.into());
     }
-    viewpoints
-}
-
-fn pose<G: LieGroup<DOF>, const DOF: usize>(viewpoint: &Viewpoint) -> G {
-    G::from_components(&viewpoint.pose).unwrap_or_else(G::identity)
-}
-
-/// Translations per axis of a tangent vector: 2 of 3 in the plane, 3 of 6 in space.
-const fn translations(degrees_of_freedom: usize) -> usize {
-    if degrees_of_freedom == 3 { 2 } else { 3 }
-}
-
-fn sigma<const DOF: usize>(options: &Options, axis: usize) -> f64 {
-    if axis < translations(DOF) {
-        options.landmark_sigma_translation
-    } else {
-        options.landmark_sigma_rotation
-    }
-}
-
-fn draw_noise<const DOF: usize>(options: &Options, random: &mut ChaCha8Rng) -> SVector<f64, DOF> {
-    SVector::from_fn(|axis, _| {
-        let unit: f64 = StandardNormal.sample(random);
-        unit * sigma::<DOF>(options, axis)
-    })
-}
-
-/// The name of the landmark edges' noise model, free or with the same content.
-fn add_noise_model<const DOF: usize>(graph: &mut PoseGraph, options: &Options) -> String {
-    let mut information = Vec::new();
-    for i in 0..DOF {
-        for j in i..DOF {
-            let sigma = sigma::<DOF>(options, i);
-            information.push(if i == j { 1.0 / (sigma * sigma) } else { 0.0 });
-        }
-    }
-    let model = NoiseModel { information, extra: Extra::new() };
-    let mut name = "landmark".to_owned();
-    while graph.header.noise_model(&name).is_some_and(|known| *known != model) {
-        name.push('+');
-    }
-    if graph.header.noise_model(&name).is_none() {
-        graph.header.noise_models.push((name.clone(), model));
-    }
-    name
+    truth
 }

@@ -8,21 +8,41 @@ mod error;
 mod incorrect;
 mod join;
 mod landmark;
+mod matches;
+mod noise;
 mod options;
 mod split;
+mod viewpoint;
 
 pub use error::ConstructError;
+pub use incorrect::IncorrectKind;
 pub use join::join;
 pub use landmark::add_landmark_edges;
+pub use matches::{Frame, Match, MatchMeasurement, add_matches, read_matches};
 pub use options::{Options, Split};
 pub use split::split_at_middle;
 
 use posecut_graph::PoseGraph;
 use posecut_stage::Statistics;
 
+/// Where landmark edges come from.
+#[derive(Clone, Debug)]
+pub enum Landmarks {
+    /// Correct and incorrect ones are made from the ground truth.
+    Truth,
+    /// A place recogniser's matches.
+    Matches {
+        /// What messages call the list.
+        file: String,
+        /// Its lines.
+        matches: Vec<Match>,
+    },
+}
+
 /// Builds the multi-session graph from session graphs. O(nodes + landmark edges).
 pub fn construct(
     graphs: Vec<PoseGraph>,
+    landmarks: &Landmarks,
     options: &Options,
 ) -> Result<(PoseGraph, Statistics), ConstructError> {
     options.check()?;
@@ -31,6 +51,11 @@ pub fn construct(
         split_at_middle(&mut graph)?;
     }
     let mut statistics = Statistics::default();
-    add_landmark_edges(&mut graph, options, &mut statistics)?;
+    match landmarks {
+        Landmarks::Truth => add_landmark_edges(&mut graph, options, &mut statistics)?,
+        Landmarks::Matches { file, matches } => {
+            add_matches(&mut graph, file, matches, options, &mut statistics)?;
+        }
+    }
     Ok((graph, statistics))
 }

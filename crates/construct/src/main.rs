@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use posecut_construct::{Options, construct};
+use posecut_construct::{Landmarks, Options, construct, read_matches};
 use posecut_stage::{CommonArguments, Identity, Outcome, Source, run};
 
 #[derive(Parser)]
@@ -11,6 +11,10 @@ struct Command {
     /// Session graphs (JSON Lines, may be compressed); one is split into two experiences, several are joined
     #[arg(value_name = "SESSION", default_value = "-")]
     sessions: Vec<Source>,
+
+    /// Take landmark edges from a place recogniser's list instead: CSV, frame i, frame j, score
+    #[arg(long, value_name = "FILE", help_heading = "Landmark edges from a list")]
+    matches: Option<Source>,
 
     #[command(flatten)]
     options: Options,
@@ -34,7 +38,14 @@ fn main() -> ExitCode {
                 .iter()
                 .map(|source| context.read_graph(source, "session"))
                 .collect::<anyhow::Result<Vec<_>>>()?;
-            let (mut graph, statistics) = construct(graphs, &command.options)?;
+            let landmarks = match &command.matches {
+                None => Landmarks::Truth,
+                Some(source) => {
+                    let (file, bytes) = context.read_bytes(source, "matches")?;
+                    Landmarks::Matches { matches: read_matches(&file, &bytes)?, file }
+                }
+            };
+            let (mut graph, statistics) = construct(graphs, &landmarks, &command.options)?;
             context.statistics = statistics;
             context.record_provenance(&mut graph, &command.options, Some(command.options.seed))?;
             context.write_graph(&graph)?;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::ConstructError;
+use crate::{ConstructError, IncorrectKind, MatchMeasurement};
 
 /// Whether sessions are split into two experiences.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
@@ -57,9 +57,21 @@ pub struct Options {
     #[arg(long, value_name = "RATE", default_value_t = 0.1, help_heading = "Incorrect landmark edges")]
     pub incorrect_rate: f64,
 
-    /// Incorrect edges join viewpoints further apart than this, metres
+    /// How incorrect edges come about
+    #[arg(long, value_enum, default_value_t = IncorrectKind::Uniform, help_heading = "Incorrect landmark edges")]
+    pub incorrect_kind: IncorrectKind,
+
+    /// Viewpoints of a grouped mistake's stretch
+    #[arg(long, value_name = "VIEWPOINTS", default_value_t = 10, help_heading = "Incorrect landmark edges")]
+    pub group_length: usize,
+
+    /// Incorrect edges join viewpoints further apart than this (near misses: nearer), metres
     #[arg(long, value_name = "METRES", default_value_t = 10.0, help_heading = "Incorrect landmark edges")]
     pub incorrect_distance: f64,
+
+    /// What an edge of --matches says about the relative pose
+    #[arg(long, value_enum, default_value_t = MatchMeasurement::None, help_heading = "Landmark edges from a list")]
+    pub match_measurement: MatchMeasurement,
 
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -96,6 +108,13 @@ impl Options {
             if !(value >= 0.0 && value.is_finite()) {
                 return refuse(option, value, "zero or a positive number");
             }
+        }
+        if self.group_length < 2 {
+            return refuse(
+                "--group-length",
+                self.group_length as f64,
+                "at least 2: edges that support each other",
+            );
         }
         if self.incorrect_distance < self.radius {
             return refuse(

@@ -2,70 +2,16 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod rounds;
+
 use std::collections::BTreeSet;
 
-use posecut_construct::{Options, Split, construct};
+use posecut_construct::Options;
 use posecut_geometry::{LieGroup, SE2};
 use posecut_graph::{EdgeKind, PoseGraph};
 use proptest::prelude::*;
 
-fn options() -> Options {
-    Options {
-        split: Split::Auto,
-        radius: 3.0,
-        heading: 30.0,
-        minimum_interval: 0.0,
-        landmark_sigma_translation: 0.1,
-        landmark_sigma_rotation: 0.02,
-        incorrect_rate: 0.1,
-        incorrect_distance: 10.0,
-        seed: 1,
-    }
-}
-
-/// A session of two rounds on a ring of 50 m, 2 m a step: every place is seen twice, once in each half.
-fn rounds(name: &str, steps: usize) -> PoseGraph {
-    let mut text = String::from(
-        "{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":2,\"noise_models\":{\"odometry\":{\"information\":[100,0,0,100,0,2500]}}}\n",
-    );
-    let pose = |step: usize| {
-        let angle = step as f64 * 0.04;
-        format!(
-            "[{},{},{}]",
-            50.0 * angle.sin(),
-            50.0 * (1.0 - angle.cos()),
-            posecut_geometry::wrap_angle(angle)
-        )
-    };
-    for step in 0..steps {
-        let pose = pose(step);
-        text.push_str(&format!(
-            "{{\"kind\":\"node\",\"id\":{step},\"session\":\"{name}\",\"frame\":{step},\"utime\":{},\"pose\":{pose},\"truth\":{{\"pose\":{pose}}}}}\n",
-            step * 2_000_000
-        ));
-    }
-    for step in 1..steps {
-        text.push_str(&format!(
-            "{{\"kind\":\"odometry\",\"id\":{},\"from\":{},\"to\":{step},\"measurement\":[2,0.04,0.04],\"noise\":\"odometry\"}}\n",
-            step - 1,
-            step - 1
-        ));
-    }
-    PoseGraph::read("rounds", text.as_bytes()).unwrap()
-}
-
-fn truth(graph: &PoseGraph, id: u64) -> SE2 {
-    let node = &graph.nodes[graph.node_index(id).unwrap()];
-    SE2::from_components(node.truth.as_ref().unwrap().pose.as_ref().unwrap()).unwrap()
-}
-
-fn landmarks(graph: &PoseGraph, correct: bool) -> Vec<(u64, u64)> {
-    graph
-        .edges_of(EdgeKind::Landmark)
-        .filter(|edge| edge.truth_correct() == Some(correct))
-        .map(|edge| (edge.from, edge.to))
-        .collect()
-}
+use rounds::{construct, landmarks, options, rounds, truth};
 
 #[test]
 fn correct_edges_are_exactly_the_similar_pairs() {

@@ -142,6 +142,13 @@ pub struct EdgeTruth {
     pub extra: Extra,
 }
 
+impl EdgeTruth {
+    /// Whether an edge is correct, and nothing else.
+    pub fn of(correct: bool) -> Self {
+        Self { correct: Some(correct), extra: Extra::new() }
+    }
+}
+
 impl Node {
     /// The estimate, if there is one, else the identity of that dimension.
     pub fn pose_or_identity(&self, dimension: Dimension) -> Vec<f64> {

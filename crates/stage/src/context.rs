@@ -1,5 +1,6 @@
 //! What a running stage has at hand.
 
+use std::io::Read as _;
 use std::path::Path;
 use std::time::Instant;
 
@@ -46,6 +47,17 @@ impl Context {
         let sha256 = input.finish().with_context(|| format!("{name}: cannot be read to its end"))?;
         self.inputs.push(InputDigest { name: role.to_owned(), sha256 });
         Ok(graph)
+    }
+
+    /// Reads an input that is no pose graph, whole: what messages call it, and its bytes.
+    pub fn read_bytes(&mut self, source: &Source, role: &str) -> anyhow::Result<(String, Vec<u8>)> {
+        let mut input = input::open(source)?;
+        let name = input.name.clone();
+        let mut bytes = Vec::new();
+        input.read_to_end(&mut bytes).with_context(|| format!("{name}: cannot be read to its end"))?;
+        let sha256 = input.finish().with_context(|| format!("{name}: cannot be read to its end"))?;
+        self.inputs.push(InputDigest { name: role.to_owned(), sha256 });
+        Ok((name, bytes))
     }
 
     /// Adds this run to the history of a graph.

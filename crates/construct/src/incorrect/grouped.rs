@@ -1,0 +1,54 @@
+//! Perceptual aliasing: two stretches that look alike.
+
+use posecut_stage::ChaCha8Rng;
+use rand::RngExt as _;
+
+use super::{DRAWS_PER_PAIR, FalseMatch, Scene, Taken};
+use crate::noise::draw_noise;
+use crate::viewpoint::Headed;
+
+/// Stretches of consecutive viewpoints in two experiences, matched place by place: `(i + k, j + k)` for
+/// `k = 0 … length - 1`. All edges of a stretch claim the same relative pose, that of a random correct edge,
+/// each with noise of its own. Neighbouring edges of a stretch are support edges of each other, and where the
+/// two stretches have the same shape the edges are pairwise consistent as well.
+pub(super) fn draw<G: Headed<DOF>, const DOF: usize>(
+    scene: &Scene<'_, G>,
+    wanted: usize,
+    random: &mut ChaCha8Rng,
+) -> Vec<FalseMatch<G>> {
+    let (viewpoints, mut taken) = (scene.viewpoints.len(), Taken::new());
+    let (mut matches, mut group) = (Vec::with_capacity(wanted), 0);
+    for _ in 0..wanted.saturating_mul(DRAWS_PER_PAIR) {
+        let length = scene.options.group_length.min(wanted - matches.len());
+        if length == 0 {
+            break;
+        }
+        let drawn = scene.distant(random.random_range(0..viewpoints), random.random_range(0..viewpoints));
+        let Some(stretch) = drawn.and_then(|start| stretch(scene, &taken, start, length)) else { continue };
+        let claim = &scene.claims[random.random_range(0..scene.claims.len())];
+        for (from, to) in stretch {
+            taken.insert((from, to));
+            let measurement = claim.compose(&G::exp(&draw_noise(scene.options, random)));
+            matches.push(FalseMatch { from, to, measurement, group: Some(group) });
+        }
+        group += 1;
+    }
+    matches
+}
+
+/// The stretch that starts at a pair, unless it leaves its experiences, comes near the truth or meets another.
+fn stretch<G>(
+    scene: &Scene<'_, G>,
+    taken: &Taken,
+    start: (usize, usize),
+    length: usize,
+) -> Option<Vec<(usize, usize)>> {
+    let experience = |index: usize| scene.viewpoints.get(index).map(|viewpoint| viewpoint.experience);
+    let step = |k: usize| {
+        let (from, to) = (start.0 + k, start.1 + k);
+        let within = experience(from) == experience(start.0) && experience(to) == experience(start.1);
+        let pair = if within { scene.distant(from, to)? } else { return None };
+        (!taken.contains(&pair)).then_some(pair)
+    };
+    (0..length).map(step).collect()
+}

@@ -1,0 +1,54 @@
+//! The right neighbourhood and the wrong pose.
+
+use posecut_geometry::LieGroup;
+use posecut_stage::ChaCha8Rng;
+use rand::RngExt as _;
+use rand::seq::SliceRandom as _;
+
+use super::{FalseMatch, Scene};
+use crate::Options;
+use crate::correct::Similarity;
+
+/// Headings of a near miss differ by at most this multiple of those of a correct edge.
+const HEADINGS: f64 = 3.0;
+
+/// Claims tried on one pair before it is left alone.
+const CLAIMS_PER_PAIR: usize = 100;
+
+/// Pairs that are no correct edge and yet lie within `--incorrect-distance` and three times `--heading`, each
+/// with the claim of a random correct edge that is off by more than `--radius` or `--heading`. Uniform over
+/// such pairs. O(viewpoints + pairs).
+pub(super) fn draw<G: LieGroup<DOF>, const DOF: usize>(
+    scene: &Scene<'_, G>,
+    wanted: usize,
+    random: &mut ChaCha8Rng,
+) -> Vec<FalseMatch<G>> {
+    let correct = Similarity::of(scene.options);
+    let near = Similarity {
+        radius: scene.options.incorrect_distance,
+        heading: HEADINGS * correct.heading,
+        ..correct
+    };
+    let mut pairs = near.pairs(scene.viewpoints);
+    pairs.retain(|&(from, to)| !correct.holds(&scene.viewpoints[from], &scene.viewpoints[to]));
+    pairs.shuffle(random);
+    let mut matches = Vec::with_capacity(wanted);
+    for (from, to) in pairs {
+        if matches.len() == wanted {
+            break;
+        }
+        let truth = scene.viewpoints[from].pose.between(&scene.viewpoints[to].pose);
+        let claim = (0..CLAIMS_PER_PAIR)
+            .map(|_| &scene.claims[random.random_range(0..scene.claims.len())])
+            .find(|claim| is_off(&truth, claim, scene.options));
+        matches.extend(claim.map(|claim| FalseMatch { from, to, measurement: *claim, group: None }));
+    }
+    matches
+}
+
+/// Whether a claim is further from the truth than viewpoints of one place are from each other.
+fn is_off<G: LieGroup<DOF>, const DOF: usize>(truth: &G, claim: &G, options: &Options) -> bool {
+    let error = truth.between(claim);
+    let metres = error.translation().iter().map(|component| component.powi(2)).sum::<f64>().sqrt();
+    metres > options.radius || error.rotation_angle().abs() > options.heading.to_radians()
+}

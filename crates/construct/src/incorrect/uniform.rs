@@ -1,0 +1,31 @@
+//! False matches that know nothing of each other.
+
+use posecut_stage::ChaCha8Rng;
+use rand::RngExt as _;
+
+use super::{DRAWS_PER_PAIR, FalseMatch, Scene, Taken};
+
+/// Pairs uniform over those further apart than asked for, each with the claim of a random correct edge.
+pub(super) fn draw<G: Copy>(
+    scene: &Scene<'_, G>,
+    wanted: usize,
+    random: &mut ChaCha8Rng,
+) -> Vec<FalseMatch<G>> {
+    let (viewpoints, mut taken) = (scene.viewpoints.len(), Taken::new());
+    let mut pairs = Vec::with_capacity(wanted);
+    for _ in 0..wanted.saturating_mul(DRAWS_PER_PAIR) {
+        if pairs.len() == wanted {
+            break;
+        }
+        let drawn = scene.distant(random.random_range(0..viewpoints), random.random_range(0..viewpoints));
+        pairs.extend(drawn.filter(|&pair| taken.insert(pair)));
+    }
+    // All pairs first, then all claims: so a higher rate adds edges and keeps those of a lower one.
+    let claim = |(from, to)| FalseMatch {
+        from,
+        to,
+        measurement: scene.claims[random.random_range(0..scene.claims.len())],
+        group: None,
+    };
+    pairs.into_iter().map(claim).collect()
+}

@@ -1,0 +1,76 @@
+//! A session that every test knows: rounds on a ring.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(dead_code, unreachable_pub, missing_docs, reason = "each test program uses its part")]
+
+use posecut_construct::{ConstructError, IncorrectKind, Landmarks, MatchMeasurement, Options, Split};
+use posecut_geometry::{LieGroup, SE2};
+use posecut_graph::{EdgeKind, PoseGraph};
+
+pub fn options() -> Options {
+    Options {
+        split: Split::Auto,
+        radius: 3.0,
+        heading: 30.0,
+        minimum_interval: 0.0,
+        landmark_sigma_translation: 0.1,
+        landmark_sigma_rotation: 0.02,
+        incorrect_rate: 0.1,
+        incorrect_kind: IncorrectKind::Uniform,
+        group_length: 10,
+        match_measurement: MatchMeasurement::None,
+        incorrect_distance: 10.0,
+        seed: 1,
+    }
+}
+
+pub fn construct(
+    graphs: Vec<PoseGraph>,
+    options: &Options,
+) -> Result<(PoseGraph, posecut_stage::Statistics), ConstructError> {
+    posecut_construct::construct(graphs, &Landmarks::Truth, options)
+}
+
+/// A session of two rounds on a ring of 50 m, 2 m a step: every place is seen twice, once in each half.
+pub fn rounds(name: &str, steps: usize) -> PoseGraph {
+    let mut text = String::from(
+        "{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":2,\"noise_models\":{\"odometry\":{\"information\":[100,0,0,100,0,2500]}}}\n",
+    );
+    let pose = |step: usize| {
+        let angle = step as f64 * 0.04;
+        format!(
+            "[{},{},{}]",
+            50.0 * angle.sin(),
+            50.0 * (1.0 - angle.cos()),
+            posecut_geometry::wrap_angle(angle)
+        )
+    };
+    for step in 0..steps {
+        let pose = pose(step);
+        text.push_str(&format!(
+            "{{\"kind\":\"node\",\"id\":{step},\"session\":\"{name}\",\"frame\":{step},\"utime\":{},\"pose\":{pose},\"truth\":{{\"pose\":{pose}}}}}\n",
+            step * 2_000_000
+        ));
+    }
+    for step in 1..steps {
+        text.push_str(&format!(
+            "{{\"kind\":\"odometry\",\"id\":{},\"from\":{},\"to\":{step},\"measurement\":[2,0.04,0.04],\"noise\":\"odometry\"}}\n",
+            step - 1,
+            step - 1
+        ));
+    }
+    PoseGraph::read("rounds", text.as_bytes()).unwrap()
+}
+
+pub fn truth(graph: &PoseGraph, id: u64) -> SE2 {
+    let node = &graph.nodes[graph.node_index(id).unwrap()];
+    SE2::from_components(node.truth.as_ref().unwrap().pose.as_ref().unwrap()).unwrap()
+}
+
+pub fn landmarks(graph: &PoseGraph, correct: bool) -> Vec<(u64, u64)> {
+    graph
+        .edges_of(EdgeKind::Landmark)
+        .filter(|edge| edge.truth_correct() == Some(correct))
+        .map(|edge| (edge.from, edge.to))
+        .collect()
+}
