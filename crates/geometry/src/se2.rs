@@ -76,6 +76,7 @@ impl LieGroup<3> for SE2 {
         vec![self.translation.x, self.translation.y, self.angle()]
     }
 
+    #[inline]
     fn exp(tangent: &Vector3<f64>) -> Self {
         let functions = Trigonometric::of_squared_angle(tangent.z * tangent.z);
         Self {
@@ -84,12 +85,14 @@ impl LieGroup<3> for SE2 {
         }
     }
 
+    #[inline]
     fn log(&self) -> Vector3<f64> {
         let theta = self.angle();
         let translation = translation_jacobian_inverse(theta) * self.translation;
         Vector3::new(translation.x, translation.y, theta)
     }
 
+    #[inline]
     fn compose(&self, other: &Self) -> Self {
         let product = self.rotation.complex() * other.rotation.complex();
         // One Newton step towards norm 1, or long chains would drift away from rotations.
@@ -100,12 +103,14 @@ impl LieGroup<3> for SE2 {
         }
     }
 
+    #[inline]
     fn inverse(&self) -> Self {
         let rotation = self.rotation.inverse();
         Self { translation: -(rotation * self.translation), rotation }
     }
 
     /// `[R, (y, -x); 0, 1]`, Solà equation (159).
+    #[inline]
     fn adjoint(&self) -> Matrix3<f64> {
         let rotation = self.rotation.to_rotation_matrix().into_inner();
         bordered(&rotation, &Vector2::new(self.translation.y, -self.translation.x))
@@ -116,6 +121,7 @@ impl LieGroup<3> for SE2 {
         bordered(&translation_jacobian(tangent.z, &functions), &rotation_column(tangent, &functions))
     }
 
+    #[inline]
     fn left_jacobian_inverse(tangent: &Vector3<f64>) -> Matrix3<f64> {
         let functions = Trigonometric::of_squared_angle(tangent.z * tangent.z);
         let inverse = translation_jacobian_inverse(tangent.z);

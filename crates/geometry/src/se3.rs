@@ -114,17 +114,20 @@ impl LieGroup<6> for SE3 {
         vec![t.x, t.y, t.z, q.i, q.j, q.k, q.w]
     }
 
+    #[inline]
     fn exp(tangent: &Vector6<f64>) -> Self {
         let (translation, rotation) = split(tangent);
         Self::new(so3::left_jacobian(&rotation) * translation, so3::exp(&rotation))
     }
 
+    #[inline]
     fn log(&self) -> Vector6<f64> {
         let rotation = so3::log(&self.rotation);
         let translation = so3::left_jacobian_inverse(&rotation) * self.translation;
         Vector6::new(translation.x, translation.y, translation.z, rotation.x, rotation.y, rotation.z)
     }
 
+    #[inline]
     fn compose(&self, other: &Self) -> Self {
         let mut rotation = self.rotation * other.rotation;
         // One Newton step towards norm 1, or long chains would drift away from rotations.
@@ -132,12 +135,14 @@ impl LieGroup<6> for SE3 {
         Self::new(self.translation + self.rotation * other.translation, rotation)
     }
 
+    #[inline]
     fn inverse(&self) -> Self {
         let rotation = self.rotation.inverse();
         Self::new(-(rotation * self.translation), rotation)
     }
 
     /// `[R, [t] R; 0, R]`, Solà equation (175).
+    #[inline]
     fn adjoint(&self) -> Matrix6<f64> {
         let rotation = self.rotation.to_rotation_matrix().into_inner();
         triangular(&rotation, &(so3::hat(&self.translation) * rotation))
@@ -150,6 +155,7 @@ impl LieGroup<6> for SE3 {
     }
 
     /// `[V^-1, -V^-1 Q V^-1; 0, V^-1]`, Solà equation (182).
+    #[inline]
     fn left_jacobian_inverse(tangent: &Vector6<f64>) -> Matrix6<f64> {
         let (translation, rotation) = split(tangent);
         let inverse = so3::left_jacobian_inverse(&rotation);

@@ -169,7 +169,7 @@ fn subtract_tile<const D: usize, const W: usize>(
     for (source, factor) in sources.iter().zip(factors) {
         let Some(source) = source[start..].first_chunk::<W>() else { return };
         for (sum, value) in sums.iter_mut().zip(source) {
-            *sum -= value * factor;
+            *sum = factor.mul_add(-value, *sum);
         }
     }
     *target = sums;

@@ -6,7 +6,7 @@
 )]
 
 use faer::dyn_stack::MemBuffer;
-use faer::traits::pulp::Arch;
+use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::{SMatrix, SVector};
 use thiserror::Error;
 
@@ -72,10 +72,7 @@ impl<const D: usize> Factor<D> {
         floor: f64,
     ) -> Result<(), Breakdown> {
         // The widest vector instructions of the machine, chosen here once for all loops that are inlined below.
-        Arch::new().dispatch(
-            #[inline(always)]
-            || self.factorize_fronts(symbolic, diagonal, off_diagonal, damping, floor),
-        )
+        Arch::new().dispatch(Factorize { factor: self, symbolic, diagonal, off_diagonal, damping, floor })
     }
 
     #[inline(always)]
@@ -166,20 +163,56 @@ impl<const D: usize> Factor<D> {
         for (position, &variable) in symbolic.order.iter().enumerate() {
             self.permuted[position * D..(position + 1) * D].copy_from_slice(values[variable].as_slice());
         }
-        let (panels, permuted, below) = (&self.panels, &mut self.permuted, &mut self.below);
-        Arch::new().dispatch(
-            #[inline(always)]
-            || {
-                for front in &symbolic.fronts {
-                    forward::<D>(symbolic, front, panels, permuted, below);
-                }
-                for front in symbolic.fronts.iter().rev() {
-                    backward::<D>(symbolic, front, panels, permuted, below);
-                }
-            },
-        );
+        Arch::new().dispatch(Substitute { factor: self, symbolic });
         for (position, &variable) in symbolic.order.iter().enumerate() {
             values[variable].as_mut_slice().copy_from_slice(&self.permuted[position * D..(position + 1) * D]);
+        }
+    }
+}
+
+/// [`Factor::factorize`] for one set of vector instructions. Not a closure: the call of one is not inlined, and what it calls
+/// would be compiled for the least of all machines.
+struct Factorize<'a, const D: usize> {
+    factor: &'a mut Factor<D>,
+    symbolic: &'a Symbolic,
+    diagonal: &'a [SMatrix<f64, D, D>],
+    off_diagonal: &'a [SMatrix<f64, D, D>],
+    damping: f64,
+    floor: f64,
+}
+
+impl<const D: usize> WithSimd for Factorize<'_, D> {
+    type Output = Result<(), Breakdown>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        self.factor.factorize_fronts(
+            self.symbolic,
+            self.diagonal,
+            self.off_diagonal,
+            self.damping,
+            self.floor,
+        )
+    }
+}
+
+/// Both triangular solves, in the same way.
+struct Substitute<'a, const D: usize> {
+    factor: &'a mut Factor<D>,
+    symbolic: &'a Symbolic,
+}
+
+impl<const D: usize> WithSimd for Substitute<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Factor { panels, permuted, below, .. } = self.factor;
+        for front in &self.symbolic.fronts {
+            forward::<D>(self.symbolic, front, panels, permuted, below);
+        }
+        for front in self.symbolic.fronts.iter().rev() {
+            backward::<D>(self.symbolic, front, panels, permuted, below);
         }
     }
 }
