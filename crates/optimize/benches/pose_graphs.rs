@@ -36,10 +36,11 @@ fn measure<G: PoseGroup<DOF>, const DOF: usize>(name: &str, best: f64, graph: (V
             }
             let report = &solution.components[0];
             println!(
-                "{name:20} {from:9} {label:6} {:13} {:3} steps ({:2} rejected) {milliseconds:9.2} ms  cost {:.10e} gap {:9.1e} {} {:?}",
+                "{name:20} {from:9} {label:6} {:13} {:3} steps ({:2} rejected, {:3} factorisations) {milliseconds:9.2} ms  cost {:.10e} gap {:9.1e} {} {:?}",
                 report.start.name(),
                 solution.iterations,
                 report.rejected,
+                report.factorizations,
                 solution.chi2,
                 (solution.chi2 - best) / best,
                 report.termination.name(),

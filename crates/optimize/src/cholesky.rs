@@ -14,6 +14,7 @@ mod selected_inverse;
 mod supernodes;
 mod symbolic;
 
+pub(crate) use elimination::Adjacency;
 pub use factor::{Breakdown, Factor};
 pub use selected_inverse::SelectedInverse;
 pub use symbolic::Symbolic;

@@ -82,17 +82,19 @@ impl Graduated {
             ..*options
         };
         let mut edges = edges.to_vec();
-        let (mut iterations, mut rejected) = (0, 0);
+        let (mut iterations, mut rejected, mut factorizations) = (0, 0, 0);
         for kernel in self.surrogates(largest) {
             set_landmark_kernels(&mut edges, Some(kernel));
             let outcome = workspace.minimise(&edges, poses, &round);
             iterations += outcome.iterations;
             rejected += outcome.rejected;
+            factorizations += outcome.factorizations;
         }
         set_landmark_kernels(&mut edges, Some(self.kernel()));
         let mut outcome = workspace.minimise(&edges, poses, options);
         outcome.iterations += iterations;
         outcome.rejected += rejected;
+        outcome.factorizations += factorizations;
         outcome
     }
 }

@@ -21,14 +21,13 @@ const SMALLEST_DAMPING: f64 = 1e-8;
 /// Share of a diagonal entry that elimination must leave: below it the direction is undetermined.
 pub(crate) const SINGULAR: f64 = 1e-14;
 
-/// Cost below which only rounding is left to lower: a graph without noise never meets a relative tolerance.
-const NOISELESS: f64 = 1e-5;
-
 /// How an iteration ended.
 pub(crate) struct Outcome {
     pub(crate) cost: f64,
     pub(crate) iterations: usize,
     pub(crate) rejected: usize,
+    /// Factorisations among the steps tried.
+    pub(crate) factorizations: usize,
     pub(crate) termination: Termination,
     pub(crate) gradient: f64,
     pub(crate) undetermined: Option<(usize, usize)>,
@@ -36,11 +35,11 @@ pub(crate) struct Outcome {
 
 /// Memory of the iteration, reserved once.
 pub(crate) struct Workspace<'a, G, const DOF: usize> {
-    pattern: &'a Pattern,
-    equations: NormalEquations<DOF>,
+    pub(crate) pattern: &'a Pattern,
+    pub(crate) equations: NormalEquations<DOF>,
     factor: Factor<DOF>,
-    step: Vec<SVector<f64, DOF>>,
-    trial: Vec<G>,
+    pub(crate) step: Vec<SVector<f64, DOF>>,
+    pub(crate) trial: Vec<G>,
 }
 
 impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
@@ -66,6 +65,7 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
             cost: self.equations.assemble(self.pattern, edges, poses),
             iterations: 0,
             rejected: 0,
+            factorizations: 0,
             termination: Termination::IterationLimit,
             gradient: 0.0,
             undetermined: None,
@@ -75,10 +75,10 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
             outcome.termination = Termination::Gradient;
             return outcome;
         }
-        let cost_tolerance = |cost: f64| options.cost_tolerance * cost.max(NOISELESS);
         while outcome.iterations < options.max_iterations {
             outcome.iterations += 1;
-            let Some((promised, largest)) = self.solve(damping.value, &mut outcome.undetermined) else {
+            outcome.factorizations += 1;
+            let Some(step) = self.solve(damping.value, &mut outcome.undetermined) else {
                 outcome.rejected += 1;
                 if !damping.raise() {
                     outcome.termination = Termination::Stalled;
@@ -87,46 +87,54 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
                 continue;
             };
             self.retract(poses);
-            let cost = edges.iter().map(|edge| edge.cost(&self.trial)).sum::<f64>();
-            let nearly_undamped = damping.value <= 1e-3;
-            let met = if nearly_undamped && promised <= cost_tolerance(outcome.cost) {
-                Some(Termination::Cost)
-            } else if nearly_undamped && largest <= options.step_tolerance {
-                Some(Termination::Step)
+            let undamped = damping.value == 0.0;
+            let met = if damping.value <= 1e-3 { step.met(outcome.cost, options) } else { None };
+            // The gradient at the trial is what the next step starts from, if it is taken.
+            let cost = if undamped && met.is_none() {
+                self.equations.assemble_gradient(self.pattern, edges, &self.trial)
             } else {
-                None
+                edges.iter().map(|edge| edge.cost(&self.trial)).sum::<f64>()
             };
-            if cost < outcome.cost || (met.is_some() && cost <= outcome.cost) {
-                let gain = (outcome.cost - cost) / promised;
+            let lower = cost < outcome.cost;
+            if lower || (met.is_some() && cost <= outcome.cost) {
                 poses.copy_from_slice(&self.trial);
-                if met.is_some() {
-                    outcome.cost = cost;
-                } else {
-                    damping.lower(gain);
-                    outcome.cost = self.equations.assemble(self.pattern, edges, poses);
-                    outcome.gradient = self.equations.largest_gradient();
-                    if outcome.gradient <= options.gradient_tolerance {
-                        outcome.termination = Termination::Gradient;
-                        break;
-                    }
+                let gain = (outcome.cost - cost) / step.promised;
+                outcome.cost = cost;
+                if let Some(termination) = met {
+                    outcome.termination = termination;
+                    break;
                 }
-            } else if met.is_none() {
+                damping.lower(gain);
+                if undamped && let Some(termination) = self.reuse(edges, poses, options, &step, &mut outcome)
+                {
+                    outcome.termination = termination;
+                    break;
+                }
+                outcome.cost = self.equations.assemble(self.pattern, edges, poses);
+                outcome.gradient = self.equations.largest_gradient();
+                if outcome.gradient <= options.gradient_tolerance {
+                    outcome.termination = Termination::Gradient;
+                    break;
+                }
+            } else if let Some(termination) = met {
+                outcome.termination = termination;
+                break;
+            } else {
                 outcome.rejected += 1;
                 if !damping.raise() {
                     outcome.termination = Termination::Stalled;
                     break;
                 }
-            }
-            if let Some(termination) = met {
-                outcome.termination = termination;
-                break;
+                if undamped {
+                    self.equations.assemble_gradient(self.pattern, edges, poses);
+                }
             }
         }
         outcome
     }
 
-    /// The damped step `(H + damping D) d = -g`: promised decrease `-g^T d + damping d^T D d`, and largest component.
-    fn solve(&mut self, damping: f64, undetermined: &mut Option<(usize, usize)>) -> Option<(f64, f64)> {
+    /// The damped step `(H + damping D) d = -g`.
+    fn solve(&mut self, damping: f64, undetermined: &mut Option<(usize, usize)>) -> Option<Step> {
         let equations = &self.equations;
         let largest_diagonal =
             equations.diagonal.iter().map(|block| block.diagonal().max()).fold(0.0, f64::max);
@@ -143,28 +151,60 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
             undetermined.get_or_insert((variable + 1, component));
             return None;
         }
-        for (step, gradient) in self.step.iter_mut().zip(&equations.gradient) {
-            *step = -gradient;
-        }
-        self.factor.solve(symbolic, &mut self.step);
-        let mut promised = 0.0;
-        let mut largest = 0.0_f64;
-        for ((step, gradient), block) in self.step.iter().zip(&equations.gradient).zip(&equations.diagonal) {
-            promised -= gradient.dot(step);
-            for (component, &value) in step.iter().enumerate() {
-                promised += damping * block[(component, component)].max(floor) * value * value;
-                largest = largest.max(value.abs());
+        let mut step = self.substitute()?;
+        if damping > 0.0 {
+            for (step_block, block) in self.step.iter().zip(&self.equations.diagonal) {
+                for (component, &value) in step_block.iter().enumerate() {
+                    step.promised += damping * block[(component, component)].max(floor) * value * value;
+                }
             }
         }
-        (promised.is_finite() && largest.is_finite()).then_some((promised, largest))
+        Some(step)
+    }
+
+    /// The step `d = -A^-1 g` for the matrix that was factorised last; `None` if it is not finite.
+    pub(crate) fn substitute(&mut self) -> Option<Step> {
+        for (step, gradient) in self.step.iter_mut().zip(&self.equations.gradient) {
+            *step = -gradient;
+        }
+        self.factor.solve(&self.pattern.symbolic, &mut self.step);
+        let mut promised = 0.0;
+        let mut largest = 0.0_f64;
+        for (step, gradient) in self.step.iter().zip(&self.equations.gradient) {
+            promised -= gradient.dot(step);
+            largest = step.iter().fold(largest, |largest, value| largest.max(value.abs()));
+        }
+        (promised.is_finite() && largest.is_finite()).then_some(Step { promised, largest })
     }
 
     /// `trial = X Exp(d)`.
-    fn retract(&mut self, poses: &[G]) {
+    pub(crate) fn retract(&mut self, poses: &[G]) {
         self.trial.clear();
         self.trial.extend_from_slice(poses);
         for (pose, step) in self.trial.iter_mut().skip(1).zip(&self.step) {
             *pose = pose.compose(&G::exp(step));
+        }
+    }
+}
+
+/// What a step says of itself.
+#[derive(Clone, Copy)]
+pub(crate) struct Step {
+    /// By how much it would lower a quadratic cost: `-g^T d + damping d^T D d`.
+    pub(crate) promised: f64,
+    /// Its largest component.
+    pub(crate) largest: f64,
+}
+
+impl Step {
+    /// The tolerance it meets at this cost.
+    pub(crate) fn met(&self, cost: f64, options: &Options) -> Option<Termination> {
+        if self.promised <= options.promise_tolerance(cost) {
+            Some(Termination::Cost)
+        } else if self.largest <= options.step_tolerance {
+            Some(Termination::Step)
+        } else {
+            None
         }
     }
 }

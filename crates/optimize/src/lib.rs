@@ -39,6 +39,7 @@ mod normal_equations;
 mod options;
 mod problem;
 mod residual;
+mod simplified_newton;
 mod solution;
 mod solve;
 pub mod stage;

@@ -113,6 +113,28 @@ impl<const D: usize> NormalEquations<D> {
         cost
     }
 
+    /// The gradient alone, and the cost; the matrix stays what it was.
+    pub(crate) fn assemble_gradient<G: LieGroup<D>, T: Term<G, D>>(
+        &mut self,
+        pattern: &Pattern,
+        edges: &[T],
+        poses: &[G],
+    ) -> f64 {
+        self.gradient.fill(SVector::zeros());
+        let mut cost = 0.0;
+        for (edge, slot) in edges.iter().zip(&pattern.slots) {
+            let model = edge.gradient(poses);
+            cost += model.cost;
+            if let Some(from) = slot.from {
+                self.gradient[from] += model.from;
+            }
+            if let Some(to) = slot.to {
+                self.gradient[to] += model.to;
+            }
+        }
+        cost
+    }
+
     /// Largest magnitude in the gradient of the cost, `2 g`.
     pub(crate) fn largest_gradient(&self) -> f64 {
         self.gradient.iter().map(|gradient| 2.0 * gradient.amax()).fold(0.0, f64::max)

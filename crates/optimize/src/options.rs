@@ -34,6 +34,16 @@ pub struct Options {
     pub graduated: Option<Graduated>,
 }
 
+/// Cost below which only rounding is left to lower: a graph without noise never meets a relative tolerance.
+const NOISELESS: f64 = 1e-5;
+
+impl Options {
+    /// The promise of a step that ends the iteration at this cost.
+    pub(crate) fn promise_tolerance(&self, cost: f64) -> f64 {
+        self.cost_tolerance * cost.max(NOISELESS)
+    }
+}
+
 impl Default for Options {
     /// Best start, 200 iterations, tolerances 1e-10 (cost), 1e-10 (step), 1e-10 (gradient); no
     /// graduation.

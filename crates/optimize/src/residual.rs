@@ -1,6 +1,6 @@
 //! Residuals of edges and their Jacobians.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{Matrix3, SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
 use crate::kernel::charge;
@@ -43,12 +43,34 @@ pub(crate) struct Linearised<const DOF: usize> {
     pub(crate) cost: f64,
 }
 
+/// Linear model of one edge's cost.
+pub(crate) struct Gradient<const DOF: usize> {
+    /// Half the gradient at from.
+    pub(crate) from: SVector<f64, DOF>,
+    /// Half the gradient at to.
+    pub(crate) to: SVector<f64, DOF>,
+    /// `rho(e^T Omega e)`.
+    pub(crate) cost: f64,
+}
+
+impl<const DOF: usize> Gradient<DOF> {
+    /// From the half gradient in a right perturbation of `X_ij`, which equals one of `X_j`.
+    pub(crate) fn new<G: LieGroup<DOF>>(relative: &G, to: SVector<f64, DOF>, cost: f64) -> Self {
+        Self { from: -relative.inverse().adjoint().tr_mul(&to), to, cost }
+    }
+}
+
 /// One summand of a cost over poses.
 pub(crate) trait Term<G, const DOF: usize> {
     /// Its value.
     fn cost(&self, poses: &[G]) -> f64;
     /// Its quadratic model.
     fn linearise(&self, poses: &[G]) -> Linearised<DOF>;
+    /// Its linear model.
+    fn gradient(&self, poses: &[G]) -> Gradient<DOF> {
+        let model = self.linearise(poses);
+        Gradient { from: model.from_gradient, to: model.to_gradient, cost: model.cost }
+    }
 }
 
 impl<G: LieGroup<DOF>, const DOF: usize> Term<G, DOF> for Edge<G, DOF> {
@@ -58,6 +80,15 @@ impl<G: LieGroup<DOF>, const DOF: usize> Term<G, DOF> for Edge<G, DOF> {
 
     fn linearise(&self, poses: &[G]) -> Linearised<DOF> {
         linearise(self, poses)
+    }
+
+    fn gradient(&self, poses: &[G]) -> Gradient<DOF> {
+        let relative = poses[self.from].between(&poses[self.to]);
+        let error = self.measurement.between(&relative).log();
+        let weighted = self.information * error;
+        let (cost, weight) = charge(self.kernel, error.dot(&weighted));
+        let to = G::right_jacobian_inverse(&error).tr_mul(&weighted) * weight;
+        Gradient::new(&relative, to, cost)
     }
 }
 
@@ -70,9 +101,9 @@ impl<const DOF: usize> Linearised<DOF> {
         cost: f64,
     ) -> Self {
         let adjoint = relative.inverse().adjoint();
-        let from_to = -adjoint.tr_mul(&to_to);
         let from_gradient = -adjoint.tr_mul(&to_gradient);
-        let from_from = -(from_to * adjoint);
+        let (product, from_from) = triangular_congruence(&adjoint, &to_to);
+        let from_to = -product;
         Self { from_from, from_to, to_to, from_gradient, to_gradient, cost }
     }
 }
@@ -90,9 +121,39 @@ pub(crate) fn linearise<G: LieGroup<DOF>, const DOF: usize>(
     let weighted = edge.information * error;
     let (cost, weight) = charge(edge.kernel, error.dot(&weighted));
     let jacobian = G::right_jacobian_inverse(&error);
-    let to_to = jacobian.tr_mul(&(edge.information * jacobian)) * weight;
+    let to_to = triangular_congruence(&jacobian, &edge.information).1 * weight;
     let to_gradient = jacobian.tr_mul(&weighted) * weight;
     Linearised::new(&relative, to_to, to_gradient, cost)
+}
+
+/// `J^T A` and `J^T A J` for symmetric `A` and `J` an adjoint or a Jacobian of the logarithm: in space both are block-triangular,
+/// `[P, Q; 0, S]`, which saves more than half of the products.
+fn triangular_congruence<const DOF: usize>(
+    jacobian: &SMatrix<f64, DOF, DOF>,
+    matrix: &SMatrix<f64, DOF, DOF>,
+) -> (SMatrix<f64, DOF, DOF>, SMatrix<f64, DOF, DOF>) {
+    if DOF != 6 {
+        let product = jacobian.tr_mul(matrix);
+        return (product, product * jacobian);
+    }
+    let block = |of: &SMatrix<f64, DOF, DOF>, row: usize, column: usize| -> Matrix3<f64> {
+        of.fixed_view::<3, 3>(3 * row, 3 * column).into_owned()
+    };
+    let (p, q, s) = (block(jacobian, 0, 0), block(jacobian, 0, 1), block(jacobian, 1, 1));
+    let (a, b, c) = (block(matrix, 0, 0), block(matrix, 0, 1), block(matrix, 1, 1));
+    let (p_a, p_b) = (p.tr_mul(&a), p.tr_mul(&b));
+    let (q_a, q_b) = (q.tr_mul(&a) + s.tr_mul(&b.transpose()), q.tr_mul(&b) + s.tr_mul(&c));
+    let upper_right = p_a * q + p_b * s;
+    let join = |blocks: [&Matrix3<f64>; 4]| {
+        let mut joined = SMatrix::<f64, DOF, DOF>::zeros();
+        for (index, from) in blocks.into_iter().enumerate() {
+            joined.fixed_view_mut::<3, 3>(3 * (index / 2), 3 * (index % 2)).copy_from(from);
+        }
+        joined
+    };
+    let product = join([&p_a, &p_b, &q_a, &q_b]);
+    let congruence = join([&(p_a * p), &upper_right, &upper_right.transpose(), &(q_a * q + q_b * s)]);
+    (product, congruence)
 }
 
 #[cfg(test)]

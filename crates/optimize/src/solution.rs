@@ -82,6 +82,8 @@ pub struct ComponentReport {
     pub iterations: usize,
     /// Steps tried that did not lower the cost.
     pub rejected: usize,
+    /// Factorisations for these steps; steps near the minimum take that of an earlier one.
+    pub factorizations: usize,
     /// Why iteration ended.
     pub termination: Termination,
     /// Largest entry of the gradient at the end.
@@ -105,6 +107,7 @@ impl ComponentReport {
             start: Start::Given,
             iterations: 0,
             rejected: 0,
+            factorizations: 0,
             termination: Termination::NothingToDo,
             gradient: 0.0,
             undetermined: None,

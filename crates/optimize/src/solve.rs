@@ -82,10 +82,16 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
         for (index, &node) in component.nodes.iter().enumerate() {
             local[node] = index;
         }
-        let part = extract(problem, component, &local);
+        let extracted;
+        let part = if components.len() == 1 {
+            problem
+        } else {
+            extracted = extract(problem, component, &local);
+            &extracted
+        };
         let (start, result, mut report) = match options.graduated {
-            Some(graduation) => graduate_component(&part, graduation, options),
-            None => solve_component(&part, options),
+            Some(graduation) => graduate_component(part, graduation, options),
+            None => solve_component(part, options),
         };
         report.gauge = component.nodes[0];
         report.undetermined = report.undetermined.map(|(node, axis)| (component.nodes[node], axis));
@@ -95,15 +101,20 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
         }
         reports.push(report);
     }
-    let weights = edges.iter().map(|edge| charge(edge.kernel, squared(edge, &poses)).1).collect();
+    let robust = edges.iter().any(|edge| edge.kernel.is_some());
+    let total = |of: fn(&ComponentReport) -> f64| reports.iter().map(of).sum::<f64>();
     Solution {
-        chi2_given: chi2(problem, problem.poses()),
-        chi2_initial: chi2(problem, &starts),
-        chi2: chi2(problem, &poses),
-        cost: cost(edges, &poses),
+        chi2_given: if robust { chi2(problem, problem.poses()) } else { total(|report| report.cost_given) },
+        chi2_initial: if robust { chi2(problem, &starts) } else { total(|report| report.cost_start) },
+        chi2: if robust { chi2(problem, &poses) } else { total(|report| report.cost) },
+        cost: total(|report| report.cost),
         iterations: reports.iter().map(|report| report.iterations).sum(),
         converged: reports.iter().all(|report| report.termination.converged()),
-        weights,
+        weights: if robust {
+            edges.iter().map(|edge| charge(edge.kernel, squared(edge, &poses)).1).collect()
+        } else {
+            vec![1.0; edges.len()]
+        },
         components: reports,
         poses,
     }
@@ -159,7 +170,7 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     report.factor_blocks = pattern.symbolic.factor_blocks();
     let mut workspace = Workspace::new(&pattern);
     let mut best: Option<(Vec<G>, Vec<G>)> = None;
-    for candidate in candidates(part, &pattern, options.initialisation) {
+    for candidate in candidates(part, &pattern, options.initialisation, report.cost_given) {
         if best.is_some() && candidate.cost.partial_cmp(&report.cost) != Some(Ordering::Less) {
             continue;
         }
@@ -167,6 +178,7 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
         let outcome = workspace.minimise(edges, &mut result, options);
         report.iterations += outcome.iterations;
         report.rejected += outcome.rejected;
+        report.factorizations += outcome.factorizations;
         if best.is_none() || outcome.cost < report.cost {
             report.adopt(candidate.start, candidate.cost, &outcome);
             best = Some((candidate.poses, result));
@@ -206,6 +218,7 @@ fn graduate_component<G: PoseGroup<DOF>, const DOF: usize>(
         let outcome = graduation.minimise(&mut workspace, edges, &mut poses, options);
         report.iterations += outcome.iterations;
         report.rejected += outcome.rejected;
+        report.factorizations += outcome.factorizations;
         if best.0.is_empty() || outcome.cost < report.cost {
             report.adopt(name, cost(edges, &start), &outcome);
             best = (start, poses);
@@ -226,10 +239,11 @@ fn candidates<G: PoseGroup<DOF>, const DOF: usize>(
     part: &Problem<G, DOF>,
     pattern: &Pattern,
     initialisation: Initialisation,
+    cost_given: f64,
 ) -> Vec<Candidate<G>> {
     let edges = part.edges();
     let propose = |start: Start, poses: Vec<G>| Candidate { start, cost: cost(edges, &poses), poses };
-    let given = || propose(Start::Given, part.poses().to_vec());
+    let given = || Candidate { start: Start::Given, cost: cost_given, poses: part.poses().to_vec() };
     let tree = || propose(Start::SpanningTree, spanning_tree(part.poses(), edges));
     let relaxed = || {
         G::chordal_poses(&Relaxation(pattern), edges, &part.poses()[0])

@@ -224,6 +224,10 @@ fn note<G>(solution: &Solution<G>, edges: usize, unmeasured: usize, context: &mu
     statistics.note("chi2_initial", solution.chi2_initial);
     statistics.note("chi2", solution.chi2);
     statistics.note("iterations", solution.iterations);
+    statistics.note(
+        "factorizations",
+        solution.components.iter().map(|report| report.factorizations).sum::<usize>(),
+    );
     statistics.note("converged", solution.converged);
     statistics.note("components", solution.components.len());
     let largest = solution.components.iter().max_by_key(|report| report.nodes);

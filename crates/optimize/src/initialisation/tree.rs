@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use posecut_geometry::LieGroup;
 
+use crate::cholesky::Adjacency;
 use crate::components::Forest;
 use crate::problem::{Edge, EdgeKind};
 
@@ -14,15 +15,12 @@ use crate::problem::{Edge, EdgeKind};
 /// the edges. Nodes without edges keep their poses. Takes almost linear time.
 pub fn spanning_tree<G: LieGroup<DOF>, const DOF: usize>(poses: &[G], edges: &[Edge<G, DOF>]) -> Vec<G> {
     let mut forest = Forest::new(poses.len());
-    let mut neighbours: Vec<Vec<(usize, G)>> = vec![Vec::new(); poses.len()];
+    let mut tree: Vec<&Edge<G, DOF>> = Vec::with_capacity(poses.len());
     for kind in [EdgeKind::Odometry, EdgeKind::Landmark] {
-        for edge in edges.iter().filter(|edge| edge.kind == kind) {
-            if forest.join(edge.from, edge.to) {
-                neighbours[edge.from].push((edge.to, edge.measurement));
-                neighbours[edge.to].push((edge.from, edge.measurement.inverse()));
-            }
-        }
+        tree.extend(edges.iter().filter(|edge| edge.kind == kind && forest.join(edge.from, edge.to)));
     }
+    let arcs = tree.iter().enumerate().flat_map(|(index, edge)| [(edge.from, index), (edge.to, index)]);
+    let neighbours = Adjacency::new(poses.len(), arcs);
     let mut result = poses.to_vec();
     let mut visited = vec![false; poses.len()];
     let mut queue = VecDeque::new();
@@ -33,7 +31,13 @@ pub fn spanning_tree<G: LieGroup<DOF>, const DOF: usize>(poses: &[G], edges: &[E
         visited[first] = true;
         queue.push_back(first);
         while let Some(node) = queue.pop_front() {
-            for &(next, step) in &neighbours[node] {
+            for &index in neighbours.of(node) {
+                let edge = tree[index];
+                let (next, step) = if edge.from == node {
+                    (edge.to, edge.measurement)
+                } else {
+                    (edge.from, edge.measurement.inverse())
+                };
                 if !visited[next] {
                     visited[next] = true;
                     result[next] = result[node].compose(&step);
