@@ -17,6 +17,89 @@ fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
+# In space: the same drive lifted, since the test graph is planar.
+python3 - testdata/graph.jsonl "$work/space.jsonl" <<'PYTHON'
+import json, math, sys
+
+def lifted(pose, height, roll):
+    x, y, yaw = pose
+    c, s, cr, sr = math.cos(yaw / 2), math.sin(yaw / 2), math.cos(roll / 2), math.sin(roll / 2)
+    return [x, y, height, c * sr, s * sr, s * cr, c * cr]
+
+with open(sys.argv[1]) as lines, open(sys.argv[2], "w") as out:
+    for number, line in enumerate(lines):
+        record = json.loads(line)
+        record.pop("truth", None)
+        if record["kind"] == "header":
+            record["dimension"] = 3
+            record.pop("noise_models", None)
+        if "pose" in record:
+            record["pose"] = lifted(record["pose"], 0.01 * number, 0.2 * math.sin(number))
+        if "measurement" in record:
+            record["measurement"] = lifted(record["measurement"], 0.02 * math.cos(number), 0.1 * math.sin(number))
+            record.pop("noise", None)
+            terms = ([100 + row if row == column else 1.5 for column in range(row, 6)] for row in range(6))
+            record["information"] = [term for row in terms for term in row]
+        out.write(json.dumps(record) + "\n")
+PYTHON
+cp testdata/graph.jsonl "$work/plane.jsonl"
+for name in plane space; do
+  "$programs/posecut-convert" -q "$work/$name.jsonl" -o "$work/$name.g2o"
+done
+"$environment/bin/python" - "$work" <<'PYTHON'
+import json, sys
+import gtsam
+import numpy
+
+work = sys.argv[1]
+
+
+def close(ours, theirs, what, tolerance=1e-12):
+    ours, theirs = numpy.asarray(ours), numpy.asarray(theirs)
+    distance = numpy.abs(ours - theirs).max() / max(1.0, numpy.abs(ours).max())
+    if not distance <= tolerance:
+        sys.exit(f"{what}: {ours} in the file, {theirs} in gtsam")
+    return distance
+
+
+for name, spatial in (("plane", False), ("space", True)):
+    lines = [json.loads(line) for line in open(f"{work}/{name}.jsonl")]
+    models = lines[0].get("noise_models", {})
+    nodes = [line for line in lines if line["kind"] == "node"]
+    edges = [line for line in lines if line["kind"] in ("odometry", "landmark") and "measurement" in line]
+    graph, values = gtsam.readG2o(f"{work}/{name}.g2o", spatial)
+    if values.size() != len(nodes) or graph.size() != len(edges):
+        sys.exit(f"{name}: {len(nodes)} nodes and {len(edges)} edges; gtsam has {values.size()} and {graph.size()}")
+
+    def matrix(pose):
+        """The pose as gtsam holds it, as a matrix: quaternions of either sign are one rotation."""
+        if spatial:
+            x, y, z, qx, qy, qz, qw = pose
+            return gtsam.Pose3(gtsam.Rot3.Quaternion(qw, qx, qy, qz), [x, y, z]).matrix()
+        return gtsam.Pose2(*pose).matrix()
+
+    worst = 0.0
+    for node in nodes:
+        theirs = values.atPose3(node["id"]) if spatial else values.atPose2(node["id"])
+        worst = max(worst, close(matrix(node["pose"]), theirs.matrix(), f"{name}: node {node['id']}"))
+    for place, edge in enumerate(edges):
+        factor = graph.at(place)
+        if list(factor.keys()) != [edge["from"], edge["to"]]:
+            sys.exit(f"{name}: edge {edge['id']} joins {factor.keys()} in gtsam")
+        worst = max(worst, close(matrix(edge["measurement"]), factor.measured().matrix(), f"{name}: edge {edge['id']}"))
+        size = 6 if spatial else 3
+        terms = iter(edge["information"] if "information" in edge else models[edge["noise"]]["information"])
+        information = numpy.zeros((size, size))
+        for row in range(size):
+            for column in range(row, size):
+                information[row, column] = information[column, row] = next(terms)
+        # gtsam puts rotation before translation in space; in the plane the order is the same.
+        order = [3, 4, 5, 0, 1, 2] if spatial else [0, 1, 2]
+        theirs = factor.noiseModel().information()
+        worst = max(worst, close(information[numpy.ix_(order, order)], theirs, f"{name}: information of {edge['id']}", 1e-9))
+    print(f"{name}: gtsam reads {len(nodes)} nodes and {len(edges)} edges as they are; largest difference {worst:.1e}")
+PYTHON
+
 "$programs/posecut-oracle" -q testdata/graph.jsonl | "$programs/posecut-optimize" -q --marginals landmark -o "$work/ours.jsonl" --stats "$work/stats.json"
 "$programs/posecut-convert" -q "$work/ours.jsonl" -o "$work/ours.g2o"
 "$environment/bin/python" - "$work" <<'PYTHON'

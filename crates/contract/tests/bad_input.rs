@@ -6,7 +6,18 @@
 use posecut_contract::{run, samples};
 
 /// The programs that read pose graphs from standard input.
-const READERS: &[&str] = &["construct", "evaluate", "multicut", "optimize", "oracle", "pcm"];
+const READERS: &[&str] = &[
+    "construct",
+    "densest",
+    "evaluate",
+    "islands",
+    "multicut",
+    "optimize",
+    "oracle",
+    "pcm",
+    "ransac",
+    "voting",
+];
 
 const HEADER: &str = r#"{"kind":"header","format":"posecut","version":1,"dimension":2}"#;
 const NODES: &str = r#"{"kind":"node","id":0,"session":"a","frame":0,"pose":[0,0,0]}
@@ -181,7 +192,7 @@ fn an_unknown_session_is_refused_with_those_that_are_there() {
 #[test]
 fn graphs_without_nodes_or_edges_have_an_answer() {
     let empty = format!("{HEADER}\n");
-    for name in ["multicut", "optimize", "oracle", "pcm"] {
+    for name in ["densest", "islands", "multicut", "optimize", "oracle", "pcm", "ransac", "voting"] {
         let output = run(name, &[], empty.as_bytes());
         assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
         let lone = format!("{HEADER}\n{}\n", NODES.lines().next().unwrap());

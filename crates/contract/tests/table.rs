@@ -12,7 +12,7 @@ use posecut_contract::{program, run, samples, succeed, workspace};
 /// A program as the contract sees it.
 struct Row {
     name: &'static str,
-    /// Arguments before and after the input; `{sample}` is replaced by a sample's path.
+    /// Arguments before the input; `{sample}` is replaced by a sample's path, `{posecut-NAME}` by a program's.
     arguments: &'static [&'static str],
     /// The sample that it reads, if one file.
     input: Option<&'static str>,
@@ -23,6 +23,13 @@ struct Row {
 }
 
 const TABLE: &[Row] = &[
+    Row {
+        name: "conform",
+        arguments: &["--", "{posecut-islands}"],
+        input: None,
+        pipe: false,
+        writes_stream: true,
+    },
     Row {
         name: "construct",
         arguments: &["--radius", "8"],
@@ -37,12 +44,15 @@ const TABLE: &[Row] = &[
         pipe: true,
         writes_stream: true,
     },
+    Row { name: "densest", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
     Row { name: "evaluate", arguments: &[], input: Some("optimized.jsonl"), pipe: true, writes_stream: true },
     Row { name: "ingest", arguments: &["{2012-01-22}"], input: None, pipe: false, writes_stream: true },
+    Row { name: "islands", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
     Row { name: "multicut", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
     Row { name: "optimize", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
     Row { name: "oracle", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
     Row { name: "pcm", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
+    Row { name: "ransac", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
     Row {
         name: "report",
         arguments: &["table", "{x.result.json}"],
@@ -51,13 +61,17 @@ const TABLE: &[Row] = &[
         writes_stream: true,
     },
     Row { name: "simulate", arguments: &["--length", "100"], input: None, pipe: false, writes_stream: false },
+    Row { name: "voting", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
 ];
 
 impl Row {
     fn arguments(&self) -> Vec<String> {
         let sample =
             |argument: &&str| match argument.strip_prefix('{').and_then(|rest| rest.strip_suffix('}')) {
-                Some(name) => samples().path(name),
+                Some(name) => match name.strip_prefix("posecut-") {
+                    Some(name) => program(name).to_str().unwrap().to_owned(),
+                    None => samples().path(name),
+                },
                 None => (*argument).to_owned(),
             };
         let input = self.input.map(|name| samples().path(name));
@@ -66,7 +80,10 @@ impl Row {
 
     fn run(&self, more: &[&str]) -> std::process::Output {
         let arguments = self.arguments();
-        let all: Vec<&str> = arguments.iter().map(String::as_str).chain(more.iter().copied()).collect();
+        let mut all: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        // What stands after `--` is somebody else's command.
+        let end = all.iter().position(|&argument| argument == "--").unwrap_or(all.len());
+        all.splice(end..end, more.iter().copied());
         run(self.name, &all, b"")
     }
 }
@@ -219,14 +236,19 @@ fn a_closed_pipe_is_no_error() {
 fn statistics_are_json_with_the_stages_name() {
     let folder = tempfile::tempdir().unwrap();
     let expected: &[(&str, &[&str])] = &[
+        ("conform", &["passed", "failed", "advice", "skipped", "checks"]),
         ("construct", &["landmark_edges", "incorrect_edges"]),
         ("convert", &["nodes", "edges"]),
+        ("densest", &["candidates", "density", "rejected"]),
         ("evaluate", &["rmse", "edges"]),
         ("ingest", &["keyframes", "path_length_m", "dropped_rows", "gaps"]),
+        ("islands", &["islands", "islands_kept", "rejected"]),
         ("multicut", &["objective", "lower_bound", "optimal", "landmarks", "cut_edges"]),
         ("optimize", &["chi2_initial", "chi2", "iterations", "converged", "components"]),
         ("oracle", &["rejected"]),
         ("pcm", &["candidates", "consistent_pairs", "clique_size", "clique_upper_bound", "optimal"]),
+        ("ransac", &["candidates", "trials", "rejected"]),
+        ("voting", &["clusters", "clusters_kept", "optimisations", "rejected"]),
     ];
     for (name, keys) in expected {
         let row = TABLE.iter().find(|row| row.name == *name).unwrap();

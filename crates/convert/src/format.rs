@@ -13,6 +13,8 @@ pub enum FileFormat {
     Tum,
     /// KITTI trajectories (.kitti): 3x4 matrices, row by row
     Kitti,
+    /// Results of evo (.zip): the error of the poses against --reference; written only
+    Evo,
 }
 
 impl FileFormat {
@@ -25,6 +27,7 @@ impl FileFormat {
             "g2o" => Some(Self::G2o),
             "tum" => Some(Self::Tum),
             "kitti" => Some(Self::Kitti),
+            "zip" => Some(Self::Evo),
             _ => None,
         }
     }

@@ -3,12 +3,14 @@
 //! - [`g2o`]: `VERTEX_SE2`, `EDGE_SE2`, `VERTEX_SE3:QUAT`, `EDGE_SE3:QUAT`, `FIX`.
 //! - [`tum`]: one pose a line, `seconds x y z qx qy qz qw`.
 //! - [`kitti`]: one pose a line, the twelve numbers of a 3x4 matrix.
+//! - [`evo`]: the result file of an absolute trajectory error, written only.
 //!
 //! Information matrices are taken as they stand in a file, as gtsam does: g2o's own 3-D residual uses the
 //! vector part of the quaternion, half the rotation, so its optima differ from ours in the weight of
 //! rotations.
 
 mod error;
+pub mod evo;
 pub mod format;
 pub mod g2o;
 mod information;

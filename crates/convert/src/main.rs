@@ -6,7 +6,8 @@ use std::process::ExitCode;
 use anyhow::bail;
 use clap::Parser;
 use posecut_convert::tum::Poses;
-use posecut_convert::{FileFormat, Repair, g2o, kitti, tum};
+use posecut_convert::{FileFormat, Repair, evo, g2o, kitti, tum};
+use posecut_evaluate::alignment::Freedom;
 use posecut_graph::{InputDigest, PoseGraph};
 use posecut_stage::{CommonArguments, Context, Identity, Outcome, Source, info, open, run, warn};
 use serde::Serialize;
@@ -39,6 +40,14 @@ struct Command {
     /// Write the trajectory of this session alone
     #[arg(long, value_name = "NAME")]
     only_session: Option<String>,
+
+    /// For evo's results: the graph with the poses to compare with
+    #[arg(long, value_name = "FILE")]
+    reference: Option<Source>,
+
+    /// For evo's results: motions that the alignment may use; SE(2) for planar graphs and SE(3) for others unless given
+    #[arg(long, value_enum)]
+    align: Option<Freedom>,
 
     #[command(flatten)]
     common: CommonArguments,
@@ -96,7 +105,10 @@ fn main() -> ExitCode {
 
 fn by_name(path: &Path, option: &str) -> anyhow::Result<FileFormat> {
     let Some(format) = FileFormat::of_name(path) else {
-        bail!("{}: its name does not tell its format; say {option} jsonl, g2o, tum or kitti", path.display());
+        bail!(
+            "{}: its name does not tell its format; say {option} jsonl, g2o, tum, kitti or evo",
+            path.display()
+        );
     };
     Ok(format)
 }
@@ -121,6 +133,9 @@ fn read(command: &Command, from: FileFormat, context: &mut Context) -> anyhow::R
             graph
         }
         FileFormat::Tum => tum::read(&name, &mut input, session)?,
+        FileFormat::Evo => bail!(
+            "{name}: evo's results hold errors and no graph, and are written only; read the trajectories that they were made from"
+        ),
         FileFormat::Kitti | FileFormat::Jsonl => kitti::read(&name, &mut input, session)?,
     };
     context.inputs.push(InputDigest { name: "input".to_owned(), sha256: input.finish()? });
@@ -155,6 +170,13 @@ fn write(
     Ok(match to {
         FileFormat::Tum => tum::write(graph, command.poses, session)?,
         FileFormat::Kitti => kitti::write(graph, command.poses, session)?,
+        FileFormat::Evo => {
+            let Some(reference) = &command.reference else {
+                bail!("evo's results compare two graphs; name the other one by --reference FILE");
+            };
+            let reference = context.read_graph(reference, "reference")?;
+            evo::write(graph, &reference, command.align, session)?
+        }
         FileFormat::G2o | FileFormat::Jsonl => {
             let (bytes, summary) = g2o::write(graph, command.keep_rejected);
             if summary.rejected + summary.unmeasured > 0 {

@@ -61,16 +61,20 @@ pub fn write(graph: &PoseGraph, poses: Poses, session: Option<&str>) -> Result<V
     lines.sort_by_key(|(time, _)| *time);
     let mut text = String::new();
     for (time, pose) in lines {
-        let sign = if time < 0 { "-" } else { "" };
-        // Microseconds are exact this way, which a division would not keep. Writing to a string cannot fail.
-        let _ =
-            write!(text, "{sign}{}.{:06}", time.unsigned_abs() / 1_000_000, time.unsigned_abs() % 1_000_000);
+        text += &seconds(time);
         for number in pose {
+            // Writing to a string cannot fail.
             let _ = write!(text, " {number}");
         }
         text.push('\n');
     }
     Ok(text.into_bytes())
+}
+
+/// Microseconds as seconds, exact to the last digit, which a division would not keep.
+pub(crate) fn seconds(utime: i64) -> String {
+    let sign = if utime < 0 { "-" } else { "" };
+    format!("{sign}{}.{:06}", utime.unsigned_abs() / 1_000_000, utime.unsigned_abs() % 1_000_000)
 }
 
 /// Nodes with the poses asked for, in space.

@@ -1,0 +1,110 @@
+//! What is demanded of a program, one function a demand.
+
+mod decisions;
+mod keeping;
+mod manners;
+mod refusals;
+mod streams;
+
+use posecut_graph::{EdgeKind, PoseGraph};
+use tempfile::TempDir;
+
+use crate::program::{Program, Run};
+use crate::report::{CheckReport, Level, Outcome, Report};
+use crate::sample;
+
+/// `Err` says how the demand is not met.
+type Verdict = Result<(), String>;
+
+/// A demand and how to try it.
+struct Check {
+    name: &'static str,
+    level: Level,
+    demand: &'static str,
+    /// Whether it makes sense only for a program that turns the sample into a graph.
+    works_on_output: bool,
+    test: fn(&Bench<'_>) -> anyhow::Result<Verdict>,
+}
+
+/// The program, the sample, and what the program made of it.
+struct Bench<'a> {
+    program: &'a Program,
+    folder: TempDir,
+    graph: PoseGraph,
+    input: Vec<u8>,
+    base: Run,
+    output: Result<PoseGraph, String>,
+}
+
+impl<'a> Bench<'a> {
+    fn new(program: &'a Program) -> anyhow::Result<Self> {
+        let graph = sample::plane();
+        let input = sample::bytes(&graph)?;
+        let base = program.run(&[], &input)?;
+        let output = graph_of(&base);
+        Ok(Self { program, folder: tempfile::tempdir()?, graph, input, base, output })
+    }
+
+    /// The path of a file in the bench's own folder.
+    fn path(&self, name: &str) -> String {
+        self.folder.path().join(name).display().to_string()
+    }
+
+    /// The sample as a file.
+    fn input_file(&self) -> anyhow::Result<String> {
+        let path = self.path("input.jsonl");
+        std::fs::write(&path, &self.input)?;
+        Ok(path)
+    }
+
+    /// What the program made of the sample.
+    fn output(&self) -> Result<&PoseGraph, String> {
+        self.output.as_ref().map_err(Clone::clone)
+    }
+
+    /// Reports name no folder of this machine: the same program gives the same report.
+    fn scrub(&self, text: &str) -> String {
+        text.replace(&self.folder.path().display().to_string(), "FOLDER")
+    }
+}
+
+/// The graph that a run wrote, or why there is none.
+fn graph_of(run: &Run) -> Result<PoseGraph, String> {
+    if !run.succeeded() {
+        return Err(format!("on a sound graph: {}", run.said()));
+    }
+    PoseGraph::read("its output", run.stdout.as_slice()).map_err(|error| error.to_string())
+}
+
+fn must(condition: bool, otherwise: impl FnOnce() -> String) -> Verdict {
+    if condition { Ok(()) } else { Err(otherwise()) }
+}
+
+/// Runs all checks, in a fixed order. Some forty runs of the program on graphs of a few hundred nodes.
+///
+/// An error means that the program cannot be started at all, or that there is no place for temporary files.
+pub fn check(program: &Program) -> anyhow::Result<Report> {
+    let bench = Bench::new(program)?;
+    let all = [streams::CHECKS, keeping::CHECKS, decisions::CHECKS, refusals::CHECKS, manners::CHECKS];
+    let mut checks = Vec::new();
+    for check in all.into_iter().flatten() {
+        let outcome = if check.works_on_output && bench.output.is_err() {
+            Outcome::Skipped("it makes no graph of the sample".to_owned())
+        } else {
+            match (check.test)(&bench)? {
+                Ok(()) => Outcome::Passed,
+                Err(reason) => Outcome::Failed(bench.scrub(&reason)),
+            }
+        };
+        checks.push(CheckReport { name: check.name, level: check.level, demand: check.demand, outcome });
+    }
+    let rejected = bench.output.as_ref().ok().map(|output| {
+        let marked =
+            |graph: &PoseGraph| graph.edges_of(EdgeKind::Landmark).filter(|edge| !edge.in_use()).count();
+        (
+            marked(output).saturating_sub(marked(&bench.graph)),
+            bench.graph.edges_of(EdgeKind::Landmark).count(),
+        )
+    });
+    Ok(Report { program: program.arguments.clone(), rejected, checks })
+}

@@ -1,0 +1,147 @@
+//! What a program must refuse, and how.
+
+use super::{Bench, Check, Verdict, must};
+use crate::report::Level;
+
+const HEADER: &str = r#"{"kind":"header","format":"posecut","version":1,"dimension":2}"#;
+const NODES: &str = r#"{"kind":"node","id":0,"session":"a","frame":0,"pose":[0,0,0]}
+{"kind":"node","id":1,"session":"b","frame":0,"pose":[1,0,0]}"#;
+
+/// A check that an input is refused.
+macro_rules! refuses {
+    ($name:literal, $level:expr, $demand:literal, $input:expr) => {
+        Check {
+            name: $name,
+            level: $level,
+            demand: $demand,
+            works_on_output: true,
+            test: |bench| refused(bench, $input.as_bytes()),
+        }
+    };
+}
+
+pub(super) const CHECKS: &[Check] = &[
+    refuses!("empty-input", Level::Must, "refuses an empty input", ""),
+    refuses!("no-json", Level::Must, "refuses a line that is not JSON", format!("{HEADER}\nnode 0\n")),
+    refuses!(
+        "cut-line",
+        Level::Must,
+        "refuses a file that was cut short",
+        format!("{HEADER}\n{NODES}\n{{\"kind\":\"landmark\",\"id\":5,\"fro")
+    ),
+    refuses!("no-header", Level::Must, "refuses a file without header", format!("{NODES}\n")),
+    refuses!(
+        "other-version",
+        Level::Must,
+        "refuses a version of the format that it does not know",
+        format!("{}\n{NODES}\n", HEADER.replace("\"version\":1", "\"version\":7"))
+    ),
+    Check {
+        name: "missing-input",
+        level: Level::Must,
+        demand: "refuses a file that is not there",
+        works_on_output: true,
+        test: |bench| {
+            let run = bench.program.run(&[&bench.path("missing.jsonl")], b"")?;
+            Ok(must(run.status == Some(2) && run.stdout.is_empty(), || run.said()))
+        },
+    },
+    Check {
+        name: "missing-folder",
+        level: Level::Must,
+        demand: "refuses to write into a folder that is not there, and does not make it",
+        works_on_output: true,
+        test: missing_folder,
+    },
+    Check {
+        name: "full-disk",
+        level: Level::Must,
+        demand: "tells by exit status 2 that its output could not be written",
+        works_on_output: true,
+        test: full_disk,
+    },
+    refuses!(
+        "not-a-number",
+        Level::Should,
+        "refuses NaN, which is no JSON",
+        format!(
+            "{HEADER}\n{NODES}\n{{\"kind\":\"landmark\",\"id\":5,\"from\":0,\"to\":1,\"measurement\":[NaN,0,0],\"information\":[1,0,0,1,0,1]}}\n"
+        )
+    ),
+    refuses!(
+        "dangling-edge",
+        Level::Should,
+        "refuses an edge to a node that is not there",
+        format!("{HEADER}\n{NODES}\n{{\"kind\":\"landmark\",\"id\":5,\"from\":0,\"to\":9}}\n")
+    ),
+    refuses!(
+        "double-id",
+        Level::Should,
+        "refuses two nodes of one id",
+        format!("{HEADER}\n{NODES}\n{{\"kind\":\"node\",\"id\":1,\"pose\":[2,0,0]}}\n")
+    ),
+    Check {
+        name: "unknown-option",
+        level: Level::Should,
+        demand: "refuses an option that it does not know",
+        works_on_output: true,
+        test: |bench| {
+            let run = bench.program.run(&["--no-such-option"], &bench.input)?;
+            Ok(must(run.status == Some(2) && run.stdout.is_empty(), || run.said()))
+        },
+    },
+    Check {
+        name: "one-sentence",
+        level: Level::Should,
+        demand: "says in one line what is wrong",
+        works_on_output: true,
+        test: |bench| {
+            let run = bench.program.run(&[], format!("{HEADER}\nnode 0\n").as_bytes())?;
+            let lines = run.stderr.lines().filter(|line| !line.trim().is_empty()).count();
+            Ok(must(lines == 1, || format!("it said {lines} lines")))
+        },
+    },
+];
+
+/// Exit status 2, a message, nothing on standard output; with -o, the old file as it was and nothing beside it.
+fn refused(bench: &Bench<'_>, input: &[u8]) -> anyhow::Result<Verdict> {
+    let run = bench.program.run(&[], input)?;
+    if run.status != Some(2) {
+        return Ok(Err(format!("exit status 2 was expected, not: {}", run.said())));
+    }
+    if !run.stdout.is_empty() {
+        return Ok(Err("it wrote to standard output before it refused".to_owned()));
+    }
+    if run.stderr.trim().is_empty() {
+        return Ok(Err("it did not say what is wrong".to_owned()));
+    }
+    let folder = tempfile::tempdir()?;
+    let (output, stats) = (folder.path().join("output.jsonl"), folder.path().join("stats.json"));
+    std::fs::write(&output, "precious")?;
+    let text = |path: &std::path::Path| path.display().to_string();
+    let run = bench.program.run(&["-", "-o", &text(&output), "--stats", &text(&stats)], input)?;
+    if run.status != Some(2) {
+        return Ok(Err(format!("with -o, exit status 2 was expected, not: {}", run.ending)));
+    }
+    if std::fs::read(&output).ok().as_deref() != Some(b"precious") {
+        return Ok(Err("the file that stood at -o was touched".to_owned()));
+    }
+    let left = std::fs::read_dir(folder.path())?.count();
+    Ok(must(left == 1, || format!("{} files were left beside the output", left - 1)))
+}
+
+fn missing_folder(bench: &Bench<'_>) -> anyhow::Result<Verdict> {
+    let (input, output) = (bench.input_file()?, bench.path("missing/output.jsonl"));
+    let run = bench.program.run(&[&input, "-o", &output], b"")?;
+    Ok(must(run.status == Some(2), || run.said()).and_then(|()| {
+        must(!bench.folder.path().join("missing").exists(), || "it made the folder".to_owned())
+    }))
+}
+
+fn full_disk(bench: &Bench<'_>) -> anyhow::Result<Verdict> {
+    if !std::path::Path::new("/dev/full").exists() {
+        return Ok(Ok(()));
+    }
+    let run = bench.program.run(&[&bench.input_file()?, "-o", "/dev/full"], b"")?;
+    Ok(must(run.status == Some(2), || run.said()))
+}

@@ -1,0 +1,141 @@
+//! Where a program reads from and writes to.
+
+use super::{Bench, Check, Verdict, graph_of, must};
+use crate::report::Level;
+use crate::sample;
+
+pub(super) const CHECKS: &[Check] = &[
+    Check {
+        name: "standard-input",
+        level: Level::Must,
+        demand: "reads a graph from standard input and writes a sound one to standard output",
+        works_on_output: false,
+        test: |bench| Ok(bench.output().map(drop)),
+    },
+    Check {
+        name: "dash",
+        level: Level::Must,
+        demand: "takes - for standard input",
+        works_on_output: true,
+        test: |bench| same(bench, &["-"], &bench.input),
+    },
+    Check {
+        name: "file",
+        level: Level::Must,
+        demand: "takes the name of a file, with the same result",
+        works_on_output: true,
+        test: |bench| same(bench, &[&bench.input_file()?], b""),
+    },
+    Check {
+        name: "output-file",
+        level: Level::Must,
+        demand: "writes to the file named after -o, and then nothing to standard output",
+        works_on_output: true,
+        test: output_file,
+    },
+    Check {
+        name: "pipeline-options",
+        level: Level::Must,
+        demand: "takes --quiet and --stats FILE as pipelines pass them, and writes a JSON object there",
+        works_on_output: true,
+        test: pipeline_options,
+    },
+    Check {
+        name: "no-landmark-edges",
+        level: Level::Must,
+        demand: "passes graphs without nodes or landmark edges through",
+        works_on_output: true,
+        test: nothing_to_do,
+    },
+    Check {
+        name: "space",
+        level: Level::Must,
+        demand: "works in dimension 3, or refuses it with exit status 2",
+        works_on_output: true,
+        test: space,
+    },
+    Check {
+        name: "compressed-input",
+        level: Level::Should,
+        demand: "reads gzip, whatever the name",
+        works_on_output: true,
+        test: compressed,
+    },
+];
+
+/// The bytes of the first run come out again.
+fn same(bench: &Bench<'_>, arguments: &[&str], input: &[u8]) -> anyhow::Result<Verdict> {
+    let run = bench.program.run(arguments, input)?;
+    Ok(if run.succeeded() {
+        must(run.stdout == bench.base.stdout, || {
+            "the output differs from that of the same graph through a pipe".to_owned()
+        })
+    } else {
+        Err(run.said())
+    })
+}
+
+fn output_file(bench: &Bench<'_>) -> anyhow::Result<Verdict> {
+    let (input, output) = (bench.input_file()?, bench.path("output.jsonl"));
+    let run = bench.program.run(&[&input, "-o", &output], b"")?;
+    if !run.succeeded() {
+        return Ok(Err(run.said()));
+    }
+    let Ok(written) = std::fs::read(&output) else { return Ok(Err("no file appeared".to_owned())) };
+    Ok(must(written == bench.base.stdout, || "the file differs from what a pipe carries".to_owned())
+        .and_then(|()| {
+            must(run.stdout.is_empty(), || "something was written to standard output as well".to_owned())
+        }))
+}
+
+fn pipeline_options(bench: &Bench<'_>) -> anyhow::Result<Verdict> {
+    let input = bench.input_file()?;
+    let (output, stats) = (bench.path("quiet.jsonl"), bench.path("stats.json"));
+    let run = bench.program.run(&["--quiet", &input, "-o", &output, "--stats", &stats], b"")?;
+    if !run.succeeded() {
+        return Ok(Err(run.said()));
+    }
+    let Ok(text) = std::fs::read(&stats) else { return Ok(Err("--stats left no file".to_owned())) };
+    let object = serde_json::from_slice::<serde_json::Value>(&text).is_ok_and(|value| value.is_object());
+    Ok(must(object, || "what --stats left is no JSON object".to_owned())
+        .and_then(|()| {
+            must(std::fs::read(&output).is_ok_and(|bytes| bytes == bench.base.stdout), || {
+                "the output differs with these options".to_owned()
+            })
+        })
+        .and_then(|()| {
+            must(run.stderr.is_empty(), || format!("--quiet, and it said: {}", run.stderr.trim()))
+        }))
+}
+
+fn nothing_to_do(bench: &Bench<'_>) -> anyhow::Result<Verdict> {
+    let mut empty = bench.graph.clone();
+    empty.edges.retain(|edge| edge.kind != posecut_graph::EdgeKind::Landmark);
+    let odometry_alone = sample::bytes(&empty)?;
+    empty.edges.clear();
+    empty.nodes.clear();
+    for (what, input) in [("landmark edges", odometry_alone), ("nodes", sample::bytes(&empty)?)] {
+        let run = bench.program.run(&[], &input)?;
+        if let Err(reason) = graph_of(&run) {
+            return Ok(Err(format!("without {what}: {reason}")));
+        }
+    }
+    Ok(Ok(()))
+}
+
+fn space(bench: &Bench<'_>) -> anyhow::Result<Verdict> {
+    let run = bench.program.run(&[], &sample::bytes(&sample::space())?)?;
+    if run.status == Some(2) {
+        return Ok(must(run.stdout.is_empty() && !run.stderr.trim().is_empty(), || {
+            "it refuses, but not with a message and without output".to_owned()
+        }));
+    }
+    Ok(graph_of(&run).map(drop))
+}
+
+fn compressed(bench: &Bench<'_>) -> anyhow::Result<Verdict> {
+    use std::io::Write as _;
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    encoder.write_all(&bench.input)?;
+    same(bench, &[], &encoder.finish()?)
+}

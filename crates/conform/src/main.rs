@@ -1,0 +1,75 @@
+//! `posecut-conform`: holds a program to the contract of posecut's stages.
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use clap::Parser;
+use posecut_conform::{Program, check};
+use posecut_stage::{CommonArguments, Identity, Outcome, run};
+
+/// How the report is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Format {
+    /// For people
+    Text,
+    /// For programs
+    Json,
+}
+
+#[derive(Parser)]
+struct Command {
+    /// The program and its own options, after `--`
+    #[arg(value_name = "PROGRAM", last = true, required = true)]
+    program: Vec<String>,
+
+    /// How the report is written; JSON for an output named .json unless given
+    #[arg(long, value_enum)]
+    format: Option<Format>,
+
+    /// Fail on advice too
+    #[arg(long)]
+    strict: bool,
+
+    /// Seconds that one run of the program may take
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
+    time_limit: f64,
+
+    #[command(flatten)]
+    common: CommonArguments,
+}
+
+fn main() -> ExitCode {
+    let identity = Identity {
+        name: "conform",
+        version: env!("CARGO_PKG_VERSION"),
+        about: "Hold a program to the contract of posecut's stages, and report",
+    };
+    run::<Command>(
+        identity,
+        |command| &command.common,
+        |command, context| {
+            let limit = Duration::try_from_secs_f64(command.time_limit).map_err(|_| {
+                anyhow::anyhow!(
+                    "--time-limit is {}, and must be a positive number of seconds",
+                    command.time_limit
+                )
+            })?;
+            let report = check(&Program::new(command.program.clone(), limit)?)?;
+            for (name, value) in report.figures() {
+                context.statistics.note(name, value);
+            }
+            context.statistics.note("checks", &report.checks);
+            let by_name = || match command.common.output.path().and_then(Path::extension) {
+                Some(extension) if extension == "json" => Format::Json,
+                _ => Format::Text,
+            };
+            let text = match command.format.unwrap_or_else(by_name) {
+                Format::Text => report.text(),
+                Format::Json => report.json()?,
+            };
+            context.write_bytes(text.as_bytes())?;
+            Ok(if report.conforms(command.strict) { Outcome::Done } else { Outcome::CheckFailed })
+        },
+    )
+}

@@ -1,0 +1,127 @@
+//! From a relaxed solution to a clique.
+
+use rand::Rng;
+use rand::RngExt as _;
+
+use crate::Affinity;
+use crate::ascent::{ascend, dot, normalise};
+
+/// Power iterations for the value of a clique at most, and their relative tolerance.
+const MOST_POWERS: usize = 1000;
+const POWER_TOLERANCE: f64 = 1e-13;
+
+/// A clique that agrees well.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Densest {
+    /// Its vertices, ascending: pairwise consistent, and no other vertex is consistent with all of them.
+    pub vertices: Vec<usize>,
+    /// How much each of them belongs: its component of the leading eigenvector of the clique's weights.
+    pub shares: Vec<f64>,
+    /// The largest eigenvalue of the clique's weights: its size if all weights are 1, less otherwise.
+    pub density: f64,
+    /// Gradient steps over all starts.
+    pub steps: usize,
+}
+
+impl Densest {
+    /// CLIPPER's selection: the round(density) vertices of the largest shares, which form the densest part of the clique.
+    pub fn rounded(&self) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.vertices.len()).collect();
+        order.sort_by(|&a, &b| self.shares[b].total_cmp(&self.shares[a]));
+        order.truncate(self.density.round() as usize);
+        let mut chosen: Vec<usize> = order.into_iter().map(|place| self.vertices[place]).collect();
+        chosen.sort_unstable();
+        chosen
+    }
+}
+
+/// The densest clique of several local maxima: ascents from the vertices' degrees and from `starts - 1` random vectors. The
+/// first found wins ties. Heuristic: the problem is NP-hard (with weights 1 it is the maximum clique).
+pub fn densest_clique(affinity: &Affinity, starts: usize, random: &mut impl Rng) -> Densest {
+    let count = affinity.len();
+    let mut best = Densest::default();
+    for start in 0..starts.max(1) {
+        let from: Vec<f64> = if start == 0 {
+            affinity.products(&vec![1.0; count]).0
+        } else {
+            (0..count).map(|_| random.random_range(0.0..1.0)).collect()
+        };
+        let ascent = ascend(affinity, &from, start == 0);
+        let steps = best.steps + ascent.steps;
+        let vertices = maximal_clique(affinity, &ascent.solution);
+        let (density, shares) = density(affinity, &vertices);
+        if density > best.density {
+            best = Densest { vertices, shares, density, steps };
+        }
+        best.steps = steps;
+    }
+    best
+}
+
+/// The vertices above zero, largest first, as far as they are consistent with those before; then whatever is consistent with
+/// all, heaviest first. The optimum is a maximal clique, since a vertex more raises the largest eigenvalue of a matrix without
+/// negative entries (Perron and Frobenius).
+fn maximal_clique(affinity: &Affinity, solution: &[f64]) -> Vec<usize> {
+    let count = affinity.len();
+    let mut order: Vec<usize> = (0..count).filter(|&vertex| solution[vertex] > 0.0).collect();
+    order.sort_by(|&a, &b| solution[b].total_cmp(&solution[a]));
+    // How many members each vertex is consistent with, and its weight with all of them.
+    let (mut consistent, mut weight) = (vec![0_usize; count], vec![0.0_f64; count]);
+    let mut clique: Vec<usize> = Vec::new();
+    let mut order = order.into_iter();
+    loop {
+        let next = order.by_ref().find(|&vertex| consistent[vertex] == clique.len()).or_else(|| {
+            // `max_by` takes the last of equals: backwards, that is the first vertex.
+            (0..count)
+                .rev()
+                .filter(|&vertex| consistent[vertex] == clique.len() && !clique.contains(&vertex))
+                .max_by(|&a, &b| weight[a].total_cmp(&weight[b]))
+        });
+        let Some(next) = next else { break };
+        clique.push(next);
+        for &(other, pair) in affinity.neighbours(next) {
+            consistent[other as usize] += 1;
+            weight[other as usize] += pair;
+        }
+    }
+    clique.sort_unstable();
+    clique
+}
+
+/// The largest eigenvalue of a clique's weights and its eigenvector, by power iteration: all entries are positive, so that it
+/// converges from any positive start.
+fn density(affinity: &Affinity, clique: &[usize]) -> (f64, Vec<f64>) {
+    let mut members = vec![usize::MAX; affinity.len()];
+    for (place, &vertex) in clique.iter().enumerate() {
+        members[vertex] = place;
+    }
+    let rows: Vec<Vec<(usize, f64)>> = clique
+        .iter()
+        .map(|&vertex| {
+            let inside = |&(other, weight): &(u32, f64)| {
+                let place = members[other as usize];
+                (place != usize::MAX).then_some((place, weight))
+            };
+            affinity.neighbours(vertex).iter().filter_map(inside).collect()
+        })
+        .collect();
+    let mut shares = vec![1.0; clique.len()];
+    normalise(&mut shares);
+    let mut value = 0.0;
+    for _ in 0..MOST_POWERS {
+        let mut next: Vec<f64> = rows
+            .iter()
+            .zip(&shares)
+            .map(|(row, own)| own + row.iter().map(|&(place, weight)| weight * shares[place]).sum::<f64>())
+            .collect();
+        let next_value = dot(&shares, &next);
+        normalise(&mut next);
+        shares = next;
+        let change = (next_value - value).abs();
+        value = next_value;
+        if change <= POWER_TOLERANCE * value {
+            break;
+        }
+    }
+    (value, shares)
+}

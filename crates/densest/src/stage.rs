@@ -1,0 +1,177 @@
+//! The densest clique as a stage: marks the landmark edges outside it, for each pair of odometry chains.
+
+use anyhow::ensure;
+use posecut_geometry::{LieGroup, SE2, SE3};
+use posecut_graph::{Dimension, PoseGraph};
+use posecut_pcm::candidate::{Group, group};
+use posecut_pcm::chain::Chains;
+use posecut_pcm::consistency::squared_distance;
+use posecut_pcm::{Gate, Test};
+use posecut_stage::{Context, GraphStage, counted, info, random, warn};
+use serde::Serialize;
+
+use crate::{Affinity, densest_clique};
+
+/// How much a consistent pair counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Weight {
+    /// exp(-d^2 / 2 sigma^2) of its Mahalanobis distance d
+    Gaussian,
+    /// 1: the densest clique is then the largest
+    None,
+}
+
+/// Which part of the clique is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Select {
+    /// All of it
+    Clique,
+    /// Its densest part alone: as many edges as the density rounds to, those that agree best (CLIPPER)
+    Rounded,
+}
+
+/// The options of the densest clique.
+#[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
+pub struct Options {
+    /// Probability with which a pair of correct edges counts as consistent
+    #[arg(long, value_name = "P", default_value_t = 0.99)]
+    pub probability: f64,
+
+    /// How much a consistent pair counts
+    #[arg(long, value_enum, default_value_t = Weight::Gaussian)]
+    pub weight: Weight,
+
+    /// Width sigma of the weight in standard deviations; default is the root of the degrees of freedom, 1.73 in the plane and
+    /// 2.45 in space: the typical distance of a correct pair
+    #[arg(long, value_name = "SIGMA")]
+    pub spread: Option<f64>,
+
+    /// Which part of the clique is kept
+    #[arg(long, value_enum, default_value_t = Select::Clique)]
+    pub select: Select,
+
+    /// Local maxima to look for, the first from the degrees, the others from random starts
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..))]
+    pub starts: u32,
+
+    /// Seed of the random starts
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    pub seed: u64,
+}
+
+impl GraphStage for Options {
+    const NAME: &'static str = "densest";
+    const ABOUT: &'static str = "Reject landmark edges outside the pairwise consistent set that agrees best, in the manner of CLIPPER";
+
+    fn seed(&self) -> Option<u64> {
+        Some(self.seed)
+    }
+
+    fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
+        if let Some(spread) = self.spread {
+            ensure!(
+                spread > 0.0 && spread.is_finite(),
+                "--spread is {spread}, and must be a positive number of standard deviations"
+            );
+        }
+        let summary = match graph.header.dimension {
+            Dimension::Two => self.reject::<SE2, 3>(graph)?,
+            Dimension::Three => self.reject::<SE3, 6>(graph)?,
+        };
+        summary.note(context);
+        Ok(())
+    }
+}
+
+#[derive(Default)]
+struct Summary {
+    groups: usize,
+    candidates: usize,
+    unmeasured: usize,
+    rejected_before: usize,
+    consistent_pairs: usize,
+    kept: usize,
+    density: f64,
+    steps: usize,
+}
+
+impl Options {
+    fn reject<G: LieGroup<DOF>, const DOF: usize>(&self, graph: &mut PoseGraph) -> anyhow::Result<Summary> {
+        let gate = Gate::new(Test::Mahalanobis, self.probability, DOF)?;
+        let chains = Chains::<G, DOF>::of(graph)?;
+        let grouped = group(graph, &chains)?;
+        let mut summary = Summary {
+            groups: grouped.groups.len(),
+            unmeasured: grouped.unmeasured,
+            rejected_before: grouped.rejected_before,
+            ..Summary::default()
+        };
+        for (number, group) in grouped.groups.iter().enumerate() {
+            let affinity = self.affinity(&chains, group, gate);
+            let mut draw = random(self.seed, &format!("densest {number}"));
+            let densest = densest_clique(&affinity, self.starts as usize, &mut draw);
+            let kept = match self.select {
+                Select::Clique => densest.vertices.clone(),
+                Select::Rounded => densest.rounded(),
+            };
+            for (place, candidate) in group.candidates.iter().enumerate() {
+                if kept.binary_search(&place).is_err() {
+                    graph.edges[candidate.edge].reject(Self::NAME);
+                }
+            }
+            summary.candidates += group.candidates.len();
+            summary.consistent_pairs += affinity.pairs();
+            summary.kept += kept.len();
+            summary.density += densest.density;
+            summary.steps += densest.steps;
+        }
+        Ok(summary)
+    }
+
+    fn affinity<G: LieGroup<DOF>, const DOF: usize>(
+        &self,
+        chains: &Chains<G, DOF>,
+        group: &Group<G, DOF>,
+        gate: Gate,
+    ) -> Affinity {
+        let (chain_a, chain_b) = (&chains.chains[group.a], &chains.chains[group.b]);
+        let variance = self.spread.map_or(DOF as f64, |spread| spread * spread);
+        Affinity::new(group.candidates.len(), |a, b| {
+            let (a, b) = (&group.candidates[a], &group.candidates[b]);
+            let distance = squared_distance(chain_a, chain_b, group.a == group.b, a, b)?;
+            (distance <= gate.squared_distance).then(|| match self.weight {
+                Weight::Gaussian => (-0.5 * distance / variance).exp(),
+                Weight::None => 1.0,
+            })
+        })
+    }
+}
+
+impl Summary {
+    fn note(&self, context: &mut Context) {
+        info!(
+            "{} of {} kept, {}, density {:.3}",
+            self.kept,
+            counted(self.candidates, "landmark edge"),
+            counted(self.groups, "group"),
+            self.density
+        );
+        if self.unmeasured > 0 {
+            warn!(
+                "{} landmark edges have no measurement and are neither tested nor rejected",
+                self.unmeasured
+            );
+        }
+        let statistics = &mut context.statistics;
+        statistics.note("candidates", self.candidates);
+        statistics.note("groups", self.groups);
+        statistics.note("unmeasured", self.unmeasured);
+        statistics.note("rejected_before", self.rejected_before);
+        statistics.note("consistent_pairs", self.consistent_pairs);
+        statistics.note("density", self.density);
+        statistics.note("gradient_steps", self.steps);
+        statistics.note("rejected", self.candidates - self.kept);
+    }
+}

@@ -1,0 +1,151 @@
+//! RANSAC as a stage: marks the landmark edges outside the consensus set of each pair of odometry chains.
+
+use anyhow::ensure;
+use posecut_geometry::{LieGroup, SE2, SE3};
+use posecut_graph::{Dimension, PoseGraph};
+use posecut_pcm::candidate::group;
+use posecut_pcm::chain::Chains;
+use posecut_pcm::consistency::squared_distance;
+use posecut_pcm::{Gate, Test};
+use posecut_stage::{Context, GraphStage, counted, info, random, warn};
+use serde::Serialize;
+
+use crate::{Search, largest_consensus};
+
+/// The options of RANSAC.
+#[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
+pub struct Options {
+    /// Probability with which a pair of correct edges passes the test
+    #[arg(long, value_name = "P", default_value_t = 0.99)]
+    pub probability: f64,
+
+    /// Landmark edges in a minimal set; one fixes the alignment of two chains, more make the vote stricter
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
+    pub set_size: u32,
+
+    /// Probability with which one set at least shall hold correct edges alone
+    #[arg(long, value_name = "P", default_value_t = 0.999)]
+    pub confidence: f64,
+
+    /// Sets to draw at most for each pair of chains
+    #[arg(long, value_name = "N", default_value_t = 10_000)]
+    pub most_trials: u64,
+
+    /// Edges that a consensus set must hold; smaller ones are no evidence, and all edges of the pair of chains are rejected
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    pub minimum_consensus: usize,
+
+    /// Seed of the random sets
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    pub seed: u64,
+}
+
+impl GraphStage for Options {
+    const NAME: &'static str = "ransac";
+    const ABOUT: &'static str =
+        "Reject landmark edges outside the largest set that agrees with a few edges drawn at random";
+
+    fn seed(&self) -> Option<u64> {
+        Some(self.seed)
+    }
+
+    fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
+        ensure!(
+            self.confidence > 0.0 && self.confidence < 1.0,
+            "--confidence is {}, and must lie between 0 and 1, both excluded",
+            self.confidence
+        );
+        let summary = match graph.header.dimension {
+            Dimension::Two => self.reject::<SE2, 3>(graph)?,
+            Dimension::Three => self.reject::<SE3, 6>(graph)?,
+        };
+        summary.note(context);
+        Ok(())
+    }
+}
+
+#[derive(Default)]
+struct Summary {
+    groups: usize,
+    candidates: usize,
+    unmeasured: usize,
+    rejected_before: usize,
+    kept: usize,
+    trials: u64,
+    unsure: usize,
+}
+
+impl Options {
+    fn reject<G: LieGroup<DOF>, const DOF: usize>(&self, graph: &mut PoseGraph) -> anyhow::Result<Summary> {
+        let gate = Gate::new(Test::Mahalanobis, self.probability, DOF)?.squared_distance;
+        let search = Search {
+            set_size: self.set_size as usize,
+            confidence: self.confidence,
+            most_trials: self.most_trials,
+        };
+        let chains = Chains::<G, DOF>::of(graph)?;
+        let grouped = group(graph, &chains)?;
+        let mut summary = Summary {
+            groups: grouped.groups.len(),
+            unmeasured: grouped.unmeasured,
+            rejected_before: grouped.rejected_before,
+            ..Summary::default()
+        };
+        for (number, group) in grouped.groups.iter().enumerate() {
+            let candidates = &group.candidates;
+            let (chain_a, chain_b) = (&chains.chains[group.a], &chains.chains[group.b]);
+            let agree = |a: usize, b: usize| {
+                let (a, b) = (&candidates[a], &candidates[b]);
+                squared_distance(chain_a, chain_b, group.a == group.b, a, b)
+                    .is_some_and(|distance| distance <= gate)
+            };
+            // A stream for each pair of chains: another pair more does not change what this one draws.
+            let mut draw = random(self.seed, &format!("ransac {number}"));
+            let consensus = largest_consensus(candidates.len(), &search, &mut draw, agree);
+            let kept: &[usize] =
+                if consensus.members.len() < self.minimum_consensus { &[] } else { &consensus.members };
+            for (place, candidate) in candidates.iter().enumerate() {
+                if kept.binary_search(&place).is_err() {
+                    graph.edges[candidate.edge].reject(Self::NAME);
+                }
+            }
+            summary.candidates += candidates.len();
+            summary.kept += kept.len();
+            summary.trials += consensus.trials;
+            summary.unsure += usize::from(!consensus.confident);
+        }
+        Ok(summary)
+    }
+}
+
+impl Summary {
+    fn note(&self, context: &mut Context) {
+        info!(
+            "{} of {} kept, {}, {}",
+            self.kept,
+            counted(self.candidates, "landmark edge"),
+            counted(self.groups, "group"),
+            counted(self.trials as usize, "trial")
+        );
+        if self.unsure > 0 {
+            warn!(
+                "{} ended by the limit of trials before the confidence was reached; raise --most-trials or lower --confidence",
+                counted(self.unsure, "group")
+            );
+        }
+        if self.unmeasured > 0 {
+            warn!(
+                "{} landmark edges have no measurement and are neither tested nor rejected",
+                self.unmeasured
+            );
+        }
+        let statistics = &mut context.statistics;
+        statistics.note("candidates", self.candidates);
+        statistics.note("groups", self.groups);
+        statistics.note("unmeasured", self.unmeasured);
+        statistics.note("rejected_before", self.rejected_before);
+        statistics.note("trials", self.trials);
+        statistics.note("groups_not_confident", self.unsure);
+        statistics.note("rejected", self.candidates - self.kept);
+    }
+}

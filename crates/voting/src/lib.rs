@@ -1,0 +1,16 @@
+//! Cluster voting in the manner of RRR (Latif, Cadena, Neira, "Robust loop closing over time for pose graph SLAM", IJRR
+//! 32(14), 2013): landmark edges are clustered by the frames they join, and clusters are kept if the graph optimised with them
+//! passes chi-square tests, each by itself and then all together.
+//!
+//! - [`vote`]: the tests, on anything that can be optimised over a choice of landmark edges.
+//! - [`fit`]: the optimisation of a pose graph over its odometry and chosen landmark edges.
+//! - [`stage`]: both on a pose graph.
+//!
+//! Clusters are those of [`posecut_islands`].
+
+pub mod fit;
+pub mod stage;
+pub mod vote;
+
+pub use stage::Options;
+pub use vote::{Fit, Quantiles, Verdict, vote};

@@ -1,0 +1,86 @@
+//! Cluster voting as a stage: marks the landmark edges that the vote does not keep.
+
+use std::collections::HashMap;
+
+use posecut_geometry::{SE2, SE3};
+use posecut_graph::{Dimension, EdgeKind, PoseGraph};
+use posecut_islands::{clusters, matches};
+use posecut_optimize::PoseGroup;
+use posecut_stage::{Context, GraphStage, counted, info, warn};
+use serde::Serialize;
+
+use crate::fit::Parts;
+use crate::{Quantiles, vote};
+
+/// The options of cluster voting.
+#[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
+pub struct Options {
+    /// Frames by which two landmark edges of one cluster may be apart at each end
+    #[arg(long, value_name = "FRAMES", default_value_t = 5)]
+    pub gap: u64,
+
+    /// Probability with which correct edges pass each chi-square test
+    #[arg(long, value_name = "P", default_value_t = 0.99)]
+    pub probability: f64,
+}
+
+impl GraphStage for Options {
+    const NAME: &'static str = "voting";
+    const ABOUT: &'static str = "Reject clusters of landmark edges that fail chi-square tests of the optimised graph, in the manner of RRR";
+
+    fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
+        match graph.header.dimension {
+            Dimension::Two => self.reject::<SE2, 3>(graph, context),
+            Dimension::Three => self.reject::<SE3, 6>(graph, context),
+        }
+    }
+}
+
+impl Options {
+    fn reject<G: PoseGroup<DOF>, const DOF: usize>(
+        &self,
+        graph: &mut PoseGraph,
+        context: &mut Context,
+    ) -> anyhow::Result<()> {
+        let quantiles = Quantiles::new(self.probability, DOF)?;
+        let parts = Parts::<G, DOF>::of(graph)?;
+        let measured: HashMap<usize, usize> =
+            parts.places.iter().enumerate().map(|(landmark, &place)| (place, landmark)).collect();
+        let in_use = graph.edges_of(EdgeKind::Landmark).filter(|edge| edge.in_use()).count();
+        let mut points = matches(graph)?;
+        points.retain(|point| measured.contains_key(&point.edge));
+        let clusters: Vec<Vec<usize>> = clusters(&points, self.gap)
+            .into_iter()
+            .map(|cluster| cluster.into_iter().map(|point| measured[&points[point].edge]).collect())
+            .collect();
+        let verdict = vote(&clusters, quantiles, |landmarks| parts.fit(landmarks));
+        for (landmark, &place) in parts.places.iter().enumerate() {
+            if verdict.kept.binary_search(&landmark).is_err() {
+                graph.edges[place].reject(Self::NAME);
+            }
+        }
+        let (candidates, kept) = (parts.places.len(), verdict.kept.len());
+        info!(
+            "{kept} of {} kept, in {} of {}, {}",
+            counted(candidates, "landmark edge"),
+            verdict.clusters_kept,
+            counted(clusters.len(), "cluster"),
+            counted(verdict.fits, "optimisation")
+        );
+        if in_use > candidates {
+            warn!(
+                "{} landmark edges have no measurement and are neither tested nor rejected",
+                in_use - candidates
+            );
+        }
+        let statistics = &mut context.statistics;
+        statistics.note("candidates", candidates);
+        statistics.note("unmeasured", in_use - candidates);
+        statistics.note("clusters", clusters.len());
+        statistics.note("clusters_consistent", verdict.clusters_consistent);
+        statistics.note("clusters_kept", verdict.clusters_kept);
+        statistics.note("optimisations", verdict.fits);
+        statistics.note("rejected", candidates - kept);
+        Ok(())
+    }
+}

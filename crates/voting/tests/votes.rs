@@ -1,0 +1,116 @@
+//! Votes on a model whose optimum is known, and on small pose graphs.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use posecut_geometry::SE2;
+use posecut_graph::PoseGraph;
+use posecut_voting::fit::Parts;
+use posecut_voting::{Fit, Quantiles, vote};
+use proptest::prelude::*;
+
+/// The simplest graph there is: every edge measures one number of three components, and the optimum is the mean. True
+/// edges say nearly zero, false ones what they like.
+fn fit_of_means(values: &[f64]) -> impl Fn(&[usize]) -> Fit + Sync + '_ {
+    move |edges| {
+        let mean = edges.iter().map(|&edge| values[edge]).sum::<f64>() / edges.len().max(1) as f64;
+        let residuals: Vec<f64> = edges.iter().map(|&edge| 3.0 * (values[edge] - mean).powi(2)).collect();
+        Fit { chi2: residuals.iter().sum(), redundancy: 3 * edges.len().saturating_sub(1), residuals }
+    }
+}
+
+fn quantiles() -> Quantiles {
+    Quantiles::new(0.99, 3).unwrap()
+}
+
+#[test]
+fn clusters_that_contradict_the_majority_go() {
+    // The mean of all is 1.7: next to it each true edge still passes, and so becomes a candidate.
+    let values = [0.1, -0.1, 0.2, 6.0, 6.1, 0.0, -0.2];
+    let clusters = [vec![0, 1], vec![2], vec![3, 4], vec![5, 6]];
+    let verdict = vote(&clusters, quantiles(), fit_of_means(&values));
+    assert_eq!(verdict.kept, [0, 1, 2, 5, 6]);
+    assert_eq!((verdict.clusters_consistent, verdict.clusters_kept), (4, 3));
+}
+
+#[test]
+fn nothing_is_kept_where_false_edges_pull_every_residual_beyond_its_quantile() {
+    // A property of the method: all clusters stand for election together.
+    let values = [0.1, -0.1, 0.2, 40.0, 40.1, 0.0, -0.2];
+    let clusters = [vec![0, 1], vec![2], vec![3, 4], vec![5, 6]];
+    assert!(vote(&clusters, quantiles(), fit_of_means(&values)).kept.is_empty());
+}
+
+#[test]
+fn a_cluster_that_contradicts_itself_goes_and_a_bad_edge_leaves_a_good_cluster() {
+    // Of five edges one is off by 7: chi2 of the five is 118, above 26.2, so the cluster goes as a whole.
+    let values = [0.0, 0.0, 0.0, 0.0, 7.0];
+    let verdict = vote(&[vec![0, 1, 2, 3, 4]], quantiles(), fit_of_means(&values));
+    assert!(verdict.kept.is_empty() && verdict.clusters_consistent == 0);
+    // Off by 2.4: chi2 13.8 passes as a whole, and 11.06 of its own is below 11.34; off by 2.6: 12.98 fails alone.
+    let kept = |off: f64| {
+        vote(&[vec![0, 1, 2, 3, 4]], quantiles(), fit_of_means(&[0.0, 0.0, 0.0, 0.0, off])).kept.len()
+    };
+    assert_eq!((kept(2.4), kept(2.6)), (5, 4));
+}
+
+#[test]
+fn nothing_to_vote_on_is_no_error() {
+    assert!(vote(&[], quantiles(), fit_of_means(&[])).kept.is_empty());
+    assert!(Quantiles::new(1.0, 3).is_err());
+}
+
+proptest! {
+    #[test]
+    fn what_is_kept_passes_all_tests_together(
+        values in proptest::collection::vec(prop_oneof![3 => -0.5_f64..0.5, 1 => -60.0_f64..60.0], 1..30),
+        size in 1_usize..5,
+    ) {
+        let clusters: Vec<Vec<usize>> =
+            (0..values.len()).collect::<Vec<_>>().chunks(size).map(<[usize]>::to_vec).collect();
+        let fit = fit_of_means(&values);
+        let verdict = vote(&clusters, quantiles(), &fit);
+        let joint = fit(&verdict.kept);
+        // The quantile of chi-square at 0.99 is below three times the degrees plus nine.
+        prop_assert!(joint.chi2 <= 3.0 * joint.redundancy as f64 + 9.0, "{joint:?}");
+        // Clusters are kept or rejected by the order they stand in, never by chance.
+        prop_assert_eq!(verdict, vote(&clusters, quantiles(), &fit));
+    }
+}
+
+/// A square walked twice, with a true landmark edge at every corner of the second round and a false one.
+fn square() -> PoseGraph {
+    let mut text = "{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":2}\n".to_owned();
+    for id in 0..8 {
+        text += &format!("{{\"kind\":\"node\",\"id\":{id},\"session\":\"a\",\"frame\":{}}}\n", 10 * id);
+    }
+    for id in 0..7 {
+        text += &format!(
+            "{{\"kind\":\"odometry\",\"id\":{id},\"from\":{id},\"to\":{},\"measurement\":[1,0,1.5707963267948966],\"information\":[100,0,0,100,0,400]}}\n",
+            id + 1
+        );
+    }
+    for (id, from, to, x) in [(7, 0, 4, 0.05), (8, 1, 5, -0.05), (9, 2, 6, 0.0), (10, 3, 5, 9.0)] {
+        text += &format!(
+            "{{\"kind\":\"landmark\",\"id\":{id},\"from\":{from},\"to\":{to},\"measurement\":[{x},0,0],\"information\":[100,0,0,100,0,400]}}\n"
+        );
+    }
+    PoseGraph::read("square", text.as_bytes()).unwrap()
+}
+
+#[test]
+fn redundancy_counts_what_the_edges_say_beyond_the_poses() {
+    let parts = Parts::<SE2, 3>::of(&square()).unwrap();
+    let chain = parts.fit(&[]);
+    assert_eq!(chain.redundancy, 0);
+    assert!(chain.chi2 < 1e-12, "a chain can be satisfied: {}", chain.chi2);
+    assert_eq!(parts.fit(&[0, 1]).redundancy, 6);
+    let one = parts.fit(&[3]);
+    assert!(one.chi2 > 100.0 && one.residuals.len() == 1, "{one:?}");
+}
+
+#[test]
+fn a_false_landmark_edge_of_a_square_is_voted_out() {
+    let parts = Parts::<SE2, 3>::of(&square()).unwrap();
+    let verdict = vote(&[vec![0], vec![1], vec![2], vec![3]], quantiles(), |edges| parts.fit(edges));
+    assert_eq!(verdict.kept, [0, 1, 2]);
+}

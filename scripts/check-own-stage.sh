@@ -1,0 +1,36 @@
+#!/bin/sh
+# Takes the stages out of docs/bring-your-own-stage.md, holds them to the contract, and puts them in PCM's place in
+# `make table`. Python needs python3, the shell pipe needs jq; what is not there is skipped by name.
+# Usage: scripts/check-own-stage.sh [DIRECTORY_OF_PROGRAMS]
+set -eu
+cd "$(dirname "$0")/.."
+programs=${1:-target/release}
+document=docs/bring-your-own-stage.md
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+extract() { # NAME: the fenced block after <!-- file: NAME -->
+  awk -v name="$1" '
+    $0 == "<!-- file: " name " -->" { found = 1; next }
+    found && /^```/ { if (inside) exit; inside = 1; next }
+    inside { print }
+  ' "$document" >"$work/$1"
+  [ -s "$work/$1" ] || { echo "$document has no block for $1"; exit 1; }
+  chmod +x "$work/$1"
+}
+
+for stage in my-stage.py my-stage.sh; do
+  extract "$stage"
+  case $stage in *.py) needed=python3 ;; *.sh) needed=jq ;; esac
+  command -v "$needed" >/dev/null || { echo "skipped: no $needed: $stage"; continue; }
+  echo "$stage: $(wc -l <"$work/$stage") lines"
+  "$programs/posecut-conform" -o "$work/$stage.txt" -- "$work/$stage" || { cat "$work/$stage.txt"; exit 1; }
+  tail -n 1 "$work/$stage.txt"
+  make --silent table PCM="$work/$stage" paper.pcm= PIPELINES=paper SESSIONS=2012-01-22 SEEDS=1 METHODS=pcm \
+    RESULTS="$work/results" SIMULATED=target/ci/simulated >"$work/table.txt" || { cat "$work/table.txt"; exit 1; }
+  grep -E '^\| *(method|pcm) ' "$work/table.txt" | head -n 2 | tee "$work/rows.txt"
+  # The header and a row with a number in it, and the stage's own mark in the graph that was optimised.
+  grep -qE '^\| *pcm +\| +[0-9]' "$work/rows.txt" || { echo "the table has no row for $stage"; exit 1; }
+  mark=${stage%.py}
+  grep -rqF "\"rejected_by\":\"$mark\"" "$work/results" || { echo "$stage rejected nothing, or did not run"; exit 1; }
+done
