@@ -28,7 +28,7 @@ SHELL := /bin/sh
 .SECONDARY:
 .SECONDEXPANSION:
 .DEFAULT_GOAL := help
-.PHONY: help table figures test check bench data clean FORCE
+.PHONY: help table figures report test check bench data clean FORCE
 
 help:
 	@echo 'posecut: which landmark edges of a multi-session pose graph are wrong?'
@@ -38,6 +38,7 @@ help:
 	@echo '       SESSIONS="2012-01-22 …"   which sessions      SEEDS=n       how many seeds'
 	@echo '       PIPELINES="paper …"       which regimes       METHODS="…"   none pcm gc pcm+gc oracle'
 	@echo '  make figures [NCLT=DIR]        trajectories and optimised graphs, SVG and PNG'
+	@echo '  make report [NCLT=DIR]         one HTML page: tables, maps, matrices, errors over time, regimes'
 	@echo '  make test                      all tests'
 	@echo '  make check                     formatting, lints, documentation'
 	@echo '  make bench                     benchmarks'
@@ -168,6 +169,16 @@ $(RESULTS)/%/trajectories.svg $(RESULTS)/%/trajectories.png: $$(call sessions_of
 	  --reference $*/oracle.optimized.jsonl -o $*/graphs.svg
 	@$(REPORT) graphs --quiet "PCM=$*/pcm.optimized.jsonl" "PCM+GC=$*/pcm+gc.optimized.jsonl" \
 	  --reference $*/oracle.optimized.jsonl -o $*/graphs.png
+
+# ---- one page -----------------------------------------------------------------------------------------------
+# Regimes are put in where `make regimes` has left results.
+regimes_found  = $(wildcard $(RESULTS)/regimes*/results.jsonl)
+
+report: $(results) $(REPORT)
+	@$(if $(present),,echo 'No session of "$(SESSIONS)" has data in $(NCLT).'; exit 1)
+	@$(REPORT) html --quiet $(table_arguments) $(foreach file,$(regimes_found),--regimes $(file)) \
+	  --title 'posecut: $(if $(NCLT),NCLT sessions,simulated sessions)' -o $(RESULTS)/report$(suffix).html
+	@echo 'The page: $(RESULTS)/report$(suffix).html'
 
 # ---- development ------------------------------------------------------------------------------------------
 # The programs first: the contract tests run them. Optimised, because tests run real experiments, and because

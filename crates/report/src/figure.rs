@@ -71,6 +71,14 @@ impl Frame {
         }
     }
 
+    /// What lies to the right and what upwards.
+    pub fn directions(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Ned => ("east", "north"),
+            Self::Xy => ("x", "y"),
+        }
+    }
+
     pub(crate) fn labels(self) -> (&'static str, &'static str) {
         match self {
             Self::Ned => ("east (m)", "north (m)"),

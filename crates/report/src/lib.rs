@@ -3,9 +3,15 @@
 //! - [`results`]: the JSON results that `posecut-evaluate` wrote, wherever they lie.
 //! - [`table`]: methods against sessions, mean and spread over seeds, beside published figures; as Markdown,
 //!   CSV and LaTeX.
-//! - [`figure`]: trajectories and optimised graphs, as SVG and PNG.
+//! - [`regimes`]: where the graph cut helps, is neutral, or hurts, with intervals and tests over seeds.
+//! - [`consistency`]: the matrix that PCM decided on.
+//! - [`figure`]: all of it drawn, as SVG, PDF and PNG.
+//! - [`page`]: all of it as one HTML page.
 
+pub mod consistency;
 pub mod figure;
+pub mod page;
 pub mod published;
+pub mod regimes;
 pub mod results;
 pub mod table;

@@ -1,6 +1,7 @@
 //! Results of evaluations, read back.
 
 use std::collections::BTreeMap;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
@@ -19,6 +20,21 @@ pub struct RunResult {
     pub components: usize,
     /// Precision and recall of landmark edges, where their truth is known.
     pub edges: Option<Edges>,
+    /// The history of the estimate: one object a stage.
+    #[serde(default)]
+    pub provenance: Vec<Value>,
+    /// The motions that the alignment was allowed, by the name results give them.
+    #[serde(default)]
+    pub alignment: Option<AlignmentUsed>,
+}
+
+/// How the poses were aligned before the error was measured.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+pub struct AlignmentUsed {
+    /// `none`, `SE(2)`, `SE(3)` or `Sim(3)`.
+    pub freedom: String,
+    /// `joint` or `per-session`.
+    pub scope: String,
 }
 
 /// Landmark edges in use and rejected, by their truth.
@@ -34,6 +50,22 @@ pub struct Edges {
     pub true_negative: usize,
 }
 
+impl Edges {
+    /// Share of correct edges among those in use; absent if none is in use.
+    pub fn precision(&self) -> Option<f64> {
+        share(self.true_positive, self.false_positive)
+    }
+
+    /// Share of correct edges that are in use; absent if none is correct.
+    pub fn recall(&self) -> Option<f64> {
+        share(self.true_positive, self.false_negative)
+    }
+}
+
+fn share(part: usize, rest: usize) -> Option<f64> {
+    (part + rest > 0).then(|| part as f64 / (part + rest) as f64)
+}
+
 impl RunResult {
     /// A label as text; what it is not labelled with is empty.
     pub fn label(&self, name: &str) -> String {
@@ -45,9 +77,26 @@ impl RunResult {
     }
 }
 
+/// A result with the file it was read from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Located {
+    /// The file.
+    pub path: PathBuf,
+    /// What stands in it.
+    pub result: RunResult,
+    /// SHA-256 of the file's content, decompressed.
+    pub sha256: String,
+}
+
 /// Reads results: files as named, directories searched for `*.result.json`. Sorted by path, so that tables do
 /// not depend on the order of directories.
 pub fn read_all(paths: &[PathBuf]) -> anyhow::Result<Vec<RunResult>> {
+    Ok(read_located(paths)?.into_iter().map(|located| located.result).collect())
+}
+
+/// As [`read_all`], and says where each result was found. A file whose name ends in `.jsonl` or `.jsonl.gz`
+/// holds a result a line.
+pub fn read_located(paths: &[PathBuf]) -> anyhow::Result<Vec<Located>> {
     let mut files = Vec::new();
     for path in paths {
         if path.is_dir() {
@@ -58,7 +107,11 @@ pub fn read_all(paths: &[PathBuf]) -> anyhow::Result<Vec<RunResult>> {
     }
     files.sort();
     files.dedup();
-    files.iter().map(|file| read(file)).collect()
+    let mut results = Vec::new();
+    for file in files {
+        read(&file, &mut results)?;
+    }
+    Ok(results)
 }
 
 fn collect(directory: &Path, files: &mut Vec<PathBuf>) -> anyhow::Result<()> {
@@ -74,10 +127,31 @@ fn collect(directory: &Path, files: &mut Vec<PathBuf>) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn read(path: &Path) -> anyhow::Result<RunResult> {
-    let place = path.display();
-    let bytes = std::fs::read(path).with_context(|| format!("{place}: cannot be read"))?;
-    let result: RunResult = serde_json::from_slice(&bytes)
+fn read(path: &Path, results: &mut Vec<Located>) -> anyhow::Result<()> {
+    let place = path.display().to_string();
+    let unreadable = || format!("{place}: cannot be read");
+    let mut input = posecut_stage::open_file(path)?;
+    let mut bytes = Vec::new();
+    input.read_to_end(&mut bytes).with_context(unreadable)?;
+    let sha256 = input.finish().with_context(unreadable)?;
+    let name = path.to_string_lossy();
+    if !(name.ends_with(".jsonl") || name.ends_with(".jsonl.gz")) {
+        let result = parse(&place, &bytes)?;
+        results.push(Located { path: path.to_owned(), result, sha256 });
+        return Ok(());
+    }
+    for (index, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
+        if line.iter().all(u8::is_ascii_whitespace) {
+            continue;
+        }
+        let result = parse(&format!("{place}, line {}", index + 1), line)?;
+        results.push(Located { path: path.to_owned(), result, sha256: sha256.clone() });
+    }
+    Ok(())
+}
+
+fn parse(place: &str, bytes: &[u8]) -> anyhow::Result<RunResult> {
+    let result: RunResult = serde_json::from_slice(bytes)
         .with_context(|| format!("{place}: is no result; write results with posecut-evaluate"))?;
     if result.format != "posecut-result" || result.version != 1 {
         bail!(

@@ -6,6 +6,7 @@ mod markdown;
 
 pub use csv_rows::write_csv;
 pub use latex::latex;
+pub(crate) use markdown::grid;
 pub use markdown::markdown;
 
 use crate::results::RunResult;

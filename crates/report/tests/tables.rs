@@ -71,7 +71,7 @@ fn what_is_no_result_is_refused_with_its_path() {
         assert!(error.contains("x.result.json") && error.contains(part), "{error}");
     }
     let error = format!("{:#}", read_all(&[folder.path().join("none.json")]).unwrap_err());
-    assert!(error.contains("none.json: cannot be read"), "{error}");
+    assert!(error.contains("none.json: cannot be opened"), "{error}");
 }
 
 #[test]

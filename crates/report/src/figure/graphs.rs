@@ -3,9 +3,72 @@
 
 use nalgebra::Vector3;
 use posecut_evaluate::alignment::{Alignment, Freedom};
-use posecut_graph::{EdgeKind, PoseGraph};
+use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 
 use super::{Frame, Panel, Polyline, colours};
+
+/// An estimate in the frame of its reference.
+pub struct Estimate {
+    places: Vec<Option<Vector3<f64>>>,
+    errors: Option<Vec<f64>>,
+}
+
+impl Estimate {
+    /// Aligns an estimate to a reference, matched by node ids; without one the estimate stays as it is.
+    pub fn new(estimate: &PoseGraph, reference: Option<&PoseGraph>, freedom: Freedom) -> Self {
+        let own = positions(estimate);
+        let Some(reference) = reference else { return Self { places: own, errors: None } };
+        let theirs = positions(reference);
+        let matched: Vec<Option<Vector3<f64>>> =
+            estimate.nodes.iter().map(|node| theirs[reference.node_index(node.id)?]).collect();
+        let (from, to): (Vec<_>, Vec<_>) =
+            own.iter().zip(&matched).filter_map(|(own, theirs)| Some(((*own)?, (*theirs)?))).unzip();
+        let alignment = Alignment::best(&from, &to, freedom);
+        let places: Vec<_> = own.iter().map(|place| place.map(|place| alignment.apply(&place))).collect();
+        let errors = places.iter().zip(&matched).map(|(own, theirs)| Some(((*own)? - (*theirs)?).norm()));
+        Self { errors: errors.collect(), places }
+    }
+
+    /// Moves the estimate, and what it was compared with, by one motion: errors stay.
+    #[must_use]
+    pub fn moved(mut self, motion: &Alignment) -> Self {
+        for place in self.places.iter_mut().flatten() {
+            *place = motion.apply(place);
+        }
+        self
+    }
+
+    /// Where the nodes lie on paper.
+    pub fn places(&self, frame: Frame) -> Vec<Option<(f64, f64)>> {
+        self.places.iter().map(|place| place.map(|place| frame.place(place.x, place.y))).collect()
+    }
+
+    /// The distance of each node from the reference, metres; `None` without a reference that has them all.
+    pub fn errors(&self) -> Option<Vec<f64>> {
+        self.errors.clone()
+    }
+}
+
+/// The motion of the plane that brings a graph closest to its ground truth, so that its map lies as the truth
+/// does; none where no truth is known.
+pub fn onto_truth(graph: &PoseGraph) -> Alignment {
+    let height = |pose: &[f64]| if pose.len() == 7 { pose[2] } else { 0.0 };
+    let truth = graph.nodes.iter().map(|node| {
+        let pose = node.truth.as_ref()?.pose.as_ref()?;
+        Some(Vector3::new(pose[0], pose[1], height(pose)))
+    });
+    let (from, to): (Vec<_>, Vec<_>) =
+        positions(graph).into_iter().zip(truth).filter_map(|(own, truth)| Some((own?, truth?))).unzip();
+    Alignment::best(&from, &to, Freedom::Se2)
+}
+
+/// The motions that evaluation allows unless told otherwise.
+pub fn usual_freedom(graph: &PoseGraph) -> Freedom {
+    match graph.header.dimension {
+        Dimension::Two => Freedom::Se2,
+        Dimension::Three => Freedom::Se3,
+    }
+}
 
 /// An edge on paper: its ends, whether it is in use, whether it is correct.
 struct Drawn {
@@ -16,7 +79,7 @@ struct Drawn {
 
 /// One panel for an estimate: the reference in grey, the experiences over it, landmark edges on top.
 pub fn panel(title: &str, estimate: &PoseGraph, reference: Option<&PoseGraph>, frame: Frame) -> Panel {
-    let places = aligned(estimate, reference);
+    let places = Estimate::new(estimate, reference, Freedom::Se2).places;
     let mut lines = Vec::new();
     if let Some(reference) = reference {
         lines.extend(experiences(reference, &positions(reference), frame).into_iter().map(
@@ -76,21 +139,6 @@ fn positions(graph: &PoseGraph) -> Vec<Option<Vector3<f64>>> {
         .iter()
         .map(|node| node.pose.as_ref().map(|pose| Vector3::new(pose[0], pose[1], height(pose))))
         .collect()
-}
-
-/// The estimate's positions in the reference's frame.
-fn aligned(estimate: &PoseGraph, reference: Option<&PoseGraph>) -> Vec<Option<Vector3<f64>>> {
-    let own = positions(estimate);
-    let Some(reference) = reference else { return own };
-    let theirs = positions(reference);
-    let (from, to): (Vec<_>, Vec<_>) = estimate
-        .nodes
-        .iter()
-        .zip(&own)
-        .filter_map(|(node, place)| Some(((*place)?, theirs[reference.node_index(node.id)?]?)))
-        .unzip();
-    let alignment = Alignment::best(&from, &to, Freedom::Se2);
-    own.iter().map(|place| place.map(|place| alignment.apply(&place))).collect()
 }
 
 fn experiences(graph: &PoseGraph, places: &[Option<Vector3<f64>>], frame: Frame) -> Vec<Way> {

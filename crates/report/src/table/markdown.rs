@@ -88,7 +88,7 @@ fn edges(cell: &Cell) -> String {
 }
 
 /// A Markdown table whose columns line up in a terminal too.
-fn grid(text: &mut String, rows: &[Vec<String>]) {
+pub(crate) fn grid(text: &mut String, rows: &[Vec<String>]) {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |column: usize| {
         rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)

@@ -1,0 +1,126 @@
+//! The page itself: the template with its sections, styles, scripts and data.
+
+use super::encode::policy_digest;
+use super::markup::{escape, fill, json};
+use super::view::Page;
+
+const TEMPLATE: &str = include_str!("../../assets/page.html");
+const STYLE: &str = include_str!("../../assets/page.css");
+
+/// The scripts in the order they are run, as one function, so that nothing of them is visible outside.
+const SCRIPTS: [&str; 15] = [
+    include_str!("../../assets/script/decode.js"),
+    include_str!("../../assets/script/elements.js"),
+    include_str!("../../assets/script/theme.js"),
+    include_str!("../../assets/script/scale.js"),
+    include_str!("../../assets/script/chart.js"),
+    include_str!("../../assets/script/map.js"),
+    include_str!("../../assets/script/state.js"),
+    include_str!("../../assets/script/spread.js"),
+    include_str!("../../assets/script/trajectories.js"),
+    include_str!("../../assets/script/graphs.js"),
+    include_str!("../../assets/script/error.js"),
+    include_str!("../../assets/script/consistency.js"),
+    include_str!("../../assets/script/components.js"),
+    include_str!("../../assets/script/regimes.js"),
+    include_str!("../../assets/script/start.js"),
+];
+
+/// Sections whose data may be missing.
+const TRAJECTORIES: &str = include_str!("../../assets/section/trajectories.html");
+const GRAPHS: &str = include_str!("../../assets/section/graphs.html");
+const ERROR: &str = include_str!("../../assets/section/error.html");
+const CONSISTENCY: &str = include_str!("../../assets/section/consistency.html");
+const COMPONENTS: &str = include_str!("../../assets/section/components.html");
+const REGIMES: &str = include_str!("../../assets/section/regimes.html");
+
+/// The parts of the page that are HTML already.
+#[derive(Clone, Debug, Default)]
+pub struct Parts {
+    /// Its title, as text.
+    pub title: String,
+    /// The tables.
+    pub tables: String,
+    /// Where the published figures come from, as text; empty without any.
+    pub published: String,
+    /// Sessions that were asked for and have no data.
+    pub missing: Vec<String>,
+    /// The history of the numbers.
+    pub history: String,
+    /// The version of the program.
+    pub version: String,
+}
+
+/// Writes the page. Its content security policy forbids every connection, and every script but its own.
+pub fn document(page: &Page, parts: &Parts) -> anyhow::Result<String> {
+    let script = format!("\"use strict\";\n(() => {{\n{}}})();\n", SCRIPTS.join("\n"));
+    let data = json(&serde_json::to_string(page)?);
+    let seeds = || page.experiments.iter().flat_map(|it| &it.sessions).flat_map(|it| &it.seeds);
+    let any = |wanted: fn(&super::view::Method) -> bool| seeds().flat_map(|it| &it.methods).any(wanted);
+    let no_graphs = "There are no optimised graphs beside the results (METHOD.optimized.jsonl beside METHOD.result.json), so there is nothing to draw here.";
+    let section = |present: bool, body: &str, absent: &str| {
+        Some(if present {
+            body.to_owned()
+        } else {
+            format!("<p class=\"absent-section\">{}</p>", escape(absent))
+        })
+    };
+    Ok(fill(TEMPLATE, |name| match name {
+        "policy" => Some(format!(
+            "default-src 'none'; style-src {}; script-src {}; base-uri 'none'; form-action 'none'",
+            policy_digest(STYLE),
+            policy_digest(&script)
+        )),
+        "title" => Some(escape(&parts.title)),
+        "style" => Some(STYLE.to_owned()),
+        "script" => Some(script.clone()),
+        "data" => Some(data.clone()),
+        "tables" => Some(if parts.tables.is_empty() {
+            "<p class=\"absent-section\">There are no results.</p>".to_owned()
+        } else {
+            parts.tables.clone()
+        }),
+        "published" => Some(if parts.published.is_empty() {
+            String::new()
+        } else {
+            format!("<p class=\"note\">Published figures: {}.</p>", escape(&parts.published))
+        }),
+        "missing" => Some(if parts.missing.is_empty() {
+            String::new()
+        } else {
+            format!(
+                "<p class=\"note\">Asked for and without data: {}.</p>",
+                escape(&parts.missing.join(", "))
+            )
+        }),
+        "trajectories" => section(
+            page.experiments.iter().flat_map(|it| &it.sessions).any(|it| it.truth.is_some()),
+            TRAJECTORIES,
+            "The graphs beside the results carry no ground truth, or there are none: the sessions' routes are not known here.",
+        ),
+        "graphs" => section(any(|method| method.track.is_some()), GRAPHS, no_graphs),
+        "error" => section(
+            any(|method| method.error.is_some()),
+            ERROR,
+            "There is no reference beside the results (oracle.optimized.jsonl), so the error of single poses is not known.",
+        ),
+        "consistency" => section(
+            seeds().any(|it| it.consistency.is_some()),
+            CONSISTENCY,
+            "None of the graphs beside the results went through PCM.",
+        ),
+        "components" => section(
+            any(|method| method.landmarks.is_some()),
+            COMPONENTS,
+            "None of the graphs beside the results went through the multicut.",
+        ),
+        "regimes" => section(
+            page.regimes.is_some(),
+            REGIMES,
+            "There are no results over regimes of covariance and false-edge rate (make regimes makes them).",
+        ),
+        "history" => Some(parts.history.clone()),
+        "version" => Some(escape(&parts.version)),
+        _ => None,
+    }))
+}

@@ -1,0 +1,12 @@
+//! The map of regimes: where a method helps, is neutral, or hurts, over the scale of the odometry's covariance
+//! and the share of false edges.
+//!
+//! - [`statistics`]: confidence intervals and tests over seeds.
+//! - [`map`]: means and intervals of every cell, and the effect of the graph cut on every cell.
+//! - [`table`]: the same as Markdown and CSV.
+
+pub mod map;
+pub mod statistics;
+pub mod table;
+
+pub use map::{Cell, Comparison, Effect, Map, MethodMap, Verdict};

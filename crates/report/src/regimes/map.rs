@@ -1,0 +1,373 @@
+//! Cells of the map.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use anyhow::{Context as _, bail};
+use posecut_stage::random;
+use serde::Serialize;
+
+use super::statistics::{adjusted, bootstrap_interval, mean_of_means, sign_flip_p};
+use crate::results::RunResult;
+
+/// Below this adjusted p-value an effect is told from none.
+pub const SIGNIFICANCE: f64 = 0.05;
+
+/// The name of the map over all sessions.
+pub const ALL_SESSIONS: &str = "all sessions";
+
+/// Seed of resampling; fixed, so that the same results give the same intervals.
+const SEED: u64 = 1;
+
+/// All cells of an experiment over regimes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Map {
+    /// Sessions, sorted; with several, [`ALL_SESSIONS`] comes first.
+    pub sessions: Vec<String>,
+    /// Kinds of false edges, sorted.
+    pub kinds: Vec<String>,
+    /// Methods in the order asked for.
+    pub methods: Vec<String>,
+    /// Scales of the covariance, ascending.
+    pub scales: Vec<f64>,
+    /// Shares of false edges among all landmark edges, ascending.
+    pub rates: Vec<f64>,
+    /// One entry for each session, kind and method.
+    pub maps: Vec<MethodMap>,
+    /// What the graph cut changes, for each session, kind and method that has a counterpart without it.
+    pub comparisons: Vec<Comparison>,
+}
+
+/// One method on one session and kind of false edges.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MethodMap {
+    /// The session.
+    pub session: String,
+    /// The kind of false edges.
+    pub kind: String,
+    /// The method.
+    pub method: String,
+    /// Row by row of rates, one cell a scale; `None` where there is no result.
+    pub cells: Vec<Option<Cell>>,
+}
+
+/// Means over seeds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Cell {
+    /// Mean RMSE, metres.
+    pub mean: f64,
+    /// The lower end of the mean's 95 % interval, metres.
+    pub low: f64,
+    /// The upper end.
+    pub high: f64,
+    /// Runs.
+    pub seeds: usize,
+    /// Mean share of correct edges among those in use.
+    pub precision: Option<f64>,
+    /// Mean share of correct edges that are in use.
+    pub recall: Option<f64>,
+}
+
+/// A method against the same without the graph cut.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Comparison {
+    /// The session.
+    pub session: String,
+    /// The kind of false edges.
+    pub kind: String,
+    /// The method with the graph cut.
+    pub with: String,
+    /// The method without.
+    pub without: String,
+    /// As in [`MethodMap`].
+    pub cells: Vec<Option<Effect>>,
+}
+
+/// The paired difference over seeds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Effect {
+    /// Mean of RMSE with less RMSE without, metres: negative is better.
+    pub difference: f64,
+    /// The lower end of its 95 % interval, metres.
+    pub low: f64,
+    /// The upper end.
+    pub high: f64,
+    /// The sign-flip test's p-value, adjusted over the cells of this comparison.
+    pub p: f64,
+    /// What follows.
+    pub verdict: Verdict,
+    /// Pairs.
+    pub seeds: usize,
+}
+
+/// Whether the graph cut changes the error.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// It lowers the error.
+    Helps,
+    /// No effect can be told from the seeds at hand.
+    Neutral,
+    /// It raises the error.
+    Hurts,
+}
+
+impl Verdict {
+    /// As tables say it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Helps => "helps",
+            Self::Neutral => "neutral",
+            Self::Hurts => "hurts",
+        }
+    }
+}
+
+/// One run in its place.
+struct Run {
+    rmse: f64,
+    precision: Option<f64>,
+    recall: Option<f64>,
+}
+
+/// Runs by seed.
+type Seeds = BTreeMap<String, Run>;
+
+/// Place in the map: session, kind, method, rate, scale.
+type Place = (String, String, String, usize, usize);
+
+impl Map {
+    /// The map of results labelled `covariance_scale`, `incorrect_rate`, `session`, `method` and `seed` (and
+    /// `incorrect_kind`, else `uniform`). `order` names methods first in the order of rows.
+    pub fn new(results: &[RunResult], order: &[String]) -> anyhow::Result<Self> {
+        let axis = |name: &str| -> anyhow::Result<Vec<f64>> {
+            let mut values =
+                results.iter().map(|result| number(result, name)).collect::<anyhow::Result<Vec<f64>>>()?;
+            values.sort_by(f64::total_cmp);
+            values.dedup();
+            Ok(values)
+        };
+        let (scales, rates) = (axis("covariance_scale")?, axis("incorrect_rate")?);
+        if results.is_empty() {
+            bail!(
+                "there are no results for a map of regimes; name a file of results, one a line (make regimes writes one)"
+            );
+        }
+        let mut runs: BTreeMap<Place, Seeds> = BTreeMap::new();
+        for result in results {
+            let at = |axis: &[f64], name: &str| -> anyhow::Result<usize> {
+                let value = number(result, name)?;
+                axis.iter().position(|known| *known == value).context("every value stands on its axis")
+            };
+            let place = (
+                result.label("session"),
+                kind(result),
+                result.label("method"),
+                at(&rates, "incorrect_rate")?,
+                at(&scales, "covariance_scale")?,
+            );
+            let said = || {
+                format!(
+                    "{} on {}, covariance scale {}, rate {}",
+                    place.2, place.0, scales[place.4], rates[place.3]
+                )
+            };
+            let said = said();
+            let run = Run {
+                rmse: result.rmse,
+                precision: result.edges.and_then(|edges| edges.precision()),
+                recall: result.edges.and_then(|edges| edges.recall()),
+            };
+            let seed = result.label("seed");
+            if runs.entry(place).or_default().insert(seed.clone(), run).is_some() {
+                bail!(
+                    "seed {seed} of {said} is there twice; give the map the results of one experiment, each once"
+                );
+            }
+        }
+        let distinct = |pick: fn(&Place) -> &String| -> Vec<String> {
+            runs.keys().map(|place| pick(place).clone()).collect::<BTreeSet<_>>().into_iter().collect()
+        };
+        let found = distinct(|place| &place.2);
+        let mut methods: Vec<String> =
+            order.iter().filter(|method| found.contains(method)).cloned().collect();
+        methods.extend(found.into_iter().filter(|method| !order.contains(method)));
+        let mut map = Self {
+            sessions: distinct(|place| &place.0),
+            kinds: distinct(|place| &place.1),
+            methods,
+            scales,
+            rates,
+            maps: Vec::new(),
+            comparisons: Vec::new(),
+        };
+        map.fill(&runs);
+        Ok(map)
+    }
+
+    /// The place of a cell in a map's list.
+    pub fn index(&self, rate: usize, scale: usize) -> usize {
+        rate * self.scales.len() + scale
+    }
+
+    /// A method's map.
+    pub fn of(&self, session: &str, kind: &str, method: &str) -> Option<&MethodMap> {
+        self.maps.iter().find(|map| map.session == session && map.kind == kind && map.method == method)
+    }
+
+    /// The comparisons on a session and kind of false edges.
+    pub fn compared<'a>(
+        &'a self,
+        session: &'a str,
+        kind: &'a str,
+    ) -> impl Iterator<Item = &'a Comparison> + 'a {
+        self.comparisons
+            .iter()
+            .filter(move |comparison| comparison.session == session && comparison.kind == kind)
+    }
+
+    fn fill(&mut self, runs: &BTreeMap<Place, Seeds>) {
+        let single = self.sessions.clone();
+        let mut groups: Vec<(String, Vec<String>)> =
+            single.iter().map(|session| (session.clone(), vec![session.clone()])).collect();
+        if single.len() > 1 {
+            groups.insert(0, (ALL_SESSIONS.to_owned(), single));
+        }
+        for (name, members) in &groups {
+            for kind in &self.kinds {
+                for method in &self.methods {
+                    let cells = self
+                        .cells(|rate, scale| Cell::of(&strata(runs, members, kind, method, rate, scale)?));
+                    self.maps.push(MethodMap {
+                        session: name.clone(),
+                        kind: kind.clone(),
+                        method: method.clone(),
+                        cells,
+                    });
+                }
+                for (with, without) in pairs(&self.methods) {
+                    let effects = self.cells(|rate, scale| {
+                        let one = strata(runs, members, kind, &with, rate, scale)?;
+                        let other = strata(runs, members, kind, &without, rate, scale)?;
+                        Effect::of(&one, &other)
+                    });
+                    self.comparisons.push(Comparison {
+                        session: name.clone(),
+                        kind: kind.clone(),
+                        with,
+                        without,
+                        cells: judged(effects),
+                    });
+                }
+            }
+        }
+        self.sessions = groups.into_iter().map(|(name, _)| name).collect();
+    }
+
+    fn cells<T>(&self, of: impl Fn(usize, usize) -> Option<T>) -> Vec<Option<T>> {
+        (0..self.rates.len() * self.scales.len())
+            .map(|index| of(index / self.scales.len(), index % self.scales.len()))
+            .collect()
+    }
+}
+
+/// Methods with the graph cut and their counterparts: `gc` and `none`, `x+gc` and `x`.
+fn pairs(methods: &[String]) -> Vec<(String, String)> {
+    methods
+        .iter()
+        .filter_map(|method| {
+            let without = if method == "gc" { "none" } else { method.strip_suffix("+gc")? };
+            methods.iter().any(|known| known == without).then(|| (method.clone(), without.to_owned()))
+        })
+        .collect()
+}
+
+/// One stratum a session; `None` unless every session has runs there.
+fn strata<'a>(
+    runs: &'a BTreeMap<Place, Seeds>,
+    sessions: &[String],
+    kind: &str,
+    method: &str,
+    rate: usize,
+    scale: usize,
+) -> Option<Vec<&'a Seeds>> {
+    sessions
+        .iter()
+        .map(|session| runs.get(&(session.clone(), kind.to_owned(), method.to_owned(), rate, scale)))
+        .collect()
+}
+
+impl Cell {
+    fn of(strata: &[&Seeds]) -> Option<Self> {
+        let pick = |of: fn(&Run) -> Option<f64>| -> Vec<Vec<f64>> {
+            strata.iter().map(|seeds| seeds.values().filter_map(of).collect()).collect()
+        };
+        let rmse = pick(|run| Some(run.rmse));
+        let (low, high) = bootstrap_interval(&rmse, &mut random(SEED, "regimes"))?;
+        Some(Self {
+            mean: mean_of_means(&rmse)?,
+            low,
+            high,
+            seeds: rmse.iter().map(Vec::len).sum(),
+            precision: mean_of_means(&pick(|run| run.precision)),
+            recall: mean_of_means(&pick(|run| run.recall)),
+        })
+    }
+}
+
+impl Effect {
+    /// Of the seeds that both have; the p-value is not adjusted yet.
+    fn of(with: &[&Seeds], without: &[&Seeds]) -> Option<Self> {
+        let differences: Vec<Vec<f64>> = with
+            .iter()
+            .zip(without)
+            .map(|(with, without)| {
+                with.iter().filter_map(|(seed, run)| Some(run.rmse - without.get(seed)?.rmse)).collect()
+            })
+            .collect();
+        let (low, high) = bootstrap_interval(&differences, &mut random(SEED, "regimes"))?;
+        Some(Self {
+            difference: mean_of_means(&differences)?,
+            low,
+            high,
+            p: sign_flip_p(&differences, &mut random(SEED, "regimes")),
+            verdict: Verdict::Neutral,
+            seeds: differences.iter().map(Vec::len).sum(),
+        })
+    }
+}
+
+fn judged(mut cells: Vec<Option<Effect>>) -> Vec<Option<Effect>> {
+    let values: Vec<f64> = cells.iter().flatten().map(|effect| effect.p).collect();
+    for (effect, p) in cells.iter_mut().flatten().zip(adjusted(&values)) {
+        effect.p = p;
+        effect.verdict = match effect.difference {
+            _ if p > SIGNIFICANCE => Verdict::Neutral,
+            difference if difference < 0.0 => Verdict::Helps,
+            _ => Verdict::Hurts,
+        };
+    }
+    cells
+}
+
+fn kind(result: &RunResult) -> String {
+    let kind = result.label("incorrect_kind");
+    if kind.is_empty() { "uniform".to_owned() } else { kind }
+}
+
+fn number(result: &RunResult, name: &str) -> anyhow::Result<f64> {
+    let text = result.label(name);
+    let said = || {
+        let run = format!(
+            "{} on {}, seed {}",
+            result.label("method"),
+            result.label("session"),
+            result.label("seed")
+        );
+        if text.is_empty() {
+            format!("the result of {run} has no label {name}; evaluate with --label {name}=NUMBER")
+        } else {
+            format!("the result of {run} has the label {name}={text}, and a finite number was expected")
+        }
+    };
+    text.parse::<f64>().ok().filter(|value| value.is_finite()).with_context(said)
+}

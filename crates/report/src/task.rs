@@ -1,0 +1,5 @@
+//! What the program can be asked for, one module a kind of answer.
+
+pub(crate) mod figures;
+pub(crate) mod html;
+pub(crate) mod table;

@@ -1,0 +1,108 @@
+//! `posecut-report html`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use posecut_graph::InputDigest;
+use posecut_report::figure::Frame;
+use posecut_report::page::collect::{Selection, experiment};
+use posecut_report::page::document::{Parts, document};
+use posecut_report::page::view::{ERROR_STEP, POSITION_STEP, Page};
+use posecut_report::page::{history, tables};
+use posecut_report::published::Published;
+use posecut_report::regimes::Map;
+use posecut_report::results::{self, RunResult};
+use posecut_report::table;
+use posecut_stage::{Context, info};
+
+/// Options of `html`.
+#[derive(Args)]
+pub(crate) struct Html {
+    /// Results of posecut-evaluate, or directories searched for *.result.json; graphs are found beside them
+    #[arg(required = true)]
+    results: Vec<PathBuf>,
+
+    /// Published figures to stand beside ours (TOML)
+    #[arg(long, value_name = "FILE")]
+    published: Option<PathBuf>,
+
+    /// Methods in the order of rows
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    methods: Vec<String>,
+
+    /// Sessions asked for that have no data
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    missing: Vec<String>,
+
+    /// Results over regimes, one a line; may be given several times
+    #[arg(long, value_name = "FILE")]
+    regimes: Vec<PathBuf>,
+
+    /// Seeds of each session whose graphs are drawn; tables have all
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    graph_seeds: usize,
+
+    /// How coordinates lie on paper
+    #[arg(long, value_enum, default_value_t = Frame::Ned)]
+    frame: Frame,
+
+    /// The page's title
+    #[arg(long, value_name = "TEXT", default_value = "posecut report")]
+    title: String,
+}
+
+impl Html {
+    pub(crate) fn write(&self, context: &mut Context) -> anyhow::Result<Vec<u8>> {
+        let located = results::read_located(&self.results)?;
+        let published =
+            self.published.as_ref().map(|path| Published::read(path)).transpose()?.unwrap_or_default();
+        let plain: Vec<RunResult> = located.iter().map(|located| located.result.clone()).collect();
+        let tables = table::tables(&plain, &self.methods, &self.missing);
+        let selection = Selection { seeds: self.graph_seeds, frame: self.frame };
+        let experiments = tables
+            .iter()
+            .map(|table| experiment(table, &located, &published, selection, context))
+            .collect::<anyhow::Result<Vec<_>>>()?;
+        let regimes = self.regimes(context)?;
+        let (right, up) = self.frame.directions();
+        let page = Page {
+            experiments,
+            regimes,
+            position_step: POSITION_STEP,
+            error_step: ERROR_STEP,
+            axes: [right, up],
+        };
+        let parts = Parts {
+            title: self.title.clone(),
+            tables: tables.iter().map(|table| tables::experiment(table, &published)).collect(),
+            published: published.source.clone(),
+            missing: self.missing.clone(),
+            history: history::history(&located, &context.inputs),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+        };
+        let text = document(&page, &parts)?;
+        info!("{} results, {} graphs, {} kB", located.len(), context.inputs.len(), text.len() / 1000);
+        context.statistics.note("results", located.len());
+        context.statistics.note("graphs", context.inputs.len());
+        context.statistics.note("bytes", text.len());
+        Ok(text.into_bytes())
+    }
+
+    fn regimes(&self, context: &mut Context) -> anyhow::Result<Option<Map>> {
+        if self.regimes.is_empty() {
+            return Ok(None);
+        }
+        let located = results::read_located(&self.regimes)?;
+        let mut digests: Vec<InputDigest> = located
+            .iter()
+            .map(|located| InputDigest {
+                name: format!("regimes: {}", located.path.file_name().unwrap_or_default().to_string_lossy()),
+                sha256: located.sha256.clone(),
+            })
+            .collect();
+        digests.dedup();
+        context.inputs.extend(digests);
+        let plain: Vec<RunResult> = located.into_iter().map(|located| located.result).collect();
+        Map::new(&plain, &self.methods).map(Some)
+    }
+}

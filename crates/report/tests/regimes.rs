@@ -1,0 +1,127 @@
+//! The map of regimes against hand-made results.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::fmt::Write as _;
+use std::fs;
+
+use posecut_report::regimes::{Map, Verdict, table};
+use posecut_report::results::{RunResult, read_all};
+
+fn line(session: &str, method: &str, scale: &str, rate: &str, seed: u32, rmse: f64) -> String {
+    format!(
+        r#"{{"format":"posecut-result","version":1,"labels":{{"session":"{session}","method":"{method}","seed":{seed},"covariance_scale":{scale},"incorrect_rate":{rate},"incorrect_kind":"uniform"}},"rmse":{rmse},"components":1,"edges":{{"true_positive":9,"false_positive":1,"false_negative":3,"true_negative":2}}}}"#
+    )
+}
+
+fn results(lines: &str) -> anyhow::Result<Vec<RunResult>> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("results.jsonl");
+    fs::write(&path, lines).unwrap();
+    read_all(&[path])
+}
+
+/// Twenty seeds: with the graph cut better at scale 3, worse at 0.3, and as good at 1.
+fn sample() -> Vec<RunResult> {
+    let mut text = String::new();
+    for seed in 0..20 {
+        for session in ["s", "t"] {
+            let wobble = f64::from(seed) / 10.0;
+            for (scale, without, with) in [
+                ("\"0.3\"", 1.0 + wobble, 2.5 + wobble),
+                ("1", 1.0 + wobble, 3.0 - f64::from(seed) / 10.0),
+                ("3", 100.0 + wobble, 5.0 + wobble),
+            ] {
+                let _ = writeln!(text, "{}", line(session, "pcm", scale, "\"0.1\"", seed, without));
+                let _ = writeln!(text, "{}\n", line(session, "pcm+gc", scale, "\"0.1\"", seed, with));
+            }
+        }
+    }
+    results(&text).unwrap()
+}
+
+#[test]
+fn cells_are_means_over_seeds_with_intervals_around_them() {
+    let map = Map::new(&sample(), &["pcm+gc".to_owned()]).unwrap();
+    assert_eq!(map.sessions, ["all sessions", "s", "t"]);
+    assert_eq!((map.scales.as_slice(), map.rates.as_slice()), ([0.3, 1.0, 3.0].as_slice(), [0.1].as_slice()));
+    assert_eq!(map.methods, ["pcm+gc", "pcm"], "those asked for first");
+    let cell = map.of("s", "uniform", "pcm").unwrap().cells[2].unwrap();
+    assert!((cell.mean - 100.95).abs() < 1e-9, "{cell:?}");
+    assert_eq!((cell.seeds, cell.precision, cell.recall), (20, Some(0.9), Some(0.75)));
+    // The mean's standard error is 0.132 m: the interval is about 1.96 of them on either side.
+    assert!((cell.low - 100.70).abs() < 0.06 && (cell.high - 101.20).abs() < 0.06, "{cell:?}");
+    let all = map.of("all sessions", "uniform", "pcm").unwrap().cells[2].unwrap();
+    assert!((all.mean - 100.95).abs() < 1e-9 && all.seeds == 40);
+    assert!(all.high - all.low < cell.high - cell.low, "more runs, a narrower interval");
+}
+
+#[test]
+fn verdicts_follow_the_paired_differences() {
+    let map = Map::new(&sample(), &[]).unwrap();
+    let comparison = map.compared("s", "uniform").next().unwrap();
+    assert_eq!((comparison.with.as_str(), comparison.without.as_str()), ("pcm+gc", "pcm"));
+    let effects: Vec<_> = comparison.cells.iter().map(|effect| effect.unwrap()).collect();
+    assert_eq!(
+        effects.iter().map(|effect| effect.verdict).collect::<Vec<_>>(),
+        [Verdict::Hurts, Verdict::Neutral, Verdict::Helps]
+    );
+    assert!((effects[2].difference + 95.0).abs() < 1e-9 && (effects[0].difference - 1.5).abs() < 1e-9);
+    assert!(effects[1].low < 0.0 && effects[1].high > 0.0 && effects[1].p > 0.5, "{:?}", effects[1]);
+}
+
+#[test]
+fn tables_say_the_same_in_markdown_and_csv_and_always_alike() {
+    let map = Map::new(&sample(), &[]).unwrap();
+    let (sessions, kinds) = (["s".to_owned()], ["uniform".to_owned()]);
+    let text = table::markdown(&map, &sessions, &kinds);
+    assert!(
+        text.contains(
+            "**pcm+gc against pcm**, difference in metres: helps in 1, neutral in 1, hurts in 1 of 3 cells"
+        ),
+        "{text}"
+    );
+    assert!(
+        text.contains("−95.0 helps") && text.contains("+1.50 hurts") && !text.contains("### t,"),
+        "{text}"
+    );
+    let csv = String::from_utf8(table::csv(&map, &sessions, &kinds).unwrap()).unwrap();
+    let row = csv.lines().find(|line| line.starts_with("s,uniform,pcm+gc,0.1,3,20,")).unwrap();
+    assert!(row.contains(",0.9,0.75,pcm,-95") && row.ends_with(",helps"), "{row}");
+    let again = Map::new(&sample(), &[]).unwrap();
+    assert_eq!(map, again);
+}
+
+#[test]
+fn a_cell_without_results_and_a_session_without_the_cell_are_no_data() {
+    let mut text = line("s", "pcm", "1", "\"0.1\"", 1, 1.0) + "\n";
+    text += &(line("s", "pcm", "3", "\"0.1\"", 1, 2.0) + "\n");
+    text += &(line("t", "pcm", "1", "\"0.1\"", 1, 5.0) + "\n");
+    let map = Map::new(&results(&text).unwrap(), &[]).unwrap();
+    assert_eq!(map.of("t", "uniform", "pcm").unwrap().cells[1], None);
+    let all = &map.of("all sessions", "uniform", "pcm").unwrap().cells;
+    assert_eq!(
+        (all[0].unwrap().mean, all[1]),
+        (3.0, None),
+        "a mean over other sessions would be another quantity"
+    );
+    assert!(table::markdown(&map, &map.sessions, &map.kinds).contains("no data"));
+}
+
+#[test]
+fn what_cannot_be_placed_is_refused_in_sentences() {
+    let said = |text: &str| format!("{:#}", results(text).and_then(|all| Map::new(&all, &[])).unwrap_err());
+    let twice = line("s", "pcm", "1", "\"0.1\"", 1, 1.0) + "\n" + &line("s", "pcm", "1", "\"0.1\"", 1, 2.0);
+    assert!(
+        said(&twice).contains("seed 1 of pcm on s, covariance scale 1, rate 0.1 is there twice"),
+        "{}",
+        said(&twice)
+    );
+    let word = line("s", "pcm", "\"wide\"", "\"0.1\"", 1, 1.0);
+    assert!(said(&word).contains("has the label covariance_scale=wide, and a finite number was expected"));
+    let none = word.replace(r#""covariance_scale":"wide","#, "");
+    assert!(said(&none).contains("has no label covariance_scale"), "{}", said(&none));
+    assert!(said("\n").contains("there are no results"), "{}", said("\n"));
+    let broken = line("s", "pcm", "1", "\"0.1\"", 1, 1.0) + "\n{\n";
+    assert!(said(&broken).contains("results.jsonl, line 2: is no result"), "{}", said(&broken));
+}
