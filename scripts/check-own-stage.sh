@@ -9,18 +9,9 @@ document=docs/bring-your-own-stage.md
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-extract() { # NAME: the fenced block after <!-- file: NAME -->
-  awk -v name="$1" '
-    $0 == "<!-- file: " name " -->" { found = 1; next }
-    found && /^```/ { if (inside) exit; inside = 1; next }
-    inside { print }
-  ' "$document" >"$work/$1"
-  [ -s "$work/$1" ] || { echo "$document has no block for $1"; exit 1; }
-  chmod +x "$work/$1"
-}
-
 for stage in my-stage.py my-stage.sh; do
-  extract "$stage"
+  scripts/extract.sh "$document" "$stage" >"$work/$stage"
+  chmod +x "$work/$stage"
   case $stage in *.py) needed=python3 ;; *.sh) needed=jq ;; esac
   command -v "$needed" >/dev/null || { echo "skipped: no $needed: $stage"; continue; }
   echo "$stage: $(wc -l <"$work/$stage") lines"

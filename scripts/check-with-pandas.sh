@@ -1,0 +1,48 @@
+#!/bin/sh
+# Runs the pandas recipe of docs/other-tools.md, holds its counts to posecut-evaluate, and its output to what the page shows
+# (--write puts it there). Skipped where pandas cannot be installed.
+# Usage: scripts/check-with-pandas.sh [--write] [DIRECTORY_OF_PROGRAMS]
+set -eu
+cd "$(dirname "$0")/.."
+write=
+[ "${1:-}" != --write ] || { write=yes; shift; }
+programs=${1:-target/release}
+document=docs/other-tools.md
+environment=target/pandas
+if ! "$environment/bin/python" -c 'import pandas' 2>/dev/null; then
+  if ! { python3 -m venv "$environment" && "$environment/bin/pip" install --quiet pandas; } >/dev/null 2>&1; then
+    echo 'skipped: pandas cannot be installed here'
+    exit 0
+  fi
+fi
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+scripts/extract.sh "$document" recipe.py >"$work/recipe.py"
+"$programs/posecut-pcm" -q testdata/graph.jsonl | "$programs/posecut-optimize" -q -o "$work/graph.jsonl"
+"$programs/posecut-evaluate" -q "$work/graph.jsonl" -o "$work/result.json"
+{ echo; echo '```'; "$environment/bin/python" "$work/recipe.py" "$work/graph.jsonl"; echo '```'; echo; } >"$work/shown"
+cat "$work/shown"
+"$environment/bin/python" - "$work" <<'PYTHON'
+import json, sys
+
+work = sys.argv[1]
+edges = json.load(open(f"{work}/result.json"))["edges"]
+names = {("True", "True"): "true_positive", ("False", "True"): "false_positive",
+         ("True", "False"): "false_negative", ("False", "False"): "true_negative"}
+rows = [line.split() for line in open(f"{work}/shown")]
+counts = {(row[0], row[1]): int(row[2]) for row in rows if len(row) == 3 and row[0] in ("True", "False")}
+for key, name in names.items():
+    if counts.get(key, 0) != edges[name]:
+        sys.exit(f"{name}: {edges[name]}, and the recipe counts {counts.get(key, 0)}")
+PYTHON
+awk -v file="$work/shown" '
+  $0 == "<!-- begin: recipe -->" { print; while ((getline line < file) > 0) print line; skip = 1; next }
+  $0 == "<!-- end: recipe -->" { skip = 0 }
+  !skip { print }
+' "$document" >"$work/document"
+if [ "$write" ]; then
+  cp "$work/document" "$document"
+elif ! diff -uw "$document" "$work/document"; then
+  echo "$document shows another output; scripts/check-with-pandas.sh --write puts this one there"
+  exit 1
+fi
