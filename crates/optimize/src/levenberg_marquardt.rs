@@ -8,14 +8,14 @@ use posecut_geometry::LieGroup;
 
 use crate::cholesky::Factor;
 use crate::normal_equations::{NormalEquations, Pattern};
-use crate::options::Options;
+use crate::options::{Method, Options};
 use crate::residual::Term;
 use crate::solution::Termination;
 
 /// Damping after the first failure, as a share of the diagonal.
-const FIRST_DAMPING: f64 = 1e-5;
+pub(crate) const FIRST_DAMPING: f64 = 1e-5;
 /// Damping beyond which a step is no longer than rounding.
-const LARGEST_DAMPING: f64 = 1e16;
+pub(crate) const LARGEST_DAMPING: f64 = 1e16;
 /// Damping below which the next step is undamped again.
 const SMALLEST_DAMPING: f64 = 1e-8;
 /// Share of a diagonal entry that elimination must leave: below it the direction is undetermined.
@@ -30,6 +30,8 @@ pub(crate) struct Outcome {
     pub(crate) factorizations: usize,
     pub(crate) termination: Termination,
     pub(crate) gradient: f64,
+    /// The last step tried.
+    pub(crate) last: Step,
     pub(crate) undetermined: Option<(usize, usize)>,
 }
 
@@ -60,16 +62,22 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         poses: &mut [G],
         options: &Options,
     ) -> Outcome {
-        let mut damping = Damping { value: 0.0, growth: 4.0 };
-        let mut outcome = Outcome {
-            cost: self.equations.assemble(self.pattern, edges, poses),
-            iterations: 0,
-            rejected: 0,
-            factorizations: 0,
-            termination: Termination::IterationLimit,
-            gradient: 0.0,
-            undetermined: None,
-        };
+        match options.method {
+            Method::Dogleg => self.minimise_by_dogleg(edges, poses, options),
+            Method::LevenbergMarquardt => self.minimise_damped(edges, poses, options, LARGEST_DAMPING),
+            Method::GaussNewton => self.minimise_damped(edges, poses, options, 0.0),
+        }
+    }
+
+    fn minimise_damped<T: Term<G, DOF>>(
+        &mut self,
+        edges: &[T],
+        poses: &mut [G],
+        options: &Options,
+        largest_damping: f64,
+    ) -> Outcome {
+        let mut damping = Damping { value: 0.0, growth: 4.0, largest: largest_damping };
+        let mut outcome = Outcome::new(self.equations.assemble(self.pattern, edges, poses));
         outcome.gradient = self.equations.largest_gradient();
         if outcome.gradient <= options.gradient_tolerance {
             outcome.termination = Termination::Gradient;
@@ -86,6 +94,7 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
                 }
                 continue;
             };
+            outcome.last = step;
             self.retract(poses);
             let undamped = damping.value == 0.0;
             let met = if damping.value <= 1e-3 { step.met(outcome.cost, options) } else { None };
@@ -134,7 +143,7 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
     }
 
     /// The damped step `(H + damping D) d = -g`.
-    fn solve(&mut self, damping: f64, undetermined: &mut Option<(usize, usize)>) -> Option<Step> {
+    pub(crate) fn solve(&mut self, damping: f64, undetermined: &mut Option<(usize, usize)>) -> Option<Step> {
         let equations = &self.equations;
         let largest_diagonal =
             equations.diagonal.iter().map(|block| block.diagonal().max()).fold(0.0, f64::max);
@@ -213,6 +222,7 @@ impl Step {
 struct Damping {
     value: f64,
     growth: f64,
+    largest: f64,
 }
 
 impl Damping {
@@ -220,7 +230,7 @@ impl Damping {
     fn raise(&mut self) -> bool {
         self.value = if self.value == 0.0 { FIRST_DAMPING } else { self.value * self.growth };
         self.growth *= 2.0;
-        self.value <= LARGEST_DAMPING
+        self.value <= self.largest
     }
 
     /// Less damping after a step that gained this share of what it promised. Nielsen's rule.

@@ -21,7 +21,8 @@ pub(crate) struct Slot {
 #[derive(Debug)]
 pub(crate) struct Pattern {
     pub(crate) variables: usize,
-    pub(crate) pairs: usize,
+    /// The two variables of each off-diagonal block, smaller first.
+    pub(crate) pairs: Vec<(usize, usize)>,
     pub(crate) slots: Vec<Slot>,
     pub(crate) symbolic: Symbolic,
 }
@@ -49,7 +50,8 @@ impl Pattern {
                 Slot { from: from.checked_sub(1), to: to.checked_sub(1), pair: index }
             })
             .collect();
-        Self { variables, pairs: pairs.len(), slots, symbolic: Symbolic::new(variables, &pairs, block) }
+        let symbolic = Symbolic::new(variables, &pairs, block);
+        Self { variables, pairs, slots, symbolic }
     }
 }
 
@@ -66,7 +68,7 @@ impl<const D: usize> NormalEquations<D> {
     pub(crate) fn new(pattern: &Pattern) -> Self {
         Self {
             diagonal: vec![SMatrix::zeros(); pattern.variables],
-            off_diagonal: vec![SMatrix::zeros(); pattern.pairs],
+            off_diagonal: vec![SMatrix::zeros(); pattern.pairs.len()],
             gradient: vec![SVector::zeros(); pattern.variables],
         }
     }
@@ -133,6 +135,13 @@ impl<const D: usize> NormalEquations<D> {
             }
         }
         cost
+    }
+
+    /// `d^T H d`.
+    pub(crate) fn curvature(&self, pattern: &Pattern, step: &[SVector<f64, D>]) -> f64 {
+        let own: f64 = self.diagonal.iter().zip(step).map(|(block, step)| step.dot(&(block * step))).sum();
+        let blocks = self.off_diagonal.iter().zip(&pattern.pairs);
+        own + 2.0 * blocks.map(|(block, &(a, b))| step[a].dot(&(block * step[b]))).sum::<f64>()
     }
 
     /// Largest magnitude in the gradient of the cost, `2 g`.

@@ -17,11 +17,25 @@ pub enum Initialisation {
     Best,
 }
 
+/// How steps are chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Gauss-Newton steps, damped once one fails.
+    #[default]
+    LevenbergMarquardt,
+    /// Gauss-Newton steps; the first that fails ends the iteration.
+    GaussNewton,
+    /// Powell's dogleg within a region that is trusted.
+    Dogleg,
+}
+
 /// Settings of [`optimize`](crate::optimize).
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     /// Where to start from.
     pub initialisation: Initialisation,
+    /// How steps are chosen.
+    pub method: Method,
     /// Most steps tried per connected part, rejected ones included.
     pub max_iterations: usize,
     /// Converged when a full Gauss-Newton step promises to lower the cost by less than this share of it.
@@ -45,11 +59,12 @@ impl Options {
 }
 
 impl Default for Options {
-    /// Best start, 200 iterations, tolerances 1e-10 (cost), 1e-10 (step), 1e-10 (gradient); no
+    /// Best start, Levenberg-Marquardt, 200 iterations, tolerances 1e-10 (cost), 1e-10 (step), 1e-10 (gradient); no
     /// graduation.
     fn default() -> Self {
         Self {
             initialisation: Initialisation::Best,
+            method: Method::LevenbergMarquardt,
             max_iterations: 200,
             cost_tolerance: 1e-10,
             step_tolerance: 1e-10,

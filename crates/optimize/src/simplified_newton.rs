@@ -51,6 +51,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
                 return None;
             }
             outcome.iterations += 1;
+            outcome.last = step;
             self.retract(poses);
             let cost = if met.is_some() {
                 edges.iter().map(|edge| edge.cost(&self.trial)).sum::<f64>()

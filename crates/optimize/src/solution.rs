@@ -88,6 +88,10 @@ pub struct ComponentReport {
     pub termination: Termination,
     /// Largest entry of the gradient at the end.
     pub gradient: f64,
+    /// What the last step promised to lower the cost by; NaN if none was tried.
+    pub last_promise: f64,
+    /// Largest component of the last step; NaN if none was tried.
+    pub last_step: f64,
     /// Node and component that the edges leave undetermined, if damping had to make the equations solvable.
     pub undetermined: Option<(usize, usize)>,
     /// Blocks of the factor.
@@ -110,6 +114,8 @@ impl ComponentReport {
             factorizations: 0,
             termination: Termination::NothingToDo,
             gradient: 0.0,
+            last_promise: f64::NAN,
+            last_step: f64::NAN,
             undetermined: None,
             factor_blocks: 0,
         }
@@ -122,6 +128,8 @@ impl ComponentReport {
         self.cost = outcome.cost;
         self.termination = outcome.termination;
         self.gradient = outcome.gradient;
+        self.last_promise = outcome.last.promised;
+        self.last_step = outcome.last.largest;
         self.undetermined = outcome.undetermined;
     }
 }

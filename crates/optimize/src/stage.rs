@@ -15,7 +15,9 @@ use serde::Serialize;
 pub use marginals::MarginalsOf;
 pub use robust::{Graduation, RobustOptions};
 
-use crate::{Edge, EdgeKind, Initialisation, Options, PoseGroup, Problem, Solution, certify, optimize};
+use crate::{
+    Edge, EdgeKind, Initialisation, Method, Options, PoseGroup, Problem, Solution, certify, optimize,
+};
 
 /// Where to start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
@@ -31,12 +33,28 @@ pub enum Start {
     Chordal,
 }
 
+/// How steps are chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum StepMethod {
+    /// Gauss-Newton steps, damped once one fails
+    LevenbergMarquardt,
+    /// Gauss-Newton steps; the first that fails is the last
+    GaussNewton,
+    /// Powell's dogleg
+    Dogleg,
+}
+
 /// The options of the optimisation stage.
 #[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
 pub struct StageOptions {
     /// Where to start from
     #[arg(long, value_enum, default_value_t = Start::Best)]
     pub initialisation: Start,
+
+    /// How steps are chosen
+    #[arg(long, value_enum, default_value_t = StepMethod::LevenbergMarquardt)]
+    pub method: StepMethod,
 
     /// Most steps tried per connected part
     #[arg(long, value_name = "N", default_value_t = Options::default().max_iterations)]
@@ -87,8 +105,14 @@ impl StageOptions {
             Start::SpanningTree => Initialisation::SpanningTree,
             Start::Chordal => Initialisation::Chordal,
         };
+        let method = match self.method {
+            StepMethod::LevenbergMarquardt => Method::LevenbergMarquardt,
+            StepMethod::GaussNewton => Method::GaussNewton,
+            StepMethod::Dogleg => Method::Dogleg,
+        };
         Ok(Options {
             initialisation,
+            method,
             max_iterations: self.max_iterations,
             cost_tolerance: self.cost_tolerance,
             step_tolerance: self.step_tolerance,
@@ -128,6 +152,13 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
         })
         .collect::<anyhow::Result<Vec<G>>>()?;
     let problem = Problem::new(poses, edges)?;
+    if problem.semidefinite() > 0 {
+        info!(
+            "{} information matrices are singular in print: they are taken as they stand, and say nothing about a direction",
+            problem.semidefinite()
+        );
+    }
+    context.statistics.note("semidefinite_information", problem.semidefinite());
     let solution = optimize(&problem, &library_options);
     for (node, pose) in graph.nodes.iter_mut().zip(&solution.poses) {
         node.pose = Some(pose.components());
@@ -233,6 +264,10 @@ fn note<G>(solution: &Solution<G>, edges: usize, unmeasured: usize, context: &mu
     let largest = solution.components.iter().max_by_key(|report| report.nodes);
     statistics.note("start", largest.map(|report| report.start.name()));
     statistics.note("termination", largest.map(|report| report.termination.name()));
+    // What the tests of convergence looked at, and what they were held to.
+    statistics.note("last_promised_share", largest.map(|report| report.last_promise / report.cost));
+    statistics.note("last_step", largest.map(|report| report.last_step));
+    statistics.note("gradient", largest.map(|report| report.gradient));
     statistics
         .note("factor_blocks", solution.components.iter().map(|report| report.factor_blocks).sum::<usize>());
 }

@@ -6,7 +6,8 @@ use nalgebra::{Matrix3, Matrix6, Vector3};
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_optimize::initialisation::spanning_tree;
 use posecut_optimize::{
-    Edge, EdgeKind, Initialisation, Kernel, Options, Problem, ProblemError, Start, Termination, optimize,
+    Edge, EdgeKind, Initialisation, Kernel, Method, Options, Problem, ProblemError, Start, Termination,
+    optimize,
 };
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
@@ -78,6 +79,52 @@ proptest! {
             }
         }
     }
+}
+
+/// A ring whose given poses are a good start, with measurements that contradict each other a little.
+fn noisy_ring(nodes: usize, size: f64) -> (Vec<SE3>, Vec<Edge<SE3, 6>>) {
+    let (truth, mut edges) = exact(nodes, 31, spatial);
+    let mut random = ChaCha8Rng::seed_from_u64(32);
+    for edge in &mut edges {
+        let noise = nalgebra::SVector::<f64, 6>::from_fn(|_, _| random.random_range(-size..size));
+        edge.measurement = edge.measurement.compose(&SE3::exp(&noise));
+    }
+    (truth, edges)
+}
+
+#[test]
+fn all_methods_find_the_same_minimum() {
+    let (truth, edges) = noisy_ring(40, 0.05);
+    let solve = |start: &[SE3], method| {
+        let options = Options { method, initialisation: Initialisation::Given, ..Options::default() };
+        optimize(&Problem::new(start.to_vec(), edges.clone()).unwrap(), &options)
+    };
+    let reference = solve(&truth, Method::LevenbergMarquardt);
+    assert!(reference.converged && reference.chi2 > 1e-3, "{}", reference.chi2);
+    for method in [Method::GaussNewton, Method::Dogleg] {
+        let solution = solve(&disturbed(&truth, 0.05, 33), method);
+        assert!(solution.converged, "{method:?} {:?}", solution.components);
+        assert!((solution.chi2 / reference.chi2 - 1.0).abs() < 1e-9, "{method:?} {}", solution.chi2);
+        let report = &solution.components[0];
+        assert!(report.last_promise <= 1e-10 * solution.chi2 || report.last_step <= 1e-10, "{report:?}");
+        assert!(report.factorizations < report.iterations || method == Method::Dogleg, "{report:?}");
+    }
+    // From afar full steps fail: only Gauss-Newton gives up, and no method ends above its start.
+    let far = disturbed(&truth, 2.0, 34);
+    let start = optimize(
+        &Problem::new(far.clone(), edges.clone()).unwrap(),
+        &Options { max_iterations: 0, initialisation: Initialisation::Given, ..Options::default() },
+    );
+    for method in [Method::LevenbergMarquardt, Method::GaussNewton, Method::Dogleg] {
+        let solution = solve(&far, method);
+        assert!(solution.chi2 <= start.chi2, "{method:?} {} {}", solution.chi2, start.chi2);
+        assert!(
+            solution.chi2 < 0.5 * start.chi2 || method == Method::GaussNewton,
+            "{method:?} {}",
+            solution.chi2
+        );
+    }
+    assert_eq!(solve(&far, Method::GaussNewton).components[0].termination, Termination::Stalled);
 }
 
 #[test]
