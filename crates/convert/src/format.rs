@@ -9,6 +9,8 @@ pub enum FileFormat {
     Jsonl,
     /// g2o pose graphs (.g2o)
     G2o,
+    /// TORO pose graphs (.toro)
+    Toro,
     /// TUM trajectories (.tum): seconds x y z qx qy qz qw
     Tum,
     /// KITTI trajectories (.kitti): 3x4 matrices, row by row
@@ -25,6 +27,7 @@ impl FileFormat {
         match name.rsplit_once('.')?.1 {
             "jsonl" | "json" | "ndjson" => Some(Self::Jsonl),
             "g2o" => Some(Self::G2o),
+            "toro" => Some(Self::Toro),
             "tum" => Some(Self::Tum),
             "kitti" => Some(Self::Kitti),
             "zip" => Some(Self::Evo),

@@ -7,6 +7,7 @@
 mod read;
 mod write;
 
+pub(crate) use read::{Dialect, read_dialect};
 pub use read::{ReadOptions, ReadSummary, read};
 pub use write::{WriteSummary, write};
 

@@ -33,7 +33,8 @@ pub(crate) fn clamp(side: usize, packed: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-fn unpack(side: usize, packed: &[f64]) -> DMatrix<f64> {
+/// The symmetric matrix with this upper triangle.
+pub(crate) fn unpack(side: usize, packed: &[f64]) -> DMatrix<f64> {
     let mut matrix = DMatrix::zeros(side, side);
     let mut terms = packed.iter();
     for row in 0..side {

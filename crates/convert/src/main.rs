@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use anyhow::bail;
 use clap::Parser;
 use posecut_convert::tum::Poses;
-use posecut_convert::{FileFormat, Repair, evo, g2o, kitti, tum};
+use posecut_convert::{FileFormat, Repair, evo, g2o, kitti, toro, tum};
 use posecut_evaluate::alignment::Freedom;
 use posecut_graph::{InputDigest, PoseGraph};
 use posecut_stage::{CommonArguments, Context, Identity, Outcome, Source, info, open, run, warn};
@@ -72,7 +72,7 @@ fn main() -> ExitCode {
     let identity = Identity {
         name: "convert",
         version: env!("CARGO_PKG_VERSION"),
-        about: "Convert g2o, TUM and KITTI files to pose-graph JSON Lines and back",
+        about: "Convert g2o, TORO, TUM and KITTI files to pose-graph JSON Lines and back",
     };
     run::<Command>(
         identity,
@@ -106,7 +106,7 @@ fn main() -> ExitCode {
 fn by_name(path: &Path, option: &str) -> anyhow::Result<FileFormat> {
     let Some(format) = FileFormat::of_name(path) else {
         bail!(
-            "{}: its name does not tell its format; say {option} jsonl, g2o, tum, kitti or evo",
+            "{}: its name does not tell its format; say {option} jsonl, g2o, toro, tum, kitti or evo",
             path.display()
         );
     };
@@ -121,14 +121,18 @@ fn read(command: &Command, from: FileFormat, context: &mut Context) -> anyhow::R
     let name = input.name.clone();
     let session = command.reading.session.as_str();
     let graph = match from {
-        FileFormat::G2o => {
+        FileFormat::G2o | FileFormat::Toro => {
             let repair = if command.reading.repair_information { Repair::Clamp } else { Repair::Refuse };
             let options = g2o::ReadOptions {
                 session: session.to_owned(),
                 repair,
                 skip_unknown: command.reading.skip_unknown,
             };
-            let (graph, summary) = g2o::read(&name, &mut input, &options)?;
+            let (graph, summary) = if from == FileFormat::Toro {
+                toro::read(&name, &mut input, &options)?
+            } else {
+                g2o::read(&name, &mut input, &options)?
+            };
             report(&name, &summary, context);
             graph
         }
@@ -177,8 +181,12 @@ fn write(
             let reference = context.read_graph(reference, "reference")?;
             evo::write(graph, &reference, command.align, session)?
         }
-        FileFormat::G2o | FileFormat::Jsonl => {
-            let (bytes, summary) = g2o::write(graph, command.keep_rejected);
+        FileFormat::G2o | FileFormat::Toro | FileFormat::Jsonl => {
+            let (bytes, summary) = if to == FileFormat::Toro {
+                toro::write(graph, command.keep_rejected)?
+            } else {
+                g2o::write(graph, command.keep_rejected)
+            };
             if summary.rejected + summary.unmeasured > 0 {
                 info!(
                     "{} rejected edges and {} without measurement left out (--keep-rejected writes the former)",

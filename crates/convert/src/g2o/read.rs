@@ -10,6 +10,16 @@ use super::FIXED;
 use crate::ConvertError;
 use crate::error::number;
 use crate::information::{Repair, clamp, negative_eigenvalue};
+use crate::toro;
+
+/// Which of the two formats with vertices and edges a file has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Dialect {
+    /// g2o.
+    G2o,
+    /// TORO, from which g2o descends.
+    Toro,
+}
 
 /// What may be overlooked or mended.
 #[derive(Clone, Debug)]
@@ -42,6 +52,7 @@ pub struct ReadSummary {
 struct Reader<'a> {
     file: &'a str,
     options: &'a ReadOptions,
+    dialect: Dialect,
     line: u64,
     dimension: Option<Dimension>,
     vertices: BTreeMap<u64, Vec<f64>>,
@@ -56,9 +67,20 @@ pub fn read(
     reader: impl BufRead,
     options: &ReadOptions,
 ) -> Result<(PoseGraph, ReadSummary), ConvertError> {
+    read_dialect(file, reader, options, Dialect::G2o)
+}
+
+/// Reads a file of either format.
+pub(crate) fn read_dialect(
+    file: &str,
+    reader: impl BufRead,
+    options: &ReadOptions,
+    dialect: Dialect,
+) -> Result<(PoseGraph, ReadSummary), ConvertError> {
     let mut state = Reader {
         file,
         options,
+        dialect,
         line: 0,
         dimension: None,
         vertices: BTreeMap::new(),
@@ -80,12 +102,18 @@ pub fn read(
 impl Reader<'_> {
     fn record(&mut self, fields: &[&str]) -> Result<(), ConvertError> {
         let (tag, fields) = (fields[0], &fields[1..]);
-        match tag {
-            "VERTEX_SE2" => self.vertex(Dimension::Two, fields),
-            "VERTEX_SE3:QUAT" => self.vertex(Dimension::Three, fields),
-            "EDGE_SE2" => self.edge(Dimension::Two, fields),
-            "EDGE_SE3:QUAT" => self.edge(Dimension::Three, fields),
-            "FIX" => {
+        match (self.dialect, tag) {
+            (Dialect::G2o, "VERTEX_SE2") | (Dialect::Toro, "VERTEX2") => {
+                self.vertex(Dimension::Two, fields)
+            }
+            (Dialect::G2o, "VERTEX_SE3:QUAT") | (Dialect::Toro, "VERTEX3") => {
+                self.vertex(Dimension::Three, fields)
+            }
+            (Dialect::G2o, "EDGE_SE2") | (Dialect::Toro, "EDGE2") => self.edge(Dimension::Two, fields),
+            (Dialect::G2o, "EDGE_SE3:QUAT") | (Dialect::Toro, "EDGE3") => {
+                self.edge(Dimension::Three, fields)
+            }
+            (Dialect::G2o, "FIX") => {
                 for field in fields {
                     let id = self.id(field)?;
                     self.fixed.insert(id);
@@ -98,7 +126,14 @@ impl Reader<'_> {
             }
             _ => Err(self.refuse(
                 format!("the tag {tag} is unknown"),
-                "pose graphs have VERTEX_SE2, EDGE_SE2, VERTEX_SE3:QUAT, EDGE_SE3:QUAT and FIX; --skip-unknown leaves others out",
+                match self.dialect {
+                    Dialect::G2o => {
+                        "pose graphs have VERTEX_SE2, EDGE_SE2, VERTEX_SE3:QUAT, EDGE_SE3:QUAT and FIX; --skip-unknown leaves others out"
+                    }
+                    Dialect::Toro => {
+                        "TORO has VERTEX2, EDGE2, VERTEX3 and EDGE3; --skip-unknown leaves others out"
+                    }
+                },
             )),
         }
     }
@@ -133,7 +168,17 @@ impl Reader<'_> {
         }
     }
 
+    fn pose_numbers(&self, dimension: Dimension) -> usize {
+        match self.dialect {
+            Dialect::G2o => dimension.pose_components(),
+            Dialect::Toro => toro::pose_numbers(dimension),
+        }
+    }
+
     fn pose(&self, dimension: Dimension, mut pose: Vec<f64>) -> Result<Vec<f64>, ConvertError> {
+        if self.dialect == Dialect::Toro {
+            return Ok(toro::pose_from_toro(pose));
+        }
         if dimension == Dimension::Three {
             let norm = pose[3..].iter().map(|component| component * component).sum::<f64>().sqrt();
             if !(norm > 1e-6) {
@@ -155,7 +200,7 @@ impl Reader<'_> {
             return Err(self.refuse("the vertex has no id", "the line is cut short"));
         };
         let id = self.id(id)?;
-        let pose = self.pose(dimension, self.numbers(rest, dimension.pose_components())?)?;
+        let pose = self.pose(dimension, self.numbers(rest, self.pose_numbers(dimension))?)?;
         if self.vertices.insert(id, pose).is_some() {
             return Err(self.refuse(format!("vertex {id} stands twice"), "keep one of the two"));
         }
@@ -171,9 +216,18 @@ impl Reader<'_> {
         if from == to {
             return Err(self.refuse(format!("the edge joins vertex {from} to itself"), "delete the line"));
         }
-        let components = dimension.pose_components();
+        let components = self.pose_numbers(dimension);
         let mut numbers = self.numbers(rest, components + dimension.information_terms())?;
         let mut information = numbers.split_off(components);
+        if self.dialect == Dialect::Toro {
+            information =
+                toro::information_from_toro(dimension, &numbers, &information).ok_or_else(|| {
+                    self.refuse(
+                        "the measured pitch is a right angle, where roll and yaw are one and have no information each",
+                        "give the edge in g2o's format, or turn the frames of its vertices",
+                    )
+                })?;
+        }
         let side = dimension.degrees_of_freedom();
         if let Some(eigenvalue) = negative_eigenvalue(side, &information) {
             if self.options.repair == Repair::Refuse {
