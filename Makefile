@@ -16,6 +16,10 @@ INGEST    ?= $(BIN)/posecut-ingest
 CONSTRUCT ?= $(BIN)/posecut-construct
 ORACLE    ?= $(BIN)/posecut-oracle
 PCM       ?= $(BIN)/posecut-pcm
+RANSAC    ?= $(BIN)/posecut-ransac
+ISLANDS   ?= $(BIN)/posecut-islands
+DENSEST   ?= $(BIN)/posecut-densest
+VOTING    ?= $(BIN)/posecut-voting
 MULTICUT  ?= $(BIN)/posecut-multicut
 OPTIMIZE  ?= $(BIN)/posecut-optimize
 EVALUATE  ?= $(BIN)/posecut-evaluate
@@ -36,7 +40,8 @@ help:
 	@echo '  make table                     the table of the paper on simulated sessions, both regimes'
 	@echo '  make table NCLT=DIR            the same on real NCLT sessions (DIR/DATE/ or DIR/DATE_sen.tar.gz)'
 	@echo '       SESSIONS="2012-01-22 …"   which sessions      SEEDS=n       how many seeds'
-	@echo '       PIPELINES="paper …"       which regimes       METHODS="…"   none pcm gc pcm+gc oracle'
+	@echo '       PIPELINES="paper …"       which regimes       METHODS="…"   none pcm gc pcm+gc oracle,'
+	@echo '                                 and to compare: ransac islands densest voting gnc dcs, each +gc too'
 	@echo '  make figures [NCLT=DIR]        trajectories and optimised graphs, SVG and PNG'
 	@echo '  make report [NCLT=DIR]         one HTML page: tables, maps, matrices, errors over time, regimes'
 	@echo '  make test                      all tests'
@@ -60,6 +65,9 @@ experiment_of  = $(word 1,$(call parts,$(1)))
 session_of     = $(word 2,$(call parts,$(1)))
 seed_of        = $(word 3,$(call parts,$(1)))
 options        = $($(patsubst %-simulated,%,$(call experiment_of,$@)).$(1))
+# The experiment's options are those of our program: another one gets what the command line says for it, if anything.
+declared       = $(patsubst %-simulated,%,$(call experiment_of,$@)).$(1)
+own_options    = $(if $(filter $(BIN)/%,$(firstword $(2)))$(filter command,$(origin $(call declared,$(1)))),$(call options,$(1)))
 said           = @printf '  %-9s %s\n' '$(1)' '$@'
 results       := $(foreach experiment,$(experiments),$(foreach session,$(present),$(foreach seed,$(seeds),\
                  $(foreach method,$(METHODS),$(RESULTS)/$(experiment)/$(session)/$(seed)/$(method).result.json))))
@@ -70,7 +78,8 @@ listed         = $(subst $(space),$(comma),$(strip $(1)))
 
 # ---- programs ---------------------------------------------------------------------------------------------
 sources       := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
-binaries      := $(addprefix $(BIN)/posecut-,simulate ingest construct oracle pcm multicut optimize evaluate report convert)
+binaries      := $(addprefix $(BIN)/posecut-,simulate ingest construct oracle pcm multicut optimize evaluate report convert \
+                 ransac islands densest voting conform)
 
 $(BIN)/.posecut-built: $(sources)
 	@echo '  building the stages (the first time takes some minutes)'
@@ -116,15 +125,28 @@ $(RESULTS)/%/graph.jsonl: $(CONSTRUCT) $$(dir $$(@D))session.jsonl
 
 %/pcm.jsonl: %/graph.jsonl $(PCM)
 	$(call said,pcm)
-	@$(PCM) --quiet $< $(call options,pcm) -o $@ --stats $(@D)/pcm.stats.json
+	@$(PCM) --quiet $< $(call own_options,pcm,$(PCM)) -o $@ --stats $(@D)/pcm.stats.json
+
+# Other methods, to compare with: their defaults, or options such as paper.ransac.
+define rejection
+%/$(1).jsonl: %/graph.jsonl $$($(2))
+	$$(call said,$(1))
+	@$$($(2)) --quiet $$< $(3) $$(call own_options,$(1),$$($(2))) -o $$@ --stats $$(@D)/$(1).stats.json
+endef
+$(eval $(call rejection,ransac,RANSAC))
+$(eval $(call rejection,islands,ISLANDS))
+$(eval $(call rejection,densest,DENSEST))
+$(eval $(call rejection,voting,VOTING))
+$(eval $(call rejection,gnc,OPTIMIZE,--gnc --reject-below 0.5))
+$(eval $(call rejection,dcs,OPTIMIZE,--kernel-landmark dcs --reject-below 0.5))
 
 %/gc.jsonl: %/graph.jsonl $(MULTICUT)
 	$(call said,multicut)
-	@$(MULTICUT) --quiet $< $(call options,multicut) -o $@ --stats $(@D)/gc.stats.json
+	@$(MULTICUT) --quiet $< $(call own_options,multicut,$(MULTICUT)) -o $@ --stats $(@D)/gc.stats.json
 
 %+gc.jsonl: %.jsonl $(MULTICUT)
 	$(call said,multicut)
-	@$(MULTICUT) --quiet $< $(call options,multicut) -o $@ --stats $*+gc.stats.json
+	@$(MULTICUT) --quiet $< $(call own_options,multicut,$(MULTICUT)) -o $@ --stats $*+gc.stats.json
 
 # ---- optimisation and evaluation --------------------------------------------------------------------------
 %.optimized.jsonl: %.jsonl $(OPTIMIZE)
