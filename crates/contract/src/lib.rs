@@ -78,7 +78,7 @@ impl Samples {
 }
 
 /// The samples, made once by the programs themselves: `2012-01-22/` (a session), `session.jsonl`,
-/// `graph.jsonl`, `optimized.jsonl`, `x.result.json`.
+/// `graph.jsonl`, `optimized.jsonl`, `x.result.json`; `paper.toml` and `stages.toml` are those of `pipelines/`.
 ///
 /// # Panics
 /// If a program fails.
@@ -100,6 +100,10 @@ pub fn samples() -> &'static Samples {
         );
         succeed("optimize", &[&graph, "-o", &optimized], b"");
         succeed("evaluate", &[&optimized, "--label", "method=all", "-o", &path("x.result.json")], b"");
+        for name in ["paper.toml", "stages.toml"] {
+            std::fs::copy(workspace().join("pipelines").join(name), path(name))
+                .expect("pipelines/ can be copied");
+        }
         samples
     })
 }

@@ -1,0 +1,77 @@
+//! Which method does better.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::Row;
+use crate::{Fingerprint, Order, Plan};
+
+/// Judges an order by the plan's results; `None` if the plan does not run both methods.
+pub(super) fn judge(order: &Order, plan: &Plan, results: &Path) -> Option<Row> {
+    let folder = results.join(&order.experiment);
+    let mut runs: BTreeMap<&Path, [Option<usize>; 2]> = BTreeMap::new();
+    for (place, task) in plan.tasks.iter().enumerate() {
+        let path = Path::new(&task.id);
+        let (Some(run), Some(name), Ok(below)) =
+            (path.parent(), path.file_name(), path.strip_prefix(&folder))
+        else {
+            continue;
+        };
+        let session = below.components().next().map(|part| part.as_os_str().to_string_lossy().into_owned());
+        let seed: Option<u64> = run.file_name().and_then(|seed| seed.to_string_lossy().parse().ok());
+        let wanted =
+            order.sessions.is_empty() || session.is_some_and(|session| order.sessions.contains(&session));
+        if !wanted || seed.is_none_or(|seed| seed > order.seeds) {
+            continue;
+        }
+        let side = match name.to_string_lossy().strip_suffix(".result.json") {
+            Some(method) if method == order.better => 0,
+            Some(method) if method == order.worse => 1,
+            _ => continue,
+        };
+        runs.entry(run).or_default()[side] = Some(place);
+    }
+    runs.retain(|_, sides| sides.iter().all(Option::is_some));
+    if runs.is_empty() {
+        return None;
+    }
+    let mut row = Row {
+        name: format!("{}: {} better than {}", order.experiment, order.better, order.worse),
+        stage: "order".to_owned(),
+        failures: Vec::new(),
+        notes: Vec::new(),
+        largest: None,
+        tasks: runs.values().flatten().flatten().copied().collect(),
+    };
+    let (mut wins, mut against) = (0, Vec::new());
+    for (run, sides) in &runs {
+        let rmse: Result<Vec<f64>, String> =
+            sides.iter().flatten().map(|&place| read(&plan.tasks[place].id)).collect();
+        match rmse.as_deref() {
+            Ok([better, worse]) if better < worse => wins += 1,
+            Ok([better, worse]) => {
+                let run = run.strip_prefix(&folder).unwrap_or(run).display();
+                against.push(format!("{run} ({better:.3} m against {worse:.3} m)"));
+            }
+            Ok(_) => {}
+            Err(error) => row.failures.push(error.clone()),
+        }
+    }
+    let share = f64::from(wins) / runs.len() as f64;
+    let said = format!(
+        "lower RMSE in {wins} of {} runs, a share of {share:.2}, where at least {:.2} is expected",
+        runs.len(),
+        order.share
+    );
+    if share >= order.share {
+        row.notes.push(said);
+    } else {
+        row.failures.push(format!("{said} ({}); not in {}", order.reason, against.join(", ")));
+    }
+    Some(row)
+}
+
+fn read(path: &str) -> Result<f64, String> {
+    let found = Fingerprint::read(Path::new(path)).map_err(|error| format!("{error:#}"))?;
+    found.close.get("rmse").copied().ok_or_else(|| format!("{path}: has no RMSE"))
+}

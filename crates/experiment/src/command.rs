@@ -1,0 +1,203 @@
+//! The command line.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use clap::{Parser, Subcommand, ValueEnum};
+use posecut_experiment::check::{accept, check};
+use posecut_experiment::{Expected, Programs, RunOptions, Selection, collect, junit, make_rules, run};
+use posecut_stage::{CommonArguments, Context, Outcome, counted, info, write_atomically};
+
+#[derive(Parser)]
+pub(crate) struct Command {
+    #[command(subcommand)]
+    task: Task,
+
+    #[command(flatten)]
+    pub(crate) common: CommonArguments,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Expand experiments to tasks: command line, inputs, outputs and digest of every stage call
+    Plan {
+        #[command(flatten)]
+        selection: Selection,
+
+        /// How the plan is written
+        #[arg(long, value_enum, default_value_t = Format::Tasks)]
+        format: Format,
+    },
+    /// Run what has not been run yet; --threads tasks at once
+    Run {
+        #[command(flatten)]
+        selection: Selection,
+
+        /// Only what several runs share: simulated sessions and session graphs
+        #[arg(long, conflicts_with = "shard")]
+        shared: bool,
+
+        /// Only share K of N of the runs, whose shared part is there
+        #[arg(long, value_name = "K/N", value_parser = shard)]
+        shard: Option<(usize, usize)>,
+    },
+    /// Gather results in one file, JSON Lines
+    Collect {
+        #[command(flatten)]
+        selection: Selection,
+    },
+    /// Compare results with what is expected; exit status 1 if something differs
+    Check {
+        #[command(flatten)]
+        selection: Selection,
+
+        /// The expectations
+        #[arg(long, value_name = "FILE", default_value = "pipelines/expected.toml")]
+        expected: PathBuf,
+
+        /// Write the comparison as JUnit XML too
+        #[arg(long, value_name = "FILE")]
+        junit: Option<PathBuf>,
+    },
+    /// Record results as what is expected, and show what changes
+    Accept {
+        #[command(flatten)]
+        selection: Selection,
+
+        /// The expectations
+        #[arg(long, value_name = "FILE", default_value = "pipelines/expected.toml")]
+        expected: PathBuf,
+    },
+    /// List the stage programs and what their version commands say; exit status 1 if one is not there
+    Stages {
+        /// The list of stage programs
+        #[arg(long, value_name = "FILE", default_value = "pipelines/stages.toml")]
+        stages: PathBuf,
+
+        /// Where stage programs lie that are named without a path; beside this program unless given
+        #[arg(long, value_name = "DIRECTORY")]
+        programs: Option<PathBuf>,
+    },
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Format {
+    /// JSON Lines, one task a line, for any engine
+    Tasks,
+    /// Rules for make -f
+    Make,
+    /// The names of the result files
+    Results,
+}
+
+fn shard(text: &str) -> Result<(usize, usize), String> {
+    let wrong = || format!("\"{text}\" is no share; write 3/10 for the third of ten");
+    let (shard, of) = text.split_once('/').ok_or_else(wrong)?;
+    let (shard, of): (usize, usize) = (shard.parse().map_err(|_| wrong())?, of.parse().map_err(|_| wrong())?);
+    if (1..=of).contains(&shard) { Ok((shard, of)) } else { Err(wrong()) }
+}
+
+pub(crate) fn execute(command: &Command, context: &mut Context) -> anyhow::Result<Outcome> {
+    match &command.task {
+        Task::Plan { selection, format } => {
+            let plan = selection.plan()?;
+            let bytes = match format {
+                Format::Tasks => {
+                    let mut bytes = Vec::new();
+                    plan.write(&mut bytes)?;
+                    bytes
+                }
+                Format::Make => make_rules(&plan).into_bytes(),
+                Format::Results => {
+                    plan.results().flat_map(|path| [path, "\n"]).collect::<String>().into_bytes()
+                }
+            };
+            context.statistics.note("tasks", plan.tasks.len());
+            context.statistics.note("results", plan.results().count());
+            context.write_bytes(&bytes)?;
+            Ok(Outcome::Done)
+        }
+        Task::Run { selection, shared, shard } => execute_run(selection, *shared, *shard, context),
+        Task::Collect { selection } => {
+            let mut bytes = Vec::new();
+            let (found, missing) = collect(&selection.plan()?, &mut bytes)?;
+            info!("{}, {missing} missing", counted(found, "result"));
+            context.statistics.note("results", found);
+            context.statistics.note("missing", missing);
+            context.write_bytes(&bytes)?;
+            Ok(if missing == 0 { Outcome::Done } else { Outcome::CheckFailed })
+        }
+        Task::Check { selection, expected, junit: file } => {
+            let plan = selection.plan()?;
+            let report = check(&Expected::read(expected)?, &plan, &selection.results);
+            if let Some(file) = file {
+                write_atomically(file, |writer| Ok(writer.write_all(junit(&report).as_bytes())?))?;
+            }
+            if report.rows.is_empty() {
+                bail!(
+                    "{}: expects nothing of these experiments; add them under [[cover]]",
+                    expected.display()
+                );
+            }
+            context.statistics.note("rows", report.rows.len());
+            context.statistics.note("not_checked", report.not_checked);
+            context.statistics.note("holds", report.holds());
+            context.write_bytes(report.text(&plan)?.as_bytes())?;
+            Ok(if report.holds() { Outcome::Done } else { Outcome::CheckFailed })
+        }
+        Task::Accept { selection, expected } => {
+            let before = Expected::read(expected)?;
+            let (after, changes) = accept(&before, &selection.plan()?, &selection.results)?;
+            let text = after.write()?;
+            write_atomically(expected, |writer| Ok(writer.write_all(text.as_bytes())?))?;
+            context.write_bytes(changes.as_bytes())?;
+            Ok(Outcome::Done)
+        }
+        Task::Stages { stages, programs } => list_stages(stages, programs.as_ref(), context),
+    }
+}
+
+fn execute_run(
+    selection: &Selection,
+    shared: bool,
+    shard: Option<(usize, usize)>,
+    context: &mut Context,
+) -> anyhow::Result<Outcome> {
+    let plan = selection.plan()?;
+    let options = RunOptions { threads: context.threads(), shared, shard };
+    let progress = context.progress(0, "stages");
+    let summary = run(&plan, &options, &progress)?;
+    progress.finish_and_clear();
+    info!("{} run, {} finished before", counted(summary.run, "task"), summary.finished_before);
+    context.statistics.note("run", summary.run);
+    context.statistics.note("finished_before", summary.finished_before);
+    context.statistics.note("failed", &summary.failed);
+    context.statistics.note("not_run", summary.not_run);
+    context.statistics.note("stages", &summary.stages);
+    if !summary.failed.is_empty() {
+        bail!(
+            "{} failed twice, and {} that read from them were not run; mend them and run again, finished ones stay\n  {}",
+            counted(summary.failed.len(), "task"),
+            summary.not_run,
+            summary.failed.join("\n  ")
+        );
+    }
+    Ok(Outcome::Done)
+}
+
+fn list_stages(stages: &Path, programs: Option<&PathBuf>, context: &mut Context) -> anyhow::Result<Outcome> {
+    let beside = std::env::current_exe().ok().and_then(|path| Some(path.parent()?.to_owned()));
+    let folder =
+        programs.cloned().or(beside).context("the folder of programs is unknown; name it with --programs")?;
+    let mut text = String::new();
+    let mut outcome = Outcome::Done;
+    for (stage, program, version) in Programs::read(stages, Some(&folder))?.versions() {
+        let said = version.unwrap_or_else(|error| {
+            outcome = Outcome::CheckFailed;
+            format!("not there: {error:#}")
+        });
+        text.push_str(&format!("{stage}\t{program}\t{said}\n"));
+    }
+    context.write_bytes(text.as_bytes())?;
+    Ok(outcome)
+}

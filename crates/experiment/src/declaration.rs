@@ -1,0 +1,262 @@
+//! An experiment as its TOML file declares it.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::{Context as _, bail};
+use serde::Deserialize;
+use toml::Value;
+
+/// A declared experiment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Experiment {
+    /// Its name: the folder of its results, and their label `pipeline`.
+    pub name: String,
+    /// Names of sessions.
+    pub sessions: Vec<String>,
+    /// Seeds 1 to this number.
+    pub seeds: u64,
+    /// Methods to run, in the order of tables.
+    pub methods: Vec<String>,
+    /// The method whose optimised graph the others are compared with.
+    pub reference: String,
+    /// Which files stay.
+    pub keep: Keep,
+    /// Steps by name.
+    pub stages: BTreeMap<String, Step>,
+    /// Methods as chains of steps between construction and optimisation.
+    pub chains: BTreeMap<String, Vec<String>>,
+    /// Parameters that options may name, with their values where no grid says otherwise.
+    pub parameters: BTreeMap<String, String>,
+    /// Parameters computed from others.
+    pub derived: BTreeMap<String, Derived>,
+    /// Blocks of parameter values; without any, there is one point.
+    pub grids: Vec<Grid>,
+}
+
+/// Which files of an experiment stay when nobody needs them any more.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Keep {
+    /// All of them.
+    #[default]
+    All,
+    /// Results and session graphs; what lies between is made and removed.
+    Results,
+}
+
+/// One step: a stage program with options.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Step {
+    /// The program's name in the list of stages; the step's own name unless given.
+    pub program: Option<String>,
+    /// Its options; `{name}` stands for a parameter's value.
+    pub options: Vec<String>,
+}
+
+/// `factor * of^power`, in six significant digits.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Derived {
+    /// A numeric parameter.
+    pub of: String,
+    /// The factor.
+    #[serde(default = "one")]
+    pub factor: f64,
+    /// The exponent.
+    #[serde(default = "one")]
+    pub power: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// All combinations of some parameters' values, for some of the methods, sessions and seeds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Grid {
+    /// Values of each parameter that varies.
+    pub axes: BTreeMap<String, Vec<String>>,
+    /// Instead of the experiment's methods.
+    pub methods: Option<Vec<String>>,
+    /// Instead of the experiment's sessions.
+    pub sessions: Option<Vec<String>>,
+    /// Instead of the experiment's number of seeds.
+    pub seeds: Option<u64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    base: Option<String>,
+    name: Option<String>,
+    #[expect(dead_code, reason = "for readers of the file")]
+    about: Option<String>,
+    sessions: Option<Vec<String>>,
+    seeds: Option<u64>,
+    methods: Option<Vec<String>>,
+    reference: Option<String>,
+    keep: Option<Keep>,
+    #[serde(default)]
+    stages: BTreeMap<String, Value>,
+    #[serde(default)]
+    method: BTreeMap<String, Vec<String>>,
+    #[serde(default)]
+    parameters: BTreeMap<String, Value>,
+    #[serde(default)]
+    derived: BTreeMap<String, Derived>,
+    #[serde(default)]
+    grid: Vec<BTreeMap<String, Value>>,
+}
+
+impl Experiment {
+    /// Reads a declaration; what it does not say comes from the file that it names as `base`, beside it.
+    pub fn read(path: &Path) -> anyhow::Result<Self> {
+        let place = path.display();
+        let text = std::fs::read_to_string(path).with_context(|| format!("{place}: cannot be read"))?;
+        let file: File =
+            toml::from_str(&text).with_context(|| format!("{place}: is no declaration of an experiment"))?;
+        let mut experiment = match &file.base {
+            Some(base) if path.file_name().is_some_and(|name| name == base.as_str()) => {
+                bail!("{place}: names itself as its base; name another file or none")
+            }
+            Some(base) => Self::read(&path.with_file_name(base))
+                .with_context(|| format!("{place}: its base \"{base}\" cannot be used"))?,
+            None => Self::empty(),
+        };
+        let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        experiment.overlay(file, stem).with_context(|| format!("{place}: cannot be used"))?;
+        experiment.validate().with_context(|| format!("{place}: cannot be used"))?;
+        Ok(experiment)
+    }
+
+    fn empty() -> Self {
+        Self {
+            name: String::new(),
+            sessions: Vec::new(),
+            seeds: 1,
+            methods: Vec::new(),
+            reference: "oracle".to_owned(),
+            keep: Keep::All,
+            stages: BTreeMap::new(),
+            chains: BTreeMap::new(),
+            parameters: BTreeMap::new(),
+            derived: BTreeMap::new(),
+            grids: Vec::new(),
+        }
+    }
+
+    fn overlay(&mut self, file: File, stem: String) -> anyhow::Result<()> {
+        self.name = file.name.unwrap_or(stem);
+        self.sessions = file.sessions.unwrap_or(std::mem::take(&mut self.sessions));
+        self.seeds = file.seeds.unwrap_or(self.seeds);
+        self.methods = file.methods.unwrap_or(std::mem::take(&mut self.methods));
+        self.reference = file.reference.unwrap_or(std::mem::take(&mut self.reference));
+        self.keep = file.keep.unwrap_or(self.keep);
+        for (name, value) in file.stages {
+            let step = step(&value).with_context(|| format!("stages.{name}"))?;
+            self.stages.insert(name, step);
+        }
+        self.chains.extend(file.method);
+        for (name, value) in file.parameters {
+            let value = scalar(&value).with_context(|| format!("parameters.{name}"))?;
+            self.parameters.insert(name, value);
+        }
+        self.derived.extend(file.derived);
+        if !file.grid.is_empty() {
+            self.grids = file.grid.iter().map(grid).collect::<anyhow::Result<_>>()?;
+        }
+        Ok(())
+    }
+
+    fn validate(&self) -> anyhow::Result<()> {
+        let every = self.grids.iter().filter_map(|grid| grid.methods.as_ref()).flatten();
+        for method in self.methods.iter().chain(every).chain([&self.reference]) {
+            self.chain(method)?;
+        }
+        for grid in &self.grids {
+            if let Some(axis) = grid.axes.keys().find(|axis| !self.parameters.contains_key(*axis)) {
+                bail!("a grid varies \"{axis}\", which is no parameter; declare it under [parameters]");
+            }
+        }
+        if let Some((name, derived)) =
+            self.derived.iter().find(|(_, derived)| !self.parameters.contains_key(&derived.of))
+        {
+            bail!("derived.{name} is computed of \"{}\", which is no parameter", derived.of);
+        }
+        for name in self.parameters.keys().chain(self.derived.keys()) {
+            if ["pipeline", "session", "seed", "method"].contains(&name.as_str()) {
+                bail!("\"{name}\" cannot be a parameter, since results have a label of that name");
+            }
+        }
+        Ok(())
+    }
+
+    /// The steps of a method between construction and optimisation.
+    pub fn chain(&self, method: &str) -> anyhow::Result<&[String]> {
+        self.chains.get(method).map(Vec::as_slice).with_context(|| {
+            let known: Vec<&str> = self.chains.keys().map(String::as_str).collect();
+            format!("there is no method \"{method}\"; [method] declares {}", known.join(", "))
+        })
+    }
+
+    /// Replaces the options of a step, as the command line asks.
+    pub fn set_options(&mut self, step: &str, options: &str) {
+        self.stages.entry(step.to_owned()).or_default().options = words(options);
+    }
+}
+
+fn words(options: &str) -> Vec<String> {
+    options.split_whitespace().map(str::to_owned).collect()
+}
+
+fn step(value: &Value) -> anyhow::Result<Step> {
+    let options = |value: &Value| match value {
+        Value::String(text) => Ok(words(text)),
+        Value::Array(items) => items.iter().map(scalar).collect(),
+        other => bail!("options are text, or a list of words, not {other}"),
+    };
+    let Value::Table(table) = value else {
+        return Ok(Step { program: None, options: options(value)? });
+    };
+    if let Some(name) = table.keys().find(|name| !["program", "options"].contains(&name.as_str())) {
+        bail!("a step has \"program\" and \"options\", not \"{name}\"");
+    }
+    Ok(Step {
+        program: table.get("program").map(scalar).transpose()?,
+        options: table.get("options").map(options).transpose()?.unwrap_or_default(),
+    })
+}
+
+/// A value as options and labels have it.
+fn scalar(value: &Value) -> anyhow::Result<String> {
+    Ok(match value {
+        Value::String(text) => text.clone(),
+        Value::Integer(number) => number.to_string(),
+        Value::Float(number) if number.is_finite() => number.to_string(),
+        Value::Boolean(truth) => truth.to_string(),
+        other => bail!("expected a number or text, found {other}"),
+    })
+}
+
+fn grid(table: &BTreeMap<String, Value>) -> anyhow::Result<Grid> {
+    let mut grid = Grid::default();
+    for (name, value) in table {
+        let list = || match value {
+            Value::Array(items) => items.iter().map(scalar).collect::<anyhow::Result<Vec<_>>>(),
+            one => Ok(vec![scalar(one)?]),
+        };
+        match name.as_str() {
+            "methods" => grid.methods = Some(list()?),
+            "sessions" => grid.sessions = Some(list()?),
+            "seeds" => {
+                let seeds = value.as_integer().and_then(|seeds| u64::try_from(seeds).ok());
+                grid.seeds = Some(seeds.context("a grid's seeds are a number of seeds")?);
+            }
+            _ => {
+                grid.axes.insert(name.clone(), list().with_context(|| format!("grid, {name}"))?);
+            }
+        }
+    }
+    Ok(grid)
+}

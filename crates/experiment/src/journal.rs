@@ -1,0 +1,80 @@
+//! What has been finished: one line a task, beside the group that it belongs to.
+
+use std::collections::{BTreeMap, HashMap};
+use std::fs::{self, File};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use posecut_stage::write_atomically;
+use serde::{Deserialize, Serialize};
+
+/// A finished task.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Entry {
+    pub(crate) id: String,
+    pub(crate) digest: String,
+    /// SHA-256 of each output.
+    pub(crate) outputs: BTreeMap<String, String>,
+}
+
+/// The finished tasks of some groups. Lines are appended as tasks finish, so that nothing is lost when the run
+/// is killed, and sorted when it ends, so that a resumed run leaves the same bytes as an undisturbed one.
+#[derive(Default)]
+pub(crate) struct Journals(HashMap<String, BTreeMap<String, Entry>>);
+
+fn path(group: &str) -> PathBuf {
+    PathBuf::from(format!("{group}.tasks.jsonl"))
+}
+
+impl Journals {
+    pub(crate) fn load(&mut self, group: &str) -> anyhow::Result<()> {
+        if self.0.contains_key(group) {
+            return Ok(());
+        }
+        let path = path(group);
+        let text = match fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+            Err(error) => return Err(error).with_context(|| format!("{}: cannot be read", path.display())),
+        };
+        // A line that a killed run did not finish is no line.
+        let entries = text.lines().filter_map(|line| serde_json::from_str::<Entry>(line).ok());
+        let entries: BTreeMap<String, Entry> = entries.map(|entry| (entry.id.clone(), entry)).collect();
+        if text.lines().count() != entries.len() {
+            write(&path, &entries)?;
+        }
+        self.0.insert(group.to_owned(), entries);
+        Ok(())
+    }
+
+    pub(crate) fn get(&self, group: &str, id: &str) -> Option<&Entry> {
+        self.0.get(group)?.get(id)
+    }
+
+    pub(crate) fn add(&mut self, group: &str, entry: Entry) -> anyhow::Result<()> {
+        let path = path(group);
+        let place = || format!("{}: cannot be written", path.display());
+        let mut line = serde_json::to_vec(&entry)?;
+        line.push(b'\n');
+        let mut file = File::options().create(true).append(true).open(&path).with_context(place)?;
+        file.write_all(&line).with_context(place)?;
+        self.0.entry(group.to_owned()).or_default().insert(entry.id.clone(), entry);
+        Ok(())
+    }
+
+    /// Writes a group's lines in order of their tasks' names.
+    pub(crate) fn sort(&self, group: &str) -> anyhow::Result<()> {
+        self.0.get(group).map_or(Ok(()), |entries| write(&path(group), entries))
+    }
+}
+
+fn write(path: &Path, entries: &BTreeMap<String, Entry>) -> anyhow::Result<()> {
+    write_atomically(path, |writer| {
+        for entry in entries.values() {
+            serde_json::to_writer(&mut *writer, entry)?;
+            writer.write_all(b"\n")?;
+        }
+        Ok(())
+    })
+}

@@ -1,0 +1,43 @@
+//! Experiments as declarations: which stages run in which order with which arguments, over which sessions,
+//! seeds and parameters, and what is expected to come out.
+//!
+//! A declaration ([`Experiment`]) and the stage programs ([`Programs`]) expand to a [`Plan`]: a list of tasks,
+//! each one call of a stage program with its inputs, outputs and digest. [`run`] works a plan off on several
+//! threads, resumes where an earlier run stopped and never runs a finished task again; a plan is also written
+//! as JSON Lines or as rules for Make, for other engines. [`collect()`] gathers the results, [`check`] holds them
+//! to expectations.
+
+pub mod check;
+mod collect;
+mod declaration;
+mod digest;
+mod expected;
+mod fingerprint;
+mod journal;
+mod junit;
+mod lock;
+mod make_rules;
+mod measure;
+mod parameters;
+mod plan;
+mod planner;
+mod programs;
+mod run;
+mod schedule;
+mod selection;
+mod splice;
+
+pub use collect::collect;
+pub use declaration::{Experiment, Grid, Keep, Step};
+pub use expected::{Close, Expected, Order, Recorded, Tolerance};
+pub use fingerprint::Fingerprint;
+pub use junit::junit;
+pub use make_rules::make_rules;
+pub use measure::{Measured, measure};
+pub use parameters::Point;
+pub use plan::{Plan, Task};
+pub use planner::{Source, plan};
+pub use programs::Programs;
+pub use run::{RunOptions, Summary, run};
+pub use selection::Selection;
+pub use splice::splice;

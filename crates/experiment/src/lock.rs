@@ -1,0 +1,49 @@
+//! One run at a time over the same tasks.
+
+use std::fs::{File, TryLockError};
+use std::path::Path;
+use std::process::Stdio;
+
+use anyhow::Context as _;
+use posecut_stage::{info, warn};
+
+/// A lock that the stages share with the runner that called them, since it is their standard input: when a
+/// runner is killed, the next one waits until the stages that outlived it have ended, so that no two write
+/// one file.
+pub(crate) struct Lock(File);
+
+impl Lock {
+    /// Waits for the lock of the tasks that start with this group.
+    pub(crate) fn take(group: &str) -> anyhow::Result<Self> {
+        let group = Path::new(group);
+        let name = group.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let path = group.with_file_name(format!(".{name}.lock"));
+        let place = || format!("{}: cannot be made", path.display());
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder).with_context(place)?;
+        }
+        let file = File::options().read(true).append(true).create(true).open(&path).with_context(place)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                info!(
+                    "another run is at work here or has left stages at work; waiting for it ({})",
+                    path.display()
+                );
+                file.lock().with_context(|| format!("{}: cannot be locked", path.display()))?;
+            }
+            Err(TryLockError::Error(error)) => {
+                warn!(
+                    "{}: cannot be locked ({error}); see that no other run is at work here",
+                    path.display()
+                );
+            }
+        }
+        Ok(Self(file))
+    }
+
+    /// Standard input for a stage: empty, and the lock.
+    pub(crate) fn stdin(&self) -> anyhow::Result<Stdio> {
+        Ok(Stdio::from(self.0.try_clone().context("the lock cannot be shared")?))
+    }
+}

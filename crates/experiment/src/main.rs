@@ -1,0 +1,16 @@
+//! `posecut-experiment`: plans and runs declared experiments, and holds their results to expectations.
+
+mod command;
+
+use std::process::ExitCode;
+
+use posecut_stage::{Identity, run};
+
+fn main() -> ExitCode {
+    let identity = Identity {
+        name: "experiment",
+        version: env!("CARGO_PKG_VERSION"),
+        about: "Plan and run declared experiments, and hold their results to expectations",
+    };
+    run::<command::Command>(identity, |command| &command.common, command::execute)
+}

@@ -1,0 +1,139 @@
+//! A plan: tasks in an order in which they can run.
+
+use std::collections::HashMap;
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+
+use anyhow::{Context as _, bail};
+use posecut_stage::digest;
+use serde::{Deserialize, Serialize};
+
+use crate::digest::Digests;
+use crate::programs::locate;
+
+/// One call of a stage program.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Task {
+    /// Unique in the plan: its first output.
+    pub id: String,
+    /// The step that it runs.
+    pub stage: String,
+    /// Tasks that belong together and may run on a machine of their own once the groups they read from are done.
+    pub group: String,
+    /// The command line, without a shell.
+    pub argv: Vec<String>,
+    /// Files and folders that it reads.
+    pub inputs: Vec<String>,
+    /// Files and folders that it writes.
+    pub outputs: Vec<String>,
+    /// Files that it writes besides, with wall times in them; no result.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub statistics: Vec<String>,
+    /// Files besides the program that decide what it does.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<String>,
+    /// Whether its outputs are removed once nobody needs them.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub temporary: bool,
+    /// Over the arguments, the content of the program, and the digests of what it reads: equal digests, equal
+    /// outputs.
+    pub digest: String,
+}
+
+/// Tasks; what a task reads is written by an earlier one or lies there before.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Plan {
+    /// In an order in which they can run one after the other.
+    pub tasks: Vec<Task>,
+}
+
+impl Plan {
+    /// Reads a task list, and refuses one whose programs or sessions have changed since.
+    pub fn read(path: &Path) -> anyhow::Result<Self> {
+        let place = path.display();
+        let file = std::fs::File::open(path).with_context(|| format!("{place}: cannot be opened"))?;
+        let mut plan = Self::default();
+        for (number, line) in BufReader::new(file).lines().enumerate() {
+            let line = line.with_context(|| format!("{place}: cannot be read"))?;
+            let task = serde_json::from_str(&line)
+                .with_context(|| format!("{place}, line {}: is no task; write it with `plan`", number + 1))?;
+            plan.tasks.push(task);
+        }
+        let stated: Vec<String> = plan.tasks.iter().map(|task| task.digest.clone()).collect();
+        plan.seal()?;
+        for (task, stated) in plan.tasks.iter().zip(stated) {
+            if task.digest != stated {
+                bail!(
+                    "{place}: the program or the input of {} has changed since the plan was made; plan again",
+                    task.id
+                );
+            }
+        }
+        Ok(plan)
+    }
+
+    /// Writes one task a line.
+    pub fn write(&self, mut writer: impl Write) -> anyhow::Result<()> {
+        for task in &self.tasks {
+            serde_json::to_writer(&mut writer, task)?;
+            writer.write_all(b"\n")?;
+        }
+        Ok(())
+    }
+
+    /// The places of the tasks that each task reads from.
+    pub fn dependencies(&self) -> anyhow::Result<Vec<Vec<usize>>> {
+        let mut writers: HashMap<&str, usize> = HashMap::new();
+        let mut dependencies = Vec::with_capacity(self.tasks.len());
+        for (place, task) in self.tasks.iter().enumerate() {
+            let mut own: Vec<usize> =
+                task.inputs.iter().filter_map(|input| writers.get(input.as_str()).copied()).collect();
+            own.sort_unstable();
+            own.dedup();
+            dependencies.push(own);
+            for output in &task.outputs {
+                if let Some(other) = writers.insert(output, place) {
+                    bail!("{output}: is written by two tasks, {} and {}", self.tasks[other].id, task.id);
+                }
+            }
+        }
+        Ok(dependencies)
+    }
+
+    /// Fills in the digests, from the first task to the last. Reads every program and every input that no task
+    /// writes once.
+    pub(crate) fn seal(&mut self) -> anyhow::Result<()> {
+        let mut digests = Digests::default();
+        let mut written: HashMap<String, String> = HashMap::new();
+        for task in &mut self.tasks {
+            let program = task.argv.first().with_context(|| format!("{}: has no program", task.id))?;
+            let mut text = format!("posecut-task 1\n{}\n", digests.of(&locate(program)?)?);
+            for file in &task.files {
+                text.push_str(&format!("{}\n", digests.of(Path::new(file))?));
+            }
+            for argument in &task.argv[1..] {
+                text.push_str(&format!("{}\n", serde_json::to_string(argument)?));
+            }
+            for input in &task.inputs {
+                let known = match written.get(input) {
+                    Some(known) => known.clone(),
+                    None => digests.of(Path::new(input))?,
+                };
+                text.push_str(&format!("{known}\n"));
+            }
+            task.digest = digest(text.as_bytes());
+            for output in &task.outputs {
+                written.insert(output.clone(), digest(format!("{} {output}", task.digest).as_bytes()));
+            }
+        }
+        Ok(())
+    }
+
+    /// The files of evaluations, in the order of the plan.
+    pub fn results(&self) -> impl Iterator<Item = &str> {
+        self.tasks.iter().filter_map(|task| {
+            let output = task.outputs.first()?;
+            output.ends_with(".result.json").then_some(output.as_str())
+        })
+    }
+}

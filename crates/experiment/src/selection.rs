@@ -1,0 +1,132 @@
+//! Which experiments, where from and where to: the part of the command line that all commands share.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use posecut_stage::warn;
+
+use crate::{Experiment, Plan, Programs, Source, plan};
+
+/// Experiments and what the command line changes of them.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Selection {
+    /// Declarations of experiments (TOML), or one task list (JSON Lines)
+    #[arg(required = true, value_name = "EXPERIMENT")]
+    pub experiments: Vec<PathBuf>,
+
+    /// The list of stage programs
+    #[arg(long, value_name = "FILE", default_value = "pipelines/stages.toml")]
+    pub stages: PathBuf,
+
+    /// Where stage programs lie that are named without a path; beside this program unless given
+    #[arg(long, value_name = "DIRECTORY")]
+    pub programs: Option<PathBuf>,
+
+    /// Another program for a stage, called in the same way; may be given several times
+    #[arg(long = "program", value_name = "STAGE=PROGRAM")]
+    pub replacements: Vec<String>,
+
+    /// NCLT sessions, as DATE/ or DATE_sen.tar.gz; simulated sessions unless given
+    #[arg(long, value_name = "DIRECTORY")]
+    pub nclt: Option<PathBuf>,
+
+    /// Where simulated sessions go
+    #[arg(long, value_name = "DIRECTORY", default_value = "data/simulated")]
+    pub simulated: PathBuf,
+
+    /// Where results go
+    #[arg(long, value_name = "DIRECTORY", default_value = "results")]
+    pub results: PathBuf,
+
+    /// Instead of the declared sessions
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub sessions: Vec<String>,
+
+    /// Seeds 1 to N, instead of the declared number
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub seeds: Option<u64>,
+
+    /// Instead of the declared methods
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub methods: Vec<String>,
+
+    /// Other options for a step of an experiment; may be given several times
+    #[arg(long = "set", value_name = "EXPERIMENT.STEP=OPTIONS")]
+    pub settings: Vec<String>,
+}
+
+impl Selection {
+    /// The declarations, with what the command line changes.
+    pub fn declared(&self) -> anyhow::Result<Vec<Experiment>> {
+        let mut experiments: Vec<Experiment> =
+            self.experiments.iter().map(|path| Experiment::read(path)).collect::<anyhow::Result<_>>()?;
+        for experiment in &mut experiments {
+            if !self.sessions.is_empty() {
+                experiment.sessions.clone_from(&self.sessions);
+            }
+            experiment.seeds = self.seeds.unwrap_or(experiment.seeds);
+            if !self.methods.is_empty() {
+                experiment.methods.clone_from(&self.methods);
+            }
+            for grid in &mut experiment.grids {
+                grid.sessions = grid.sessions.take().filter(|_| self.sessions.is_empty());
+                grid.seeds = grid.seeds.filter(|_| self.seeds.is_none());
+                grid.methods = grid.methods.take().filter(|_| self.methods.is_empty());
+            }
+            for method in &experiment.methods {
+                experiment.chain(method)?;
+            }
+        }
+        for setting in &self.settings {
+            let parts = setting.split_once('=').and_then(|(place, options)| {
+                let (experiment, step) = place.rsplit_once('.')?;
+                Some((experiment, step, options))
+            });
+            let Some((name, step, options)) = parts else {
+                bail!(
+                    "--set {setting}: expected EXPERIMENT.STEP=OPTIONS, such as paper.pcm='--probability 0.95'"
+                );
+            };
+            for experiment in experiments.iter_mut().filter(|experiment| experiment.name == name) {
+                experiment.set_options(step, options);
+            }
+        }
+        Ok(experiments)
+    }
+
+    /// The stage programs, with what the command line replaces.
+    pub fn programs(&self) -> anyhow::Result<Programs> {
+        let beside = std::env::current_exe().ok().and_then(|path| Some(path.parent()?.to_owned()));
+        let mut programs = Programs::read(&self.stages, self.programs.as_deref().or(beside.as_deref()))?;
+        for replacement in &self.replacements {
+            let (stage, program) = replacement.split_once('=').with_context(|| {
+                format!("--program {replacement}: expected STAGE=PROGRAM, such as pcm=./my-stage")
+            })?;
+            programs.replace(stage, program)?;
+        }
+        Ok(programs)
+    }
+
+    /// The plan: read, if a task list is named, else expanded from the declarations.
+    pub fn plan(&self) -> anyhow::Result<Plan> {
+        let is_list = |path: &Path| path.extension().is_some_and(|extension| extension == "jsonl");
+        if let [list] = self.experiments.as_slice()
+            && is_list(list)
+        {
+            return Plan::read(list);
+        }
+        let source = Source {
+            nclt: self.nclt.clone(),
+            simulated: self.simulated.clone(),
+            results: self.results.clone(),
+        };
+        let (plan, missing) = plan(&self.declared()?, &self.programs()?, &source)?;
+        if let (Some(nclt), false) = (&self.nclt, missing.is_empty()) {
+            warn!("no data in {} for: {}", nclt.display(), missing.join(", "));
+        }
+        if plan.tasks.is_empty() {
+            bail!("there is nothing to run: no session has data, or there is no seed or method");
+        }
+        Ok(plan)
+    }
+}
