@@ -14,7 +14,7 @@ SIMULATED ?= data/simulated
 BIN        := $(or $(CARGO_TARGET_DIR),target)/release
 EXPERIMENTS = $(BIN)/posecut-experiment
 REPORT     ?= $(BIN)/posecut-report
-stages     := SIMULATE INGEST CONSTRUCT ORACLE PCM MULTICUT OPTIMIZE EVALUATE
+stages     := SIMULATE INGEST CONSTRUCT ORACLE PCM RANSAC ISLANDS DENSEST VOTING MULTICUT OPTIMIZE EVALUATE
 
 SHELL := /bin/sh
 .DELETE_ON_ERROR:
@@ -28,7 +28,8 @@ help:
 	@echo '  make table                     the table of the paper on simulated sessions, both regimes'
 	@echo '  make table NCLT=DIR            the same on real NCLT sessions (DIR/DATE/ or DIR/DATE_sen.tar.gz)'
 	@echo '       SESSIONS="2012-01-22 …"   which sessions      SEEDS=n       how many seeds'
-	@echo '       PIPELINES="paper …"       which regimes       METHODS="…"   none pcm gc pcm+gc oracle'
+	@echo '       PIPELINES="paper …"       which regimes       METHODS="…"   none pcm gc pcm+gc oracle,'
+	@echo '                                 and to compare: ransac islands densest voting gnc dcs, each +gc too'
 	@echo '  make figures [NCLT=DIR]        trajectories and optimised graphs, SVG and PNG'
 	@echo '  make report [NCLT=DIR]         one HTML page: tables, maps, matrices, errors over time, regimes'
 	@echo '  make sweep EXPERIMENT=NAME     any experiment declared in pipelines/NAME.toml'

@@ -200,6 +200,15 @@ impl Experiment {
         })
     }
 
+    /// Takes its declared options from a step of a method, as the program that takes its place does not know them.
+    pub fn forget_options(&mut self, step: &str) {
+        if self.chains.values().flatten().any(|other| other == step)
+            && let Some(declared) = self.stages.get_mut(step)
+        {
+            declared.options.clear();
+        }
+    }
+
     /// Replaces the options of a step, as the command line asks.
     pub fn set_options(&mut self, step: &str, options: &str) {
         self.stages.entry(step.to_owned()).or_default().options = words(options);

@@ -22,6 +22,7 @@ mod parameters;
 mod plan;
 mod planner;
 mod programs;
+pub mod regimes;
 mod run;
 mod schedule;
 mod selection;

@@ -77,6 +77,13 @@ impl Selection {
                 experiment.chain(method)?;
             }
         }
+        for (stage, program) in self.replacements()? {
+            // The declared options are those of our program: another one gets what the command line says for it.
+            let ours = self.programs.as_deref().is_some_and(|folder| Path::new(program).starts_with(folder));
+            for experiment in experiments.iter_mut().filter(|_| !ours) {
+                experiment.forget_options(stage);
+            }
+        }
         for setting in &self.settings {
             let parts = setting.split_once('=').and_then(|(place, options)| {
                 let (experiment, step) = place.rsplit_once('.')?;
@@ -98,13 +105,16 @@ impl Selection {
     pub fn programs(&self) -> anyhow::Result<Programs> {
         let beside = std::env::current_exe().ok().and_then(|path| Some(path.parent()?.to_owned()));
         let mut programs = Programs::read(&self.stages, self.programs.as_deref().or(beside.as_deref()))?;
-        for replacement in &self.replacements {
-            let (stage, program) = replacement.split_once('=').with_context(|| {
-                format!("--program {replacement}: expected STAGE=PROGRAM, such as pcm=./my-stage")
-            })?;
+        for (stage, program) in self.replacements()? {
             programs.replace(stage, program)?;
         }
         Ok(programs)
+    }
+
+    /// Stages and the programs that replace theirs.
+    fn replacements(&self) -> anyhow::Result<Vec<(&str, &str)>> {
+        let parted = |text: &'_ str| format!("--program {text}: expected STAGE=PROGRAM, such as pcm=./my-stage");
+        self.replacements.iter().map(|text| text.split_once('=').with_context(|| parted(text))).collect()
     }
 
     /// The plan: read, if a task list is named, else expanded from the declarations.

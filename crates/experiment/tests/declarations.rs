@@ -67,7 +67,12 @@ fn a_swapped_stage_is_called_in_its_place() {
     let plan = String::from_utf8(workshop.call("plan", &["--program", "pcm=./mine.sh"]).stdout).unwrap();
     let mine: Vec<&str> = plan.lines().filter(|line| line.contains("./mine.sh")).collect();
     assert_eq!(mine.len(), 4);
-    assert!(mine.iter().all(|line| line.contains("\"stage\":\"pcm\"")));
+    assert!(mine.iter().all(|line| line.contains("\"stage\":\"pcm\"") && !line.contains("--gate")));
+    // With options of its own it gets those.
+    let own = ["--program", "pcm=./mine.sh", "--set", "trial.pcm=--reach 3"];
+    let plan = String::from_utf8(workshop.call("plan", &own).stdout).unwrap();
+    let mine: Vec<&str> = plan.lines().filter(|line| line.contains("./mine.sh")).collect();
+    assert!(mine.len() == 4 && mine.iter().all(|line| line.contains("\"--reach\",\"3\"")), "{plan}");
 }
 
 #[test]
