@@ -6,7 +6,9 @@ use anyhow::{Context as _, bail};
 use clap::{Parser, Subcommand, ValueEnum};
 use posecut_experiment::check::{accept, check};
 use posecut_experiment::regimes::{Samples, Section, section};
-use posecut_experiment::{Expected, Programs, RunOptions, Selection, collect, junit, make_rules, run, splice};
+use posecut_experiment::{
+    Expected, Programs, RunOptions, Selection, collect, junit, make_rules, run, splice,
+};
 use posecut_stage::{CommonArguments, Context, Outcome, counted, info, write_atomically};
 
 #[derive(Parser)]

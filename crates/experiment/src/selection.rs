@@ -113,7 +113,8 @@ impl Selection {
 
     /// Stages and the programs that replace theirs.
     fn replacements(&self) -> anyhow::Result<Vec<(&str, &str)>> {
-        let parted = |text: &'_ str| format!("--program {text}: expected STAGE=PROGRAM, such as pcm=./my-stage");
+        let parted =
+            |text: &'_ str| format!("--program {text}: expected STAGE=PROGRAM, such as pcm=./my-stage");
         self.replacements.iter().map(|text| text.split_once('=').with_context(|| parted(text))).collect()
     }
 

@@ -31,10 +31,17 @@ impl Report {
         for stage in stages {
             let rows: Vec<&&Row> = first.iter().filter(|row| row.stage == stage).collect();
             let _ = if stage == "order" {
-                writeln!(text, "\nFAILED order of methods, though each file is as expected or has no row of its own")
+                writeln!(
+                    text,
+                    "\nFAILED order of methods, though each file is as expected or has no row of its own"
+                )
             } else {
                 let verb = if rows.len() == 1 { "differs" } else { "differ" };
-                writeln!(text, "\nFAILED in stage `{stage}`: {} {verb}, and what the stage reads does not", files(rows.len()))
+                writeln!(
+                    text,
+                    "\nFAILED in stage `{stage}`: {} {verb}, and what the stage reads does not",
+                    files(rows.len())
+                )
             };
             for row in rows.iter().take(SHOWN) {
                 let _ = writeln!(text, "  {}", row.name);

@@ -62,10 +62,11 @@ impl Interval {
         }
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
-        let half_width = StudentsT::new(0.0, 1.0, count - 1.0).ok().filter(|_| values.len() > 1).map(|student| {
-            let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-            student.inverse_cdf(0.975) * (squares / (count - 1.0) / count).sqrt()
-        });
+        let half_width =
+            StudentsT::new(0.0, 1.0, count - 1.0).ok().filter(|_| values.len() > 1).map(|student| {
+                let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+                student.inverse_cdf(0.975) * (squares / (count - 1.0) / count).sqrt()
+            });
         Some(Self { mean, half_width, count: values.len() })
     }
 }
@@ -85,8 +86,8 @@ impl Samples {
         let mut samples = Self::default();
         for path in paths {
             let place = path.as_ref().display();
-            let text =
-                std::fs::read_to_string(path).with_context(|| format!("{place}: cannot be read; collect first"))?;
+            let text = std::fs::read_to_string(path)
+                .with_context(|| format!("{place}: cannot be read; collect first"))?;
             for (number, line) in text.lines().enumerate() {
                 let record: Record = serde_json::from_str(line)
                     .with_context(|| format!("{place}, line {}: is no result", number + 1))?;
@@ -98,7 +99,10 @@ impl Samples {
                 let [kind, rate, scale] =
                     ["incorrect_kind", "incorrect_rate", "covariance_scale"].map(|name| record.label(name));
                 if kind.is_empty() || rate.is_empty() || scale.is_empty() {
-                    bail!("{place}, line {}: has no label incorrect_kind, incorrect_rate or covariance_scale; sweep pipelines/regimes.toml", number + 1);
+                    bail!(
+                        "{place}, line {}: has no label incorrect_kind, incorrect_rate or covariance_scale; sweep pipelines/regimes.toml",
+                        number + 1
+                    );
                 }
                 let key = (session, kind, rate, scale, record.label("method"));
                 samples.runs.entry(key).or_default().insert(record.label("seed"), record);
@@ -111,7 +115,14 @@ impl Samples {
     }
 
     /// The results of one method at one point, by seed.
-    pub fn at(&self, session: &str, kind: &str, rate: &str, scale: &str, method: &str) -> Option<&BTreeMap<String, Record>> {
+    pub fn at(
+        &self,
+        session: &str,
+        kind: &str,
+        rate: &str,
+        scale: &str,
+        method: &str,
+    ) -> Option<&BTreeMap<String, Record>> {
         let text = str::to_owned;
         self.runs.get(&(text(session), text(kind), text(rate), text(scale), text(method)))
     }

@@ -22,8 +22,12 @@ pub enum Section {
 
 impl Section {
     /// All of them, with the names of their markers.
-    pub const ALL: &'static [(&'static str, Self)] =
-        &[("verdict", Self::Verdict), ("uniform", Self::Uniform), ("kinds", Self::Kinds), ("edges", Self::Edges)];
+    pub const ALL: &'static [(&'static str, Self)] = &[
+        ("verdict", Self::Verdict),
+        ("uniform", Self::Uniform),
+        ("kinds", Self::Kinds),
+        ("edges", Self::Edges),
+    ];
 }
 
 /// Writes a table, Markdown.
@@ -59,7 +63,14 @@ fn written(interval: Option<Interval>) -> String {
     }
 }
 
-fn rmse(samples: &Samples, session: &str, kind: &str, rate: &str, scale: &str, method: &str) -> Option<Interval> {
+fn rmse(
+    samples: &Samples,
+    session: &str,
+    kind: &str,
+    rate: &str,
+    scale: &str,
+    method: &str,
+) -> Option<Interval> {
     let runs = samples.at(session, kind, rate, scale, method)?;
     Interval::of(&runs.values().map(|run| run.rmse).collect::<Vec<_>>())
 }
@@ -121,7 +132,11 @@ fn uniform(samples: &Samples) -> String {
         for scale in samples.scales("uniform") {
             for rate in samples.rates("uniform") {
                 let mut row = vec![format!("× {scale}"), percent(rate)];
-                row.extend(METHODS.iter().map(|method| written(rmse(samples, session, "uniform", rate, scale, method))));
+                row.extend(
+                    METHODS
+                        .iter()
+                        .map(|method| written(rmse(samples, session, "uniform", rate, scale, method))),
+                );
                 if row[2..].iter().any(|cell| cell != "–") {
                     table.push(row);
                 }
