@@ -30,7 +30,8 @@ fn samples(rows: &[(&str, f64, f64)]) -> Samples {
             for (method, rmse) in [("pcm", alone), ("pcm+gc", both)] {
                 let labels = json!({"pipeline":"regimes","session":"one","seed":seed,"method":method,
                     "incorrect_kind":"uniform","incorrect_rate":"0.1","covariance_scale":scale});
-                let edges = json!({"true_positive":9,"false_positive":1,"false_negative":3,"true_negative":2});
+                let edges =
+                    json!({"true_positive":9,"false_positive":1,"false_negative":3,"true_negative":2});
                 let line = json!({"labels":labels,"rmse":rmse + 0.1 * f64::from(seed),"edges":edges});
                 text.push_str(&line.to_string());
                 text.push('\n');
@@ -47,7 +48,10 @@ fn samples(rows: &[(&str, f64, f64)]) -> Samples {
 fn the_verdict_is_paired_and_columns_ascend() {
     let found = samples(&[("30", 50.0, 2.0), ("3", 2.0, 2.0), ("0.3", 1.0, 6.0)]);
     let text = section(&found, Section::Verdict);
-    assert!(text.contains("| incorrect edges | covariance × 0.3 | covariance × 3 | covariance × 30 |"), "{text}");
+    assert!(
+        text.contains("| incorrect edges | covariance × 0.3 | covariance × 3 | covariance × 30 |"),
+        "{text}"
+    );
     assert!(text.contains("| 10 % | costs -5.0 ± 0.0 | 0.0 ± 0.0 | **helps** 48 ± 0.0 |"), "{text}");
     let text = section(&found, Section::Uniform);
     // 50.25 and the spread of four seeds: s = 0.1291, t(3, 0.975) = 3.1824.
@@ -75,7 +79,8 @@ fn the_published_table_is_a_point_of_the_map() {
     let points: Vec<Point> = map.grids.iter().flat_map(|grid| Point::all(&map, grid)).collect();
     let point = points.iter().find(|point| {
         let value = |name: &str| point.0[name].as_str();
-        (value("covariance_scale"), value("incorrect_rate"), value("incorrect_kind")) == ("9", "0.1", "uniform")
+        (value("covariance_scale"), value("incorrect_rate"), value("incorrect_kind"))
+            == ("9", "0.1", "uniform")
     });
     let point = point.unwrap();
     let filled = |step: &str| point.fill(&map, &map.stages[step].options).unwrap();
@@ -85,5 +90,8 @@ fn the_published_table_is_a_point_of_the_map() {
         construct.iter().filter(|word| !["--incorrect-kind", "uniform"].contains(&word.as_str())).collect();
     assert_eq!(without, paper.stages["construct"].options.iter().collect::<Vec<_>>());
     assert!(filled("pcm").starts_with(&paper.stages["pcm"].options));
-    assert_eq!((&map.sessions, filled("multicut")), (&paper.sessions, paper.stages["multicut"].options.clone()));
+    assert_eq!(
+        (&map.sessions, filled("multicut")),
+        (&paper.sessions, paper.stages["multicut"].options.clone())
+    );
 }
