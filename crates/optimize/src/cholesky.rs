@@ -9,6 +9,7 @@ mod dense;
 mod elimination;
 mod factor;
 mod inverse_column;
+mod nested_dissection;
 mod ordering;
 mod selected_inverse;
 mod supernodes;

@@ -54,7 +54,8 @@ const NOISELESS: f64 = 1e-5;
 impl Options {
     /// The promise of a step that ends the iteration at this cost.
     pub(crate) fn promise_tolerance(&self, cost: f64) -> f64 {
-        self.cost_tolerance * cost.max(NOISELESS)
+        // A promise below the rounding of the sum cannot be seen kept.
+        self.cost_tolerance.max(4.0 * f64::EPSILON) * cost.max(NOISELESS)
     }
 }
 

@@ -3,8 +3,13 @@
 use std::collections::BTreeSet;
 
 use super::elimination::{Adjacency, elimination_tree, postorder};
+use super::nested_dissection::nested_dissection;
 use super::ordering::approximate_minimum_degree;
 use super::supernodes::{amalgamate, maximal};
+
+/// Operations by minimum degree from which nested dissection is tried too: its analysis takes several times as long, and a
+/// cheap factorisation would not pay that back.
+const WORTH_DISSECTION: f64 = 2e8;
 
 /// No parent front.
 pub(crate) const NO_PARENT: usize = usize::MAX;
@@ -80,11 +85,17 @@ impl Symbolic {
     /// Analyses a symmetric pattern of `variables` diagonal blocks and the off-diagonal blocks `pairs`.
     ///
     /// Each pair is given once, smaller variable first; the numeric phase takes its blocks in the same order. `block`
-    /// is the block size that fronts are tuned for, not a limit. Takes time proportional to the factor's blocks, plus
+    /// is the block size that fronts are tuned for, not a limit. The order is by approximate minimum degree or, where that
+    /// leaves much to do, by nested dissection, whichever takes fewer operations. Takes time proportional to the factor's blocks, plus
     /// the ordering's.
     pub fn new(variables: usize, pairs: &[(usize, usize)], block: usize) -> Self {
         let order = approximate_minimum_degree(variables, pairs);
-        Self::with_order(pairs, &order, block)
+        let symbolic = Self::with_order(pairs, &order, block);
+        if symbolic.flops < WORTH_DISSECTION {
+            return symbolic;
+        }
+        let dissected = Self::with_order(pairs, &nested_dissection(variables, pairs), block);
+        if dissected.flops < symbolic.flops { dissected } else { symbolic }
     }
 
     /// Analyses with a given order of elimination, `order[position] = variable`.
