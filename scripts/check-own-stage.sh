@@ -17,7 +17,7 @@ for stage in my-stage.py my-stage.sh; do
   echo "$stage: $(wc -l <"$work/$stage") lines"
   "$programs/posecut-conform" -o "$work/$stage.txt" -- "$work/$stage" || { cat "$work/$stage.txt"; exit 1; }
   tail -n 1 "$work/$stage.txt"
-  make --silent table PCM="$work/$stage" paper.pcm= PIPELINES=paper SESSIONS=2012-01-22 SEEDS=1 METHODS=pcm \
+  make --silent table PCM="$work/$stage" PIPELINES=paper SESSIONS=2012-01-22 SEEDS=1 METHODS=pcm \
     RESULTS="$work/results" SIMULATED=target/ci/simulated >"$work/table.txt" || { cat "$work/table.txt"; exit 1; }
   grep -E '^\| *(method|pcm) ' "$work/table.txt" | head -n 2 | tee "$work/rows.txt"
   # The header and a row with a number in it, and the stage's own mark in the graph that was optimised.
