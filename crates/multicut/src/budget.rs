@@ -38,6 +38,17 @@ impl Budget {
         !self.over
     }
 
+    /// Whether a step of so much work, which cannot be interrupted, would end in time; if not, the budget is over.
+    pub(crate) fn affords(&mut self, work: u64) -> bool {
+        let time = Duration::from_nanos(work.saturating_mul(2));
+        if self.work.is_some_and(|limit| self.spent.saturating_add(work) > limit)
+            || self.deadline.is_some_and(|deadline| Instant::now() + time >= deadline)
+        {
+            self.over = true;
+        }
+        !self.over
+    }
+
     /// Whether a limit was reached.
     pub(crate) fn is_over(&self) -> bool {
         self.over

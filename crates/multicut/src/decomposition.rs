@@ -2,6 +2,7 @@
 
 use crate::blocks::split;
 use crate::budget::Budget;
+use crate::packing::{Cycle, pack_completely};
 use crate::reduction::{DegreeTwo, History, Step, lift, reduce};
 use crate::signed_graph::SignedGraph;
 use crate::sum::Sum;
@@ -36,6 +37,8 @@ pub(crate) struct Trace {
     pub(crate) steps: Vec<Step>,
     /// The kernel that it is, if it is one.
     pub(crate) kernel: Option<usize>,
+    /// The cycles that pack all its repulsion, if it was joined for that; nodes by their positions in `names`.
+    pub(crate) packed: Option<Vec<Cycle>>,
 }
 
 /// Reduces a graph, splits it into blocks, reduces those, and so on to a fixpoint.
@@ -51,6 +54,16 @@ pub(crate) fn decompose(graph: SignedGraph, record: bool, budget: &mut Budget) -
     while let Some((mut piece, parent)) = work.pop() {
         let mut left = 0.0;
         let index = trace.as_ref().map_or(0, Vec::len);
+        if let Some(cycles) = pack_completely(&piece.graph, budget) {
+            for (tail, head, _) in piece.graph.edges().filter(|edge| edge.2 > 0.0) {
+                joined.union(piece.names[tail as usize], piece.names[head as usize]);
+            }
+            if let Some(trace) = &mut trace {
+                let (names, packed) = (piece.names, Some(cycles));
+                trace.push(Trace { parent, names, steps: Vec::new(), kernel: None, packed });
+            }
+            continue;
+        }
         let mut steps = record.then(Vec::new);
         let mut history = History { joined: &mut joined, undo: &mut undo, steps: steps.as_mut() };
         let changed = reduce(&mut piece.graph, &piece.names, &mut left, &mut history, budget);
@@ -58,7 +71,8 @@ pub(crate) fn decompose(graph: SignedGraph, record: bool, budget: &mut Budget) -
         let is_kernel = parent.is_some() && !changed;
         if let (Some(trace), Some(steps)) = (&mut trace, steps) {
             let kernel = is_kernel.then_some(kernels.len());
-            trace.push(Trace { parent, names: piece.names.clone(), steps, kernel });
+            let names = piece.names.clone();
+            trace.push(Trace { parent, names, steps, kernel, packed: None });
         }
         if is_kernel {
             kernels.push(piece);
@@ -71,7 +85,7 @@ pub(crate) fn decompose(graph: SignedGraph, record: bool, budget: &mut Budget) -
         }
         for nodes in parts.conflicted.iter().rev() {
             let names = nodes.iter().map(|&node| piece.names[node as usize]).collect();
-            work.push((Piece { names, graph: piece.graph.induced(nodes, &mut place) }, Some(index)));
+            work.push((Piece { names, graph: piece.graph.take(nodes, &mut place) }, Some(index)));
         }
     }
     Decomposition { joined, undo, constant: constant.value(), kernels, trace }

@@ -4,8 +4,100 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use crate::budget::Budget;
+use crate::contraction_queue::ContractionQueue;
+use crate::node_moves::move_nodes;
 use crate::signed_graph::SignedGraph;
 use crate::union_find::UnionFind;
+
+/// Which pair of clusters [`additive_edge_contraction`] joins next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Preference {
+    /// The largest cost; of those, the pair with the smaller of its degrees least: nodes with few edges are the surest to
+    /// join, and clusters grow evenly.
+    Degree,
+    /// The largest cost; of those, the pair that has waited longest.
+    Age,
+    /// The largest cost for each node of both clusters: bands fall into even parts, where cost alone would let one cluster
+    /// swallow them.
+    Balance,
+}
+
+/// Greedy additive edge contraction (Keuper et al., ICCV 2015, algorithm 2, "GAEC"): joins two clusters with
+/// a positive total cost between them, until there are none.
+///
+/// Outdated entries stay in the queue; `O(m log m)` steps of the queue plus the merging of adjacency vectors, smaller into
+/// larger.
+pub(crate) fn additive_edge_contraction(
+    mut graph: SignedGraph,
+    preference: Preference,
+    budget: &mut Budget,
+) -> Vec<u32> {
+    let node_count = graph.node_count();
+    let mut joined = UnionFind::new(node_count);
+    if !budget.spend(node_count as u64) {
+        return joined.labels();
+    }
+    let mut sizes = vec![1u32; if preference == Preference::Balance { node_count } else { 0 }];
+    let integral = preference != Preference::Balance && graph.edges().all(|edge| edge.2.fract() == 0.0);
+    let mut queue = ContractionQueue::new(integral);
+    let priority = |graph: &SignedGraph, sizes: &[u32], tail: u32, head: u32, cost: f64| match preference {
+        Preference::Degree => {
+            let degree = graph.arcs(tail).len().min(graph.arcs(head).len());
+            (cost, u32::MAX - degree as u32)
+        }
+        Preference::Age => (cost, 0),
+        Preference::Balance => (cost / f64::from(sizes[tail as usize] + sizes[head as usize]), 0),
+    };
+    for (tail, head, cost) in graph.edges().filter(|edge| edge.2 > 0.0) {
+        queue.push(priority(&graph, &sizes, tail, head, cost), tail, head);
+    }
+    while let Some(((stated, _), tail, head)) = queue.pop() {
+        let cost = graph.cost(tail, head);
+        let now = priority(&graph, &sizes, tail, head, cost);
+        if cost <= 0.0 || now.0 > stated {
+            continue;
+        }
+        if now.0 < stated {
+            // Cheaper entries were pushed when the cost changed, but none when only the clusters grew.
+            if preference == Preference::Balance {
+                queue.push(now, tail, head);
+            }
+            continue;
+        }
+        let (kept, gone, arcs) = graph.contract(tail, head);
+        joined.union(kept, gone);
+        if preference == Preference::Balance {
+            sizes[kept as usize] += sizes[gone as usize];
+        }
+        for arc in &arcs {
+            let cost = graph.cost(kept, arc.node);
+            if cost > 0.0 {
+                queue.push(priority(&graph, &sizes, kept, arc.node, cost), kept, arc.node);
+            }
+        }
+        if !budget.spend(1 + arcs.len() as u64) {
+            break;
+        }
+    }
+    joined.labels()
+}
+
+/// What [`additive_edge_contraction`] finds with each preference, and joining everything, after moves of single nodes;
+/// the best first.
+pub(crate) fn contractions(graph: &SignedGraph, budget: &mut Budget) -> Vec<Vec<u32>> {
+    let mut found = vec![(0.0, vec![0; graph.node_count()])];
+    for preference in [Preference::Degree, Preference::Balance, Preference::Age] {
+        if budget.is_over() {
+            break;
+        }
+        let mut labels = additive_edge_contraction(graph.clone(), preference, budget);
+        move_nodes(graph, &mut labels, budget);
+        found.push((graph.objective(&labels), labels));
+    }
+    // Stable: of equals the earlier.
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found.into_iter().map(|entry| entry.1).collect()
+}
 
 /// Orders positive floats as integers.
 fn key(cost: f64) -> u64 {
@@ -18,40 +110,6 @@ type Entry = (u64, Reverse<((u32, u32), u32, u32)>);
 fn entry(graph: &SignedGraph, tail: u32, head: u32, cost: f64) -> Entry {
     let (first, second) = (graph.arcs(tail).len() as u32, graph.arcs(head).len() as u32);
     (key(cost), Reverse(((first.min(second), first.max(second)), tail.min(head), tail.max(head))))
-}
-
-/// Greedy additive edge contraction (Keuper et al., ICCV 2015, algorithm 2, "GAEC"): joins the two clusters with
-/// the largest total cost between them while that total is positive. Ties go to the pair with the smaller of its
-/// degrees least, then the larger, then its numbers: nodes with few edges are the surest to join, and clusters grow
-/// evenly.
-///
-/// A binary heap with outdated entries left in place; `O(m log m)` heap steps plus the merging of adjacency
-/// vectors, smaller into larger.
-pub(crate) fn additive_edge_contraction(mut graph: SignedGraph, budget: &mut Budget) -> Vec<u32> {
-    let mut joined = UnionFind::new(graph.node_count());
-    let mut heap: BinaryHeap<_> = graph
-        .edges()
-        .filter(|&(_, _, cost)| cost > 0.0)
-        .map(|(tail, head, cost)| entry(&graph, tail, head, cost))
-        .collect();
-    while let Some((cost, Reverse((_, tail, head)))) = heap.pop() {
-        let current = graph.cost(tail, head);
-        if current <= 0.0 || key(current) != cost {
-            continue;
-        }
-        let (kept, gone, arcs) = graph.contract(tail, head);
-        joined.union(kept, gone);
-        for arc in &arcs {
-            let cost = graph.cost(kept, arc.node);
-            if cost > 0.0 {
-                heap.push(entry(&graph, kept, arc.node, cost));
-            }
-        }
-        if !budget.spend(1 + arcs.len() as u64) {
-            break;
-        }
-    }
-    joined.labels()
 }
 
 /// Greedy fixation (Levinkov, Kirillov, Andres, GCPR 2017): decides the pair of clusters with the largest absolute
@@ -99,7 +157,7 @@ mod tests {
     fn takes_the_largest_cost_first() {
         let list = [(0, 1, 2.0), (1, 2, 3.0), (0, 2, -4.0)];
         let graph = SignedGraph::new(3, list.into_iter());
-        let labels = additive_edge_contraction(graph, &mut Budget::new(None, None));
+        let labels = additive_edge_contraction(graph, Preference::Degree, &mut Budget::new(None, None));
         assert_eq!(labels, [0, 1, 1]);
     }
 
@@ -108,7 +166,7 @@ mod tests {
         // A path 2 - 0 - 1 - 3, all tied: its ends join their neighbours before the middle joins.
         let list = [(0, 2, 1.0), (0, 1, 1.0), (1, 3, 1.0), (0, 4, -1.0), (1, 4, -1.0), (2, 3, -1.5)];
         let graph = SignedGraph::new(5, list.into_iter());
-        let labels = additive_edge_contraction(graph, &mut Budget::new(None, None));
+        let labels = additive_edge_contraction(graph, Preference::Degree, &mut Budget::new(None, None));
         assert_eq!(labels, [0, 1, 0, 1, 2]);
     }
 
@@ -118,7 +176,7 @@ mod tests {
         let list = [(0, 3, -6.0), (0, 1, 5.0), (0, 2, 5.0), (1, 3, 4.0), (2, 3, 4.0)];
         let graph = SignedGraph::new(4, list.into_iter());
         let budget = &mut Budget::new(None, None);
-        assert_eq!(additive_edge_contraction(graph.clone(), budget), [0, 0, 0, 0]);
+        assert_eq!(additive_edge_contraction(graph.clone(), Preference::Degree, budget), [0, 0, 0, 0]);
         assert_eq!(greedy_fixation(graph, budget), [0, 0, 0, 1]);
     }
 }

@@ -1,14 +1,7 @@
 //! Linear programs of covering type, by a primal-dual interior point method.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::linalg::LltError;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
-};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
-use faer::{Conj, MatMut, Par, Side};
-
 use crate::budget::Budget;
+use crate::clique_matrix::CliqueMatrix;
 
 /// A point of the central path near the optimum.
 #[derive(Debug, Clone)]
@@ -24,52 +17,62 @@ pub(crate) struct Point {
 /// Most Newton steps; usual are 10 to 30.
 const STEPS: usize = 100;
 
-/// Most entries of a factor: one gigabyte. Larger programs keep the bound they have.
-const LARGEST_FACTOR: usize = 1 << 27;
+/// One covering inequality: the sum of coefficient times variable is `least` or more.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Row {
+    /// Variables and positive coefficients; each variable once.
+    pub(crate) entries: Vec<(u32, f32)>,
+    pub(crate) least: f64,
+}
+
+impl Row {
+    pub(crate) fn value(&self, values: &[f64]) -> f64 {
+        self.entries
+            .iter()
+            .map(|&(column, coefficient)| f64::from(coefficient) * values[column as usize])
+            .sum()
+    }
+}
 
 /// Newton steps in a row that may bring no progress.
 const PATIENCE: usize = 8;
 
-/// Minimises `costs * x` subject to `sum of x over each row >= 1`, `x >= 0`, with positive costs, until the gap is
-/// at most `tolerance`; the dual packs the rows into capacities `costs`.
+/// Minimises `costs * x` subject to `rows` and `x >= 0`, with positive costs, until the gap is at most `tolerance`; the
+/// dual packs the rows into capacities `costs`. At `x = 1` every row must have slack.
 ///
 /// Mehrotra's predictor-corrector method (SIAM J. Optimization 2(4), 1992), started from a strictly feasible pair, so
-/// that every iterate gives a valid bound. The Newton system is reduced to the primal variables and solved by a
-/// sparse Cholesky factorisation on one thread: results do not depend on threads. Rows of a cycle linear program hold one
-/// repulsive edge each, so those variables never meet one another, and elimination leaves a system of the size of the
-/// attractive edges. `None` if the factorisation fails or memory is short.
+/// that every iterate gives a valid bound. The Newton system is reduced to one unknown a variable, or one a row, whichever
+/// is sparser, and solved by a sparse Cholesky factorisation on one thread: results do not depend on threads. Rows of a
+/// cycle linear program hold one repulsive edge each, so those variables never meet one another; a few long cycles make a
+/// small system of rows. `None` if the factorisation fails or memory is short.
 pub(crate) fn minimise_covering(
     costs: &[f64],
-    rows: &[Vec<u32>],
+    rows: &[Row],
     tolerance: f64,
     budget: &mut Budget,
 ) -> Option<Point> {
     let mut system = NewtonSystem::new(costs.len(), rows)?;
-    // Rows hold two variables at least, so x = 1 leaves slack 1 at least.
     let mut values = vec![1.0; costs.len()];
-    let mut load = vec![0u32; costs.len()];
-    for &column in rows.iter().flatten() {
-        load[column as usize] += 1;
+    let mut load = vec![0.0; costs.len()];
+    for &(column, coefficient) in rows.iter().flat_map(|row| &row.entries) {
+        load[column as usize] += f64::from(coefficient);
     }
-    let share = |column: u32| 0.5 * costs[column as usize] / f64::from(load[column as usize]);
+    let share = |column: u32| 0.5 * costs[column as usize] / load[column as usize];
     let mut weights: Vec<f64> = rows
         .iter()
-        .map(|row| row.iter().map(|&column| share(column)).fold(f64::INFINITY, f64::min))
+        .map(|row| row.entries.iter().map(|entry| share(entry.0)).fold(f64::INFINITY, f64::min))
         .collect();
     let mut point = Point { gap: f64::INFINITY, values: values.clone(), weights: weights.clone() };
     let mut stalled = 0;
     for _ in 0..STEPS {
-        let slack: Vec<f64> = cover(rows, &values).iter().map(|covered| covered - 1.0).collect();
+        let slack: Vec<f64> = rows.iter().map(|row| row.value(&values) - row.least).collect();
         let mut reduced = costs.to_vec();
-        for (row, &weight) in rows.iter().zip(&weights) {
-            for &column in row {
-                reduced[column as usize] -= weight;
-            }
-        }
+        subtract_transposed(rows, &weights, &mut reduced);
         if slack.iter().chain(&reduced).any(|value| *value <= 0.0) {
             break;
         }
-        let gap = dot(costs, &values) - weights.iter().sum::<f64>();
+        let gap = dot(costs, &values)
+            - rows.iter().zip(&weights).map(|(row, weight)| row.least * weight).sum::<f64>();
         if gap < point.gap {
             point = Point { gap, values: values.clone(), weights: weights.clone() };
             stalled = 0;
@@ -77,21 +80,19 @@ pub(crate) fn minimise_covering(
             // A step may first lead back to the centre.
             stalled += 1;
         }
-        if gap <= tolerance || stalled > PATIENCE || !budget.spend(system.work()) {
+        let work = system.work();
+        if gap <= tolerance || stalled > PATIENCE || !budget.affords(work) || !budget.spend(work) {
             break;
         }
         let count = (costs.len() + rows.len()) as f64;
         let mean = (dot(&slack, &weights) + dot(&reduced, &values)) / count;
-        if system.factorise(&values, &reduced, &slack, &weights).is_err() {
-            break;
-        }
+        let state = State { values: &values, slack: &slack, weights: &weights, reduced: &reduced };
+        system.factorise(&state)?;
         // Predictor: straight to the optimum.
-        let affine = system.direction(
-            &State { values: &values, slack: &slack, weights: &weights },
-            &|index| -weights[index] * slack[index],
-            &|index| -values[index] * reduced[index],
-        );
-        let (primal, dual) = affine.lengths(&values, &reduced, &slack, &weights, 1.0);
+        let affine = system.direction(&state, &|index| -weights[index] * slack[index], &|index| {
+            -values[index] * reduced[index]
+        });
+        let (primal, dual) = affine.lengths(&state, 1.0);
         let ahead =
             (0..rows.len())
                 .map(|i| (slack[i] + primal * affine.slack[i]) * (weights[i] + dual * affine.weights[i]))
@@ -103,11 +104,11 @@ pub(crate) fn minimise_covering(
         let centre = mean * (ahead / mean).powi(3);
         // Corrector: towards the centre, with the second-order term of the predictor.
         let step = system.direction(
-            &State { values: &values, slack: &slack, weights: &weights },
+            &state,
             &|i| centre - weights[i] * slack[i] - affine.slack[i] * affine.weights[i],
             &|j| centre - values[j] * reduced[j] - affine.values[j] * affine.reduced[j],
         );
-        let (primal, dual) = step.lengths(&values, &reduced, &slack, &weights, 0.995);
+        let (primal, dual) = step.lengths(&state, 0.995);
         for (value, change) in values.iter_mut().zip(&step.values) {
             *value += primal * change;
         }
@@ -118,8 +119,13 @@ pub(crate) fn minimise_covering(
     point.gap.is_finite().then_some(point)
 }
 
-fn cover(rows: &[Vec<u32>], values: &[f64]) -> Vec<f64> {
-    rows.iter().map(|row| row.iter().map(|&column| values[column as usize]).sum()).collect()
+/// Subtracts from each variable's entry of `target` the sum of coefficient times weight over the rows.
+fn subtract_transposed(rows: &[Row], weights: &[f64], target: &mut [f64]) {
+    for (row, &weight) in rows.iter().zip(weights) {
+        for &(column, coefficient) in &row.entries {
+            target[column as usize] -= f64::from(coefficient) * weight;
+        }
+    }
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -130,6 +136,7 @@ struct State<'a> {
     values: &'a [f64],
     slack: &'a [f64],
     weights: &'a [f64],
+    reduced: &'a [f64],
 }
 
 struct Direction {
@@ -141,14 +148,7 @@ struct Direction {
 
 impl Direction {
     /// Longest primal and dual steps, at most 1, that keep `damping` of the way to the boundary.
-    fn lengths(
-        &self,
-        values: &[f64],
-        reduced: &[f64],
-        slack: &[f64],
-        weights: &[f64],
-        damping: f64,
-    ) -> (f64, f64) {
+    fn lengths(&self, state: &State, damping: f64) -> (f64, f64) {
         let longest = |at: &[f64], change: &[f64]| {
             at.iter()
                 .zip(change)
@@ -157,118 +157,57 @@ impl Direction {
                 .fold(1.0, f64::min)
         };
         (
-            longest(values, &self.values).min(longest(slack, &self.slack)),
-            longest(reduced, &self.reduced).min(longest(weights, &self.weights)),
+            longest(state.values, &self.values).min(longest(state.slack, &self.slack)),
+            longest(state.reduced, &self.reduced).min(longest(state.weights, &self.weights)),
         )
     }
 }
 
-/// `diag(r / x) + A' diag(w / s) A`, its pattern, factor and scratch.
+/// With rows `A`, variables `x`, reduced costs `r`, slacks `s` and weights `w`: `diag(r / x) + A' diag(w / s) A`, or
+/// `diag(s / w) + A diag(x / r) A'`.
 struct NewtonSystem<'a> {
-    rows: &'a [Vec<u32>],
-    pattern: SymbolicSparseColMat<usize>,
-    /// Where each product of two entries of a row adds up, row by row.
-    places: Vec<u32>,
-    diagonal: Vec<u32>,
-    matrix: Vec<f64>,
-    symbolic: SymbolicCholesky<usize>,
-    factor: Vec<f64>,
-    scratch: MemBuffer,
+    rows: &'a [Row],
+    by_rows: bool,
+    matrix: CliqueMatrix,
 }
 
 impl<'a> NewtonSystem<'a> {
-    fn new(columns: usize, rows: &'a [Vec<u32>]) -> Option<Self> {
-        let pair = |a: u32, b: u32| (u64::from(a.min(b)) << 32) | u64::from(a.max(b));
-        let mut pairs: Vec<u64> = (0..columns as u32).map(|column| pair(column, column)).collect();
-        for row in rows {
-            for (index, &a) in row.iter().enumerate() {
-                pairs.extend(row[index + 1..].iter().map(|&b| pair(a, b)));
+    fn new(columns: usize, rows: &'a [Row]) -> Option<Self> {
+        let mut transposed: Vec<Vec<(u32, f32)>> = vec![Vec::new(); columns];
+        for (index, row) in rows.iter().enumerate() {
+            for &(column, coefficient) in &row.entries {
+                transposed[column as usize].push((index as u32, coefficient));
             }
         }
-        pairs.sort_unstable();
-        pairs.dedup();
-        // Lower triangle: the smaller index is the column.
-        let mut starts = vec![0usize; columns + 1];
-        for &entry in &pairs {
-            starts[(entry >> 32) as usize + 1] += 1;
-        }
-        for column in 0..columns {
-            starts[column + 1] += starts[column];
-        }
-        let find = |a: u32, b: u32| -> Option<u32> {
-            let column = a.min(b) as usize;
-            let range = &pairs[starts[column]..starts[column + 1]];
-            range.binary_search(&pair(a, b)).ok().map(|place| (starts[column] + place) as u32)
-        };
-        let mut places = Vec::new();
-        for row in rows {
-            for (index, &a) in row.iter().enumerate() {
-                for &b in &row[index + 1..] {
-                    places.push(find(a, b)?);
-                }
-            }
-        }
-        let diagonal = (0..columns as u32).map(|column| find(column, column)).collect::<Option<_>>()?;
-        let row_indices: Vec<usize> = pairs.iter().map(|entry| (entry & 0xffff_ffff) as usize).collect();
-        let matrix = vec![0.0; pairs.len()];
-        let pattern = SymbolicSparseColMat::new_checked(columns, columns, starts, None, row_indices);
-        let symbolic = factorize_symbolic_cholesky(
-            pattern.as_ref(),
-            Side::Lower,
-            SymmetricOrdering::Amd,
-            CholeskySymbolicParams::default(),
-        )
-        .ok()?;
-        if symbolic.len_val() > LARGEST_FACTOR {
-            return None;
-        }
-        let request = symbolic
-            .factorize_numeric_llt_scratch::<f64>(Par::Seq, faer::Spec::default())
-            .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
-        let scratch = MemBuffer::try_new(request).ok()?;
-        let factor = vec![0.0; symbolic.len_val()];
-        Some(Self { rows, pattern, places, diagonal, matrix, symbolic, factor, scratch })
+        let pairs =
+            |lengths: &mut dyn Iterator<Item = usize>| lengths.map(|length| length * length).sum::<usize>();
+        let over_columns = pairs(&mut rows.iter().map(|row| row.entries.len()));
+        let over_rows = pairs(&mut transposed.iter().map(Vec::len));
+        // Where one side has far fewer products, its factor is the smaller one too; else both are tried.
+        let of_rows = || CliqueMatrix::new(rows.len(), transposed.clone());
+        let of_columns = || CliqueMatrix::new(columns, rows.iter().map(|row| row.entries.clone()).collect());
+        let candidates = [
+            (over_columns <= 4 * over_rows).then(of_columns).flatten().map(|matrix| (false, matrix)),
+            (over_rows <= 4 * over_columns).then(of_rows).flatten().map(|matrix| (true, matrix)),
+        ];
+        let best = candidates.into_iter().flatten().min_by_key(|(_, matrix)| matrix.work());
+        best.map(|(by_rows, matrix)| Self { rows, by_rows, matrix })
     }
 
-    /// Work of one step, in visited entries: a fill of `k` a column costs about `k` operations an entry.
     fn work(&self) -> u64 {
-        let columns = self.diagonal.len().max(1) as u64;
-        let fill = self.factor.len() as u64;
-        self.places.len() as u64 + fill + fill * (fill / columns) / 64
+        self.matrix.work()
     }
 
-    fn factorise(
-        &mut self,
-        values: &[f64],
-        reduced: &[f64],
-        slack: &[f64],
-        weights: &[f64],
-    ) -> Result<(), LltError> {
-        self.matrix.fill(0.0);
-        for (column, &place) in self.diagonal.iter().enumerate() {
-            self.matrix[place as usize] = reduced[column] / values[column];
+    fn factorise(&mut self, state: &State) -> Option<()> {
+        let over = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a / b).collect() };
+        let of_columns = over(state.reduced, state.values);
+        let of_rows = over(state.slack, state.weights);
+        let inverted = |ratios: Vec<f64>| -> Vec<f64> { ratios.iter().map(|ratio| 1.0 / ratio).collect() };
+        if self.by_rows {
+            self.matrix.factorise(&of_rows, &inverted(of_columns))
+        } else {
+            self.matrix.factorise(&of_columns, &inverted(of_rows))
         }
-        let mut places = self.places.iter();
-        for (row, (slack, weight)) in self.rows.iter().zip(slack.iter().zip(weights)) {
-            let scale = weight / slack;
-            for &column in row {
-                self.matrix[self.diagonal[column as usize] as usize] += scale;
-            }
-            for &place in places.by_ref().take(row.len() * (row.len() - 1) / 2) {
-                self.matrix[place as usize] += scale;
-            }
-        }
-        let matrix = SparseColMatRef::new(self.pattern.as_ref(), &self.matrix);
-        self.symbolic.factorize_numeric_llt(
-            &mut self.factor,
-            matrix,
-            Side::Lower,
-            faer::linalg::cholesky::llt::factor::LltRegularization::default(),
-            Par::Seq,
-            MemStack::new(&mut self.scratch),
-            faer::Spec::default(),
-        )?;
-        Ok(())
     }
 
     /// The Newton direction for complementarity right-hand sides of rows and columns.
@@ -278,33 +217,36 @@ impl<'a> NewtonSystem<'a> {
         row_target: &dyn Fn(usize) -> f64,
         column_target: &dyn Fn(usize) -> f64,
     ) -> Direction {
-        let row_targets: Vec<f64> = (0..self.rows.len()).map(row_target).collect();
+        let rows = self.rows;
+        let row_targets: Vec<f64> = (0..rows.len()).map(row_target).collect();
         let column_targets: Vec<f64> = (0..state.values.len()).map(column_target).collect();
+        if self.by_rows {
+            let alone: Vec<f64> =
+                column_targets.iter().zip(state.reduced).map(|(target, reduced)| target / reduced).collect();
+            let mut weights: Vec<f64> = (rows.iter().zip(&row_targets).zip(state.weights))
+                .map(|((row, target), weight)| target / weight - row.value(&alone))
+                .collect();
+            self.matrix.solve(&mut weights);
+            let mut reduced = vec![0.0; column_targets.len()];
+            subtract_transposed(rows, &weights, &mut reduced);
+            let values: Vec<f64> = (0..reduced.len())
+                .map(|j| (column_targets[j] - state.values[j] * reduced[j]) / state.reduced[j])
+                .collect();
+            let slack = rows.iter().map(|row| row.value(&values)).collect();
+            return Direction { values, reduced, slack, weights };
+        }
         let mut values: Vec<f64> =
             column_targets.iter().zip(state.values).map(|(target, value)| target / value).collect();
-        for (index, row) in self.rows.iter().enumerate() {
-            let term = row_targets[index] / state.slack[index];
-            for &column in row {
-                values[column as usize] += term;
-            }
-        }
-        let count = values.len();
-        LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
-            Conj::No,
-            MatMut::from_column_major_slice_mut(&mut values, count, 1),
-            Par::Seq,
-            MemStack::new(&mut self.scratch),
-        );
-        let slack = cover(self.rows, &values);
-        let weights: Vec<f64> = (0..self.rows.len())
+        let pulls: Vec<f64> =
+            row_targets.iter().zip(state.slack).map(|(target, slack)| -target / slack).collect();
+        subtract_transposed(rows, &pulls, &mut values);
+        self.matrix.solve(&mut values);
+        let slack: Vec<f64> = rows.iter().map(|row| row.value(&values)).collect();
+        let weights: Vec<f64> = (0..rows.len())
             .map(|i| (row_targets[i] - state.weights[i] * slack[i]) / state.slack[i])
             .collect();
         let mut reduced = vec![0.0; values.len()];
-        for (row, weight) in self.rows.iter().zip(&weights) {
-            for &column in row {
-                reduced[column as usize] -= weight;
-            }
-        }
+        subtract_transposed(rows, &weights, &mut reduced);
         Direction { values, reduced, slack, weights }
     }
 }
@@ -313,10 +255,16 @@ impl<'a> NewtonSystem<'a> {
 mod tests {
     use super::*;
 
+    fn rows(lists: &[&[u32]]) -> Vec<Row> {
+        let row =
+            |list: &&[u32]| Row { entries: list.iter().map(|&column| (column, 1.0)).collect(), least: 1.0 };
+        lists.iter().map(row).collect()
+    }
+
     #[test]
     fn an_odd_cycle_of_pairs_is_half_covered() {
         // Vertex cover of a triangle: 1/2 each.
-        let rows = [vec![0, 1], vec![1, 2], vec![0, 2]];
+        let rows = rows(&[&[0, 1], &[1, 2], &[0, 2]]);
         let point = minimise_covering(&[1.0; 3], &rows, 1e-9, &mut Budget::new(None, None)).unwrap();
         assert!(point.gap <= 1e-9);
         assert!(point.values.iter().all(|value| (value - 0.5).abs() < 1e-6));
@@ -325,10 +273,48 @@ mod tests {
 
     #[test]
     fn the_cheapest_variable_covers() {
-        let rows = [vec![0, 1, 2], vec![1, 3]];
+        let rows = rows(&[&[0, 1, 2], &[1, 3]]);
         let point =
             minimise_covering(&[1.0, 1.5, 1.0, 9.0], &rows, 1e-9, &mut Budget::new(None, None)).unwrap();
         assert!((point.values[1] - 1.0).abs() < 1e-6);
         assert!((point.weights.iter().sum::<f64>() - 1.5).abs() < 1e-8);
+    }
+
+    #[test]
+    fn both_forms_of_the_newton_system_agree() {
+        // Three rows over ten variables are solved by rows; the same rows split over many by variables.
+        let wide = rows(&[&[0, 1, 2, 3, 4], &[4, 5, 6, 7], &[7, 8, 9, 0]]);
+        let costs: Vec<f64> = (0..10).map(|index| 1.0 + f64::from(index % 3)).collect();
+        let mut answers = Vec::new();
+        for by_rows in [true, false] {
+            let mut system = NewtonSystem::new(10, &wide).unwrap();
+            assert!(system.by_rows);
+            if !by_rows {
+                let cliques = wide.iter().map(|row| row.entries.clone()).collect();
+                system =
+                    NewtonSystem { rows: &wide, by_rows, matrix: CliqueMatrix::new(10, cliques).unwrap() };
+            }
+            let (values, weights) = (vec![0.7; 10], vec![0.2, 0.3, 0.1]);
+            let slack: Vec<f64> = wide.iter().map(|row| row.value(&values) - 1.0).collect();
+            let mut reduced = costs.clone();
+            subtract_transposed(&wide, &weights, &mut reduced);
+            let state = State { values: &values, slack: &slack, weights: &weights, reduced: &reduced };
+            system.factorise(&state).unwrap();
+            let Direction { values, weights, .. } =
+                system.direction(&state, &|i| 0.1 * i as f64, &|j| 0.3 - 0.1 * j as f64);
+            answers.push([values, weights].concat());
+        }
+        for (a, b) in answers[0].iter().zip(&answers[1]) {
+            assert!((a - b).abs() < 1e-9, "{answers:?}");
+        }
+    }
+
+    #[test]
+    fn a_coefficient_of_two_counts_twice() {
+        let row = |entries: &[(u32, f32)], least| Row { entries: entries.to_vec(), least };
+        // 2 a + b >= 2 at costs 3 and 2: a = 1 is cheapest.
+        let program = [row(&[(0, 2.0), (1, 1.0)], 2.0)];
+        let point = minimise_covering(&[3.0, 2.0], &program, 1e-9, &mut Budget::new(None, None)).unwrap();
+        assert!((point.values[0] - 1.0).abs() < 1e-6 && (point.weights[0] - 1.5).abs() < 1e-6);
     }
 }

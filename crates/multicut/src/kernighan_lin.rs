@@ -6,8 +6,9 @@ use std::collections::BinaryHeap;
 use crate::budget::Budget;
 use crate::signed_graph::SignedGraph;
 
-/// Moves tried after the best one of a sequence before the sequence is given up.
-const PATIENCE: usize = 300;
+/// Moves tried after the best one of a sequence before the sequence is given up: at least, for each node of the smaller
+/// cluster besides, and at most, which is also what splitting a cluster gets.
+const PATIENCE: (usize, usize, usize) = (20, 2, 200);
 
 /// Gains below this share of the absolute costs are rounding errors.
 const TOLERANCE: f64 = 1e-12;
@@ -18,6 +19,9 @@ const TOLERANCE: f64 = 1e-12;
 ///
 /// Each sequence takes its moves from a heap: `O(b log b)` for `b` arcs at the nodes that come near the border.
 pub(crate) fn kernighan_lin_with_joins(graph: &SignedGraph, labels: &mut Vec<u32>, budget: &mut Budget) {
+    if budget.is_over() {
+        return;
+    }
     Search::new(graph, labels).run(budget);
     *labels = graph.connected_labels(labels);
 }
@@ -128,6 +132,9 @@ impl<'a> Search<'a> {
         } else {
             (b, a)
         };
+        let (least, each, most) = PATIENCE;
+        let patience =
+            if splitting { most } else { (least + each * self.members[near as usize].len()).min(most) };
         let mut work = 1;
         for index in 0..self.members[near as usize].len() {
             let node = self.members[near as usize][index];
@@ -161,7 +168,7 @@ impl<'a> Search<'a> {
             if total > best + self.tolerance {
                 best = total;
                 best_length = moves.len();
-            } else if moves.len() >= best_length + PATIENCE {
+            } else if moves.len() >= best_length + patience {
                 break;
             }
             let graph = self.graph;

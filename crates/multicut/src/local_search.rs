@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::budget::Budget;
 use crate::decomposition::decompose;
-use crate::greedy::{additive_edge_contraction, greedy_fixation};
+use crate::greedy::{Preference, additive_edge_contraction, greedy_fixation};
 use crate::kernighan_lin::kernighan_lin_with_joins;
 use crate::signed_graph::SignedGraph;
 use crate::union_find::UnionFind;
@@ -26,6 +26,9 @@ pub(crate) fn fuse_proposals(
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut objective = graph.objective(labels);
     for round in 0..rounds {
+        if !budget.spend(graph.node_count() as u64) {
+            return;
+        }
         let noise = NOISE[round % NOISE.len()];
         let noisy: Vec<(u32, u32, f64)> = graph
             .edges()
@@ -34,11 +37,14 @@ pub(crate) fn fuse_proposals(
         let noisy = SignedGraph::new(graph.node_count(), noisy.into_iter());
         // Every other proposal looks at repulsion first.
         let mut proposal = if round % 2 == 0 {
-            additive_edge_contraction(noisy, budget)
+            additive_edge_contraction(noisy, Preference::Degree, budget)
         } else {
             greedy_fixation(noisy, budget)
         };
         kernighan_lin_with_joins(graph, &mut proposal, budget);
+        if budget.is_over() {
+            return;
+        }
         let fused = fuse(graph, labels, &proposal, budget);
         for candidate in [proposal, fused] {
             let value = graph.objective(&candidate);
@@ -47,18 +53,25 @@ pub(crate) fn fuse_proposals(
                 *labels = candidate;
             }
         }
-        if budget.is_over() {
-            return;
-        }
     }
 }
 
 /// A good combination of two labellings: nodes that both join stay joined.
-fn fuse(graph: &SignedGraph, first: &[u32], second: &[u32], budget: &mut Budget) -> Vec<u32> {
+pub(crate) fn fuse(graph: &SignedGraph, first: &[u32], second: &[u32], budget: &mut Budget) -> Vec<u32> {
+    let together = |labels: &[u32], tail: u32, head: u32| labels[tail as usize] == labels[head as usize];
+    solve_contracted(graph, |tail, head| together(first, tail, head) && together(second, tail, head), budget)
+}
+
+/// A good labelling that joins the ends of the edges for which `keep` holds: the contracted graph is reduced, its
+/// kernels are solved heuristically, and Kernighan-Lin on the whole has the last word.
+pub(crate) fn solve_contracted(
+    graph: &SignedGraph,
+    keep: impl Fn(u32, u32) -> bool,
+    budget: &mut Budget,
+) -> Vec<u32> {
     let mut sets = UnionFind::new(graph.node_count());
     for (tail, head, _) in graph.edges() {
-        let (tail_index, head_index) = (tail as usize, head as usize);
-        if first[tail_index] == first[head_index] && second[tail_index] == second[head_index] {
+        if keep(tail, head) {
             sets.union(tail, head);
         }
     }
@@ -74,13 +87,13 @@ fn fuse(graph: &SignedGraph, first: &[u32], second: &[u32], budget: &mut Budget)
         .kernels
         .iter()
         .map(|piece| {
-            let mut labels = additive_edge_contraction(piece.graph.clone(), budget);
+            let mut labels = additive_edge_contraction(piece.graph.clone(), Preference::Degree, budget);
             kernighan_lin_with_joins(&piece.graph, &mut labels, budget);
             labels
         })
         .collect();
-    let fused = decomposition.assemble(solved.iter().map(Vec::as_slice));
-    let mut labels: Vec<u32> = classes.iter().map(|&class| fused[class as usize]).collect();
+    let joined = decomposition.assemble(solved.iter().map(Vec::as_slice));
+    let mut labels: Vec<u32> = classes.iter().map(|&class| joined[class as usize]).collect();
     kernighan_lin_with_joins(graph, &mut labels, budget);
     labels
 }

@@ -4,6 +4,8 @@ use std::collections::VecDeque;
 
 use crate::budget::Budget;
 use crate::kernel::Kernel;
+use crate::landmark_distances::LandmarkDistances;
+use crate::signed_graph::SignedGraph;
 use crate::union_find::UnionFind;
 
 /// A cycle with exactly one repulsive edge, and the weight it is packed with.
@@ -82,6 +84,7 @@ impl Packing {
     pub(crate) fn extend(&mut self, kernel: &Kernel, effort: u64, budget: &mut Budget) {
         let end = budget.spent().saturating_add(effort);
         let mut search = PathSearch::new(kernel.node_count());
+        let mut hops = LandmarkDistances::default();
         let mut repulsive: Vec<u32> =
             (0..kernel.edge_count() as u32).filter(|&edge| kernel.costs[edge as usize] < 0.0).collect();
         let mut length = 2;
@@ -97,9 +100,13 @@ impl Packing {
                 self.open(kernel, edge) && components.find(tail) == components.find(head)
             });
             for &repulsive in &repulsive {
+                let (tail, head) = kernel.ends[repulsive as usize];
+                if hops.at_least(tail, head) > length as f32 {
+                    continue;
+                }
                 while self.open(kernel, repulsive) {
-                    let path =
-                        search.shortest(kernel, repulsive, length, |edge| self.open(kernel, edge), budget);
+                    let open = |edge| self.open(kernel, edge);
+                    let path = search.shortest(kernel, repulsive, length, &hops, open, budget);
                     if budget.is_over() || budget.spent() > end {
                         return;
                     }
@@ -113,13 +120,44 @@ impl Packing {
             if length >= kernel.node_count() {
                 break;
             }
-            length = if length < 6 { length + 1 } else { length * 4 };
+            length = if length < 6 { length + 1 } else { length * 2 };
+            if length == 6 {
+                // Paths only grow longer as capacity goes.
+                hops = LandmarkDistances::hops(kernel);
+            }
         }
     }
 
     fn open(&self, kernel: &Kernel, edge: u32) -> bool {
         self.residual[edge as usize] > NEGLIGIBLE * kernel.costs[edge as usize].abs()
     }
+}
+
+/// Largest graph, in edges, that [`pack_completely`] looks at.
+const SMALL: usize = 20_000;
+
+/// Work that [`pack_completely`] spends on each edge.
+const EFFORT: u64 = 60;
+
+/// Cycles that pack every repulsive edge to its cost. No multicut of such a graph costs less than 0: joining everything
+/// that attracts is optimal.
+///
+/// Asks first for what every such packing needs: at each node as much attraction as repulsion.
+pub(crate) fn pack_completely(graph: &SignedGraph, budget: &mut Budget) -> Option<Vec<Cycle>> {
+    let mut arcs = 0;
+    for node in graph.nodes() {
+        let row = graph.arcs(node);
+        arcs += row.len();
+        if row.iter().map(|arc| arc.cost).sum::<f64>() < 0.0 || arcs > 2 * SMALL {
+            return None;
+        }
+    }
+    let kernel = Kernel::new(graph);
+    let mut packing = Packing::new(&kernel);
+    packing.extend(&kernel, EFFORT * kernel.edge_count() as u64, budget);
+    let mut edges = 0..kernel.edge_count() as u32;
+    let left = edges.any(|edge| kernel.costs[edge as usize] < 0.0 && packing.open(&kernel, edge));
+    (!left).then_some(packing.cycles)
 }
 
 /// Breadth-first search for attractive paths between the ends of a repulsive edge.
@@ -139,6 +177,7 @@ impl PathSearch {
         kernel: &Kernel,
         repulsive: u32,
         length: usize,
+        hops: &LandmarkDistances,
         open: impl Fn(u32) -> bool,
         budget: &mut Budget,
     ) -> Option<Vec<u32>> {
@@ -173,7 +212,9 @@ impl PathSearch {
                         found = Some(goal);
                         break 'search;
                     }
-                    self.queue.push_back((other, depth + 1));
+                    if (depth + 1) as f32 + hops.at_least(other, goal) <= length as f32 {
+                        self.queue.push_back((other, depth + 1));
+                    }
                 }
             }
         }
@@ -196,7 +237,6 @@ impl PathSearch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::signed_graph::SignedGraph;
 
     #[test]
     fn a_conflicted_triangle_is_packed_to_its_smallest_cost() {
@@ -206,6 +246,18 @@ mod tests {
         packing.extend(&kernel, u64::MAX, &mut Budget::new(None, None));
         assert_eq!((packing.bound, packing.cycles.len()), (-2.0, 1));
         assert_eq!(packing.residual, [0.0, 2.0, 1.0]);
+    }
+
+    #[test]
+    fn a_graph_is_packed_completely_only_if_every_repulsion_is() {
+        let ring = [(0, 1, 1.0), (1, 2, 1.0), (2, 3, 1.0), (0, 3, 1.0)];
+        let chord = |cost: f64| SignedGraph::new(4, ring.into_iter().chain([(0, 2, cost)]));
+        let budget = &mut Budget::new(None, None);
+        assert_eq!(pack_completely(&chord(-2.0), budget).map(|cycles| cycles.len()), Some(2));
+        assert_eq!(pack_completely(&chord(-2.5), budget), None);
+        // Enough attraction at each node, and no path to carry it.
+        let apart = [(0, 1, 2.0), (2, 3, 2.0), (0, 2, -1.0), (1, 3, -1.0)];
+        assert_eq!(pack_completely(&SignedGraph::new(4, apart.into_iter()), budget), None);
     }
 
     #[test]

@@ -93,7 +93,9 @@ fn write_reduced(output: &mut impl Write, reduced: &Reduced) -> std::io::Result<
                 Step::Triangle { kept, gone, apex } => writeln!(output, "t {kept} {gone} {apex}")?,
             }
         }
-        if let Some(proof) = piece.kernel.and_then(|kernel| reduced.kernels.get(kernel)) {
+        if let Some(cycles) = &piece.packed {
+            write_packing(output, cycles)?;
+        } else if let Some(proof) = piece.kernel.and_then(|kernel| reduced.kernels.get(kernel)) {
             write_proof(output, proof)?;
         }
     }
@@ -102,10 +104,7 @@ fn write_reduced(output: &mut impl Write, reduced: &Reduced) -> std::io::Result<
 
 fn write_proof(output: &mut impl Write, proof: &Proof) -> std::io::Result<()> {
     match proof {
-        Proof::Packing(cycles) => {
-            writeln!(output, "pack {}", cycles.len())?;
-            write_cycles(output, cycles)
-        }
+        Proof::Packing(cycles) => write_packing(output, cycles),
         Proof::Fixed { cycles, edges, reward, rest } => {
             writeln!(output, "fix {} {} {reward}", cycles.len(), edges.len())?;
             write_cycles(output, cycles)?;
@@ -120,6 +119,11 @@ fn write_proof(output: &mut impl Write, proof: &Proof) -> std::io::Result<()> {
             write_reduced(output, apart)
         }
     }
+}
+
+fn write_packing(output: &mut impl Write, cycles: &[Cycle]) -> std::io::Result<()> {
+    writeln!(output, "pack {}", cycles.len())?;
+    write_cycles(output, cycles)
 }
 
 fn write_cycles(output: &mut impl Write, cycles: &[Cycle]) -> std::io::Result<()> {

@@ -4,8 +4,9 @@ use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashSet};
 
 use crate::budget::Budget;
-use crate::interior_point::minimise_covering;
+use crate::interior_point::{Row, minimise_covering};
 use crate::kernel::Kernel;
+use crate::landmark_distances::LandmarkDistances;
 use crate::packing::Packing;
 
 /// The best packing found, and a point of the relaxation.
@@ -26,6 +27,12 @@ struct Cycles {
 }
 
 impl Cycles {
+    fn has(&self, kernel: &Kernel, nodes: &[u32]) -> bool {
+        let mut edges = kernel.cycle_edges(nodes);
+        edges.sort_unstable();
+        self.known.contains(&edges)
+    }
+
     fn add(&mut self, kernel: &Kernel, nodes: Vec<u32>) -> bool {
         let edges = kernel.cycle_edges(&nodes);
         let mut sorted = edges.clone();
@@ -66,13 +73,13 @@ impl Cycles {
 /// every dual point is a certificate.
 ///
 /// Starts from the cycles of `start`, and ends when no inequality is violated, when the bound reaches `target`, or with
-/// the budget, or, if `impatient`, when the bound has all but ceased to rise. Early rounds stop far from the optimum, where
+/// the budget, or when the bound has all but ceased to rise and `give_up` finds the packing good enough. Early rounds stop far from the optimum, where
 /// cuts are deep.
 pub(crate) fn solve_relaxation(
     kernel: &Kernel,
     start: Packing,
     target: f64,
-    impatient: bool,
+    give_up: impl Fn(&Packing) -> bool,
     budget: &mut Budget,
 ) -> Relaxation {
     let mut cycles = Cycles { nodes: Vec::new(), edges: Vec::new(), known: HashSet::new() };
@@ -90,21 +97,19 @@ pub(crate) fn solve_relaxation(
         // Only edges on some cycle are variables; the others are paid nothing.
         let mut column = vec![u32::MAX; kernel.edge_count()];
         let mut costs = Vec::new();
-        let rows: Vec<Vec<u32>> = cycles
+        let rows: Vec<Row> = cycles
             .edges
             .iter()
             .map(|edges| {
-                edges
-                    .iter()
-                    .map(|&edge| {
-                        let place = &mut column[edge as usize];
-                        if *place == u32::MAX {
-                            *place = costs.len() as u32;
-                            costs.push(kernel.costs[edge as usize].abs());
-                        }
-                        *place
-                    })
-                    .collect()
+                let entries = edges.iter().map(|&edge| {
+                    let place = &mut column[edge as usize];
+                    if *place == u32::MAX {
+                        *place = costs.len() as u32;
+                        costs.push(kernel.costs[edge as usize].abs());
+                    }
+                    (*place, 1.0)
+                });
+                Row { entries: entries.collect(), least: 1.0 }
             })
             .collect();
         // The gap that matters is relative to what is paid, not to the sum of all costs.
@@ -117,6 +122,8 @@ pub(crate) fn solve_relaxation(
         let weighted = weighted.map(|((nodes, edges), &weight)| (nodes.clone(), edges.clone(), weight));
         let mut packing = Packing::from_weights(kernel, weighted.filter(|entry| entry.2 > 1e-11 * scale));
         packing.extend(kernel, u64::MAX, budget);
+        let fresh = packing.cycles.iter().rev().take_while(|cycle| !cycles.has(kernel, &cycle.nodes));
+        let fresh: Vec<Vec<u32>> = fresh.map(|cycle| cycle.nodes.clone()).collect();
         if packing.bound > relaxation.packing.bound {
             relaxation.packing = packing;
         }
@@ -124,9 +131,9 @@ pub(crate) fn solve_relaxation(
             break;
         }
         missing.push(target - relaxation.packing.bound);
-        if impatient
-            && let [.., before, _, _, now] = missing[..]
+        if let [.., before, _, _, now] = missing[..]
             && now > 0.95 * before
+            && give_up(&relaxation.packing)
         {
             break;
         }
@@ -141,14 +148,14 @@ pub(crate) fn solve_relaxation(
                 .iter()
                 .zip(&point.weights)
                 .map(|(row, &weight)| {
-                    let covered: f64 = row.iter().map(|&place| point.values[place as usize]).sum();
-                    covered < 1.5 || weight > accuracy * 0.01 * costs[row[0] as usize]
+                    row.value(&point.values) < 1.5
+                        || weight > accuracy * 0.01 * costs[row.entries[0].0 as usize]
                 })
                 .collect();
             cycles.retain(|index| keep[index]);
         }
         let mut added = false;
-        for nodes in violated {
+        for nodes in violated.into_iter().chain(fresh) {
             added |= cycles.add(kernel, nodes);
         }
         if !added {
@@ -175,18 +182,38 @@ struct Separation<'a> {
     distance: Vec<f64>,
     parent: Vec<u32>,
     touched: Vec<u32>,
+    landmarks: LandmarkDistances,
 }
+
+/// Toll a hop: of paths as cheap, short ones are preferred.
+const TOLL: f64 = 1e-9;
+
+/// Longer cycles are added only as far as edges are not crowded with them: they would be many, and all alike.
+const SHORT: usize = 24;
+
+/// Long cycles over one edge that are added in one round.
+const CROWD: u8 = 12;
+
+/// Crowded cycles, beyond as many as were found, that end a round.
+const PATIENCE: usize = 30;
+
+/// Rounding of landmark distances.
+const ROUNDING: f32 = 1e-5;
 
 impl<'a> Separation<'a> {
     fn new(kernel: &'a Kernel) -> Self {
         let nodes = kernel.node_count();
-        Self { kernel, distance: vec![f64::INFINITY; nodes], parent: vec![0; nodes], touched: Vec::new() }
+        let (distance, parent) = (vec![f64::INFINITY; nodes], vec![0; nodes]);
+        Self { kernel, distance, parent, touched: Vec::new(), landmarks: LandmarkDistances::hops(kernel) }
     }
 
     /// For each repulsive edge the most violated cycle, if it is violated by more than `least`: one Dijkstra search
-    /// a node over attractive edges, cut off at distance 1. A tiny toll a hop prefers short cycles.
+    /// a node over attractive edges, cut off at distance 1.
     fn violated(&mut self, paid: &[f64], least: f64, budget: &mut Budget) -> Vec<Vec<u32>> {
         let mut found = Vec::new();
+        let mut load = vec![0u8; self.kernel.edge_count()];
+        let mut rejected = 0;
+        self.landmarks.update(self.kernel, |edge| paid[edge as usize].max(0.0) + TOLL);
         for source in 0..self.kernel.node_count() as u32 {
             let goals: Vec<(u32, f64)> = self
                 .kernel
@@ -194,13 +221,12 @@ impl<'a> Separation<'a> {
                 .iter()
                 .filter(|&&(node, edge)| node > source && self.kernel.costs[edge as usize] < 0.0)
                 .map(|&(node, edge)| (node, 1.0 - least - paid[edge as usize]))
-                .filter(|&(_, reach)| reach > 0.0)
+                .filter(|&(goal, reach)| reach > f64::from(self.landmarks.at_least(source, goal) - ROUNDING))
                 .collect();
-            let reach = goals.iter().map(|goal| goal.1).fold(0.0, f64::max);
             if goals.is_empty() {
                 continue;
             }
-            self.search(source, reach, paid, budget);
+            self.search(source, &goals, paid, budget);
             for (goal, reach) in goals {
                 if self.distance[goal as usize] < reach {
                     let mut path = vec![goal];
@@ -209,21 +235,35 @@ impl<'a> Separation<'a> {
                         node = self.parent[node as usize];
                         path.push(node);
                     }
-                    found.push(path);
+                    if path.len() <= SHORT || self.fits(&path, &mut load) {
+                        found.push(path);
+                    } else {
+                        rejected += 1;
+                    }
                 }
             }
             for node in self.touched.drain(..) {
                 self.distance[node as usize] = f64::INFINITY;
             }
-            if budget.is_over() {
+            if budget.is_over() || rejected > found.len() + PATIENCE {
                 break;
             }
         }
         found
     }
 
-    fn search(&mut self, source: u32, reach: f64, paid: &[f64], budget: &mut Budget) {
-        const TOLL: f64 = 1e-9;
+    /// Whether no edge of a path is crowded yet; if so, counts it.
+    fn fits(&self, path: &[u32], load: &mut [u8]) -> bool {
+        let edges = || path.windows(2).filter_map(|pair| self.kernel.edge(pair[0], pair[1]));
+        let fits = edges().all(|edge| load[edge as usize] < CROWD);
+        if fits {
+            edges().for_each(|edge| load[edge as usize] += 1);
+        }
+        fits
+    }
+
+    fn search(&mut self, source: u32, goals: &[(u32, f64)], paid: &[f64], budget: &mut Budget) {
+        let reach = goals.iter().map(|goal| goal.1).fold(0.0, f64::max);
         let mut heap = BinaryHeap::from([Reverse((0u64, source))]);
         self.distance[source as usize] = 0.0;
         self.touched.push(source);
@@ -239,7 +279,13 @@ impl<'a> Separation<'a> {
                     continue;
                 }
                 let next = distance + paid[edge as usize].max(0.0) + TOLL;
-                if next < reach && next < self.distance[other as usize] {
+                let leads = || {
+                    let near = |&(goal, reach): &(u32, f64)| {
+                        next + f64::from(self.landmarks.at_least(other, goal) - ROUNDING) < reach
+                    };
+                    goals.len() > 4 || goals.iter().any(near)
+                };
+                if next < reach && next < self.distance[other as usize] && leads() {
                     if self.distance[other as usize] == f64::INFINITY {
                         self.touched.push(other);
                     }

@@ -2,10 +2,10 @@
 
 use crate::budget::Budget;
 use crate::decomposition::decompose;
-use crate::greedy::additive_edge_contraction;
+use crate::greedy::{Preference, additive_edge_contraction, contractions};
 use crate::kernel::Kernel;
 use crate::kernighan_lin::kernighan_lin_with_joins;
-use crate::local_search::fuse_proposals;
+use crate::local_search::{fuse, fuse_proposals, solve_contracted};
 use crate::options::Solver;
 use crate::packing::Packing;
 use crate::proof::{Proof, Reduced};
@@ -68,16 +68,43 @@ impl State {
 
 /// A solution of a kernel by contraction; no worse than joining everything, wherever a limit ends it.
 pub(crate) fn contract(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
-    let labels = additive_edge_contraction(graph.clone(), budget);
-    if graph.objective(&labels) > 0.0 { vec![0; graph.node_count()] } else { labels }
+    contractions(graph, budget).swap_remove(0)
+}
+
+/// Work for each edge, and besides, after which [`contract_and_move`] starts nothing new.
+const MOVING: (u64, u64) = (200, 1_000_000);
+
+/// A solution of a kernel by contractions, Kernighan-Lin with joins from each, and fusions of the best with the
+/// others: the best contraction first, and as many others as limited work allows.
+pub(crate) fn contract_and_move(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
+    let starts = contractions(graph, budget);
+    let end = budget.spent() + MOVING.0 * graph.edges().count() as u64 + MOVING.1;
+    let mut best: Option<(f64, Vec<u32>)> = None;
+    for mut labels in starts {
+        if best.is_some() && (budget.spent() >= end || budget.is_over()) {
+            break;
+        }
+        kernighan_lin_with_joins(graph, &mut labels, budget);
+        let mut candidates = vec![labels];
+        if let Some((_, best)) = &best {
+            candidates.push(fuse(graph, best, &candidates[0], budget));
+        }
+        for labels in candidates {
+            let objective = graph.objective(&labels);
+            if best.as_ref().is_none_or(|best| objective < best.0) {
+                best = Some((objective, labels));
+            }
+        }
+    }
+    best.map_or_else(|| vec![0; graph.node_count()], |best| best.1)
 }
 
 /// Work on the first packing, for each edge and besides: long cycles in large kernels cost more than they bring.
 fn packing_effort(solver: Solver, edges: usize) -> u64 {
     let (each, besides) = match solver {
         Solver::Exact => (200, 20_000_000),
-        Solver::Klj => (50, 1_000_000),
-        Solver::Gaec => (10, 1_000_000),
+        Solver::Klj => (20, 100_000),
+        Solver::Gaec => (5, 10_000),
     };
     besides + each * edges as u64
 }
@@ -101,6 +128,20 @@ pub(crate) fn survey(
 
 /// Improves the solution of a kernel by local search.
 pub(crate) fn improve(graph: &SignedGraph, state: &mut State, rounds: usize, seed: u64, budget: &mut Budget) {
+    if budget.is_over() {
+        return;
+    }
+    // If the packing were tight, an optimum would cut no edge with capacity left.
+    let kernel = Kernel::new(graph);
+    let left = |tail: u32, head: u32| {
+        let edge = kernel.edge(tail, head).map_or(0, |edge| edge as usize);
+        kernel.costs[edge] > 0.0 && state.packing.residual[edge] > 1e-6 * kernel.costs[edge]
+    };
+    let labels = solve_contracted(graph, left, budget);
+    state.offer(graph, labels);
+    if state.is_closed() {
+        return;
+    }
     let mut labels = state.labels.clone();
     fuse_proposals(graph, &mut labels, rounds, seed, budget);
     state.offer(graph, labels);
@@ -130,19 +171,19 @@ impl Tree {
             return;
         }
         let kernel = Kernel::new(graph);
-        let mut packing = std::mem::take(&mut state.packing);
-        for impatient in [true, false] {
-            let relaxation = solve_relaxation(&kernel, packing, goal(state), impatient, budget);
-            let bound = kernel.rounded(relaxation.packing.bound);
-            state.raise(bound, || Some(Proof::Packing(relaxation.packing.cycles.clone())));
-            round(graph, &kernel, &relaxation, state, budget);
-            packing = relaxation.packing.clone();
-            if state.bound >= goal(state) || budget.is_over() {
-                break;
-            }
-            if let Some(fixed) = self.fix(graph, &kernel, &packing, goal(state))
-                && (!impatient || fixed.nodes * FEW >= graph.node_count())
-            {
+        let packing = std::mem::take(&mut state.packing);
+        let target = goal(state);
+        let pays = |packing: &Packing| {
+            let fixed = self.fix(graph, &kernel, packing, target);
+            fixed.is_some_and(|fixed| fixed.nodes * FEW >= graph.node_count())
+        };
+        let relaxation = solve_relaxation(&kernel, packing, target, pays, budget);
+        let packing = relaxation.packing.clone();
+        let bound = kernel.rounded(packing.bound);
+        state.raise(bound, || Some(Proof::Packing(packing.cycles.clone())));
+        round(graph, &kernel, &relaxation, state, budget);
+        if state.bound < goal(state) && !budget.is_over() {
+            if let Some(fixed) = self.fix(graph, &kernel, &packing, goal(state)) {
                 // Whatever the fixed graph leaves out is no better than what is known.
                 let Inside { labels, bound, proof } =
                     self.solve_within(fixed.graph, goal(state), state.proof.is_some(), budget);
@@ -151,9 +192,7 @@ impl Tree {
                     let (cycles, edges) = (packing.cycles.clone(), fixed.edges);
                     Some(Proof::Fixed { cycles, edges, reward: self.big, rest: proof? })
                 });
-                break;
-            }
-            if !impatient {
+            } else {
                 self.branch(graph, &kernel, &relaxation, state, cutoff, budget);
             }
         }
@@ -186,8 +225,7 @@ impl Tree {
         let mut states: Vec<State> = kernels
             .iter()
             .map(|piece| {
-                let mut labels = contract(&piece.graph, budget);
-                kernighan_lin_with_joins(&piece.graph, &mut labels, budget);
+                let labels = contract_and_move(&piece.graph, budget);
                 survey(&piece.graph, labels, Solver::Exact, record, budget)
             })
             .collect();
@@ -264,13 +302,25 @@ fn round(
     state: &mut State,
     budget: &mut Budget,
 ) {
+    if budget.is_over() {
+        return;
+    }
     let scaled = kernel
         .ends
         .iter()
         .zip(&kernel.costs)
         .zip(&relaxation.paid)
         .map(|((&(tail, head), &cost), &paid)| (tail, head, cost * (1.0 - paid.clamp(0.0, 1.0) + 1e-3)));
-    let mut labels = additive_edge_contraction(SignedGraph::new(graph.node_count(), scaled), budget);
+    // Where the relaxation is integral, its multicut is the optimum.
+    let mut uncut = UnionFind::new(graph.node_count());
+    for (edge, &(tail, head)) in kernel.ends.iter().enumerate() {
+        if kernel.costs[edge] > 0.0 && relaxation.paid[edge] < 0.5 {
+            uncut.union(tail, head);
+        }
+    }
+    state.offer(graph, uncut.labels());
+    let mut labels =
+        additive_edge_contraction(SignedGraph::new(graph.node_count(), scaled), Preference::Degree, budget);
     kernighan_lin_with_joins(graph, &mut labels, budget);
     state.offer(graph, labels);
 }

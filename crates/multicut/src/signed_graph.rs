@@ -178,24 +178,46 @@ impl SignedGraph {
         sets.labels()
     }
 
-    /// The subgraph on `nodes`, numbered in their order. `place` is scratch, one entry a node, left as it was.
-    pub(crate) fn induced(&self, nodes: &[u32], place: &mut [u32]) -> Self {
+    /// The same graph with node `order[i]` as node `i`; moves rows instead of copying them.
+    pub(crate) fn permuted(mut self, order: &[u32]) -> Self {
+        let mut place = vec![0; order.len()];
+        for (index, &node) in order.iter().enumerate() {
+            place[node as usize] = index as u32;
+        }
+        let adjacency = order.iter().map(|&node| {
+            let mut arcs = std::mem::take(&mut self.adjacency[node as usize]);
+            for arc in &mut arcs {
+                arc.node = place[arc.node as usize];
+            }
+            arcs.sort_unstable_by_key(|arc| arc.node);
+            arcs
+        });
+        Self { adjacency: adjacency.collect() }
+    }
+
+    /// Takes the edges among `nodes` out as a graph of their own, numbered in their order: rows are moved, and only
+    /// those of nodes with edges elsewhere are copied. `place` is scratch, one entry a node, left as it was.
+    pub(crate) fn take(&mut self, nodes: &[u32], place: &mut [u32]) -> Self {
         for (index, &node) in nodes.iter().enumerate() {
             place[node as usize] = index as u32;
         }
-        let adjacency = nodes
-            .iter()
-            .map(|&node| {
-                let mut arcs: Vec<Arc> = self
-                    .arcs(node)
-                    .iter()
-                    .filter(|arc| place[arc.node as usize] != u32::MAX)
-                    .map(|arc| Arc { node: place[arc.node as usize], cost: arc.cost })
-                    .collect();
-                arcs.sort_unstable_by_key(|arc| arc.node);
+        let adjacency = nodes.iter().map(|&node| {
+            let row = &mut self.adjacency[node as usize];
+            let inside = |arc: &Arc| place[arc.node as usize] != u32::MAX;
+            let mut arcs = if row.iter().all(inside) {
+                std::mem::take(row)
+            } else {
+                let arcs = row.iter().copied().filter(inside).collect();
+                row.retain(|arc| !inside(arc));
                 arcs
-            })
-            .collect();
+            };
+            for arc in &mut arcs {
+                arc.node = place[arc.node as usize];
+            }
+            arcs.sort_unstable_by_key(|arc| arc.node);
+            arcs
+        });
+        let adjacency = adjacency.collect();
         for &node in nodes {
             place[node as usize] = u32::MAX;
         }

@@ -6,10 +6,9 @@ use crate::budget::Budget;
 use crate::canonical::canonical_order;
 use crate::decomposition::{Decomposition, decompose};
 use crate::graph::Graph;
-use crate::kernighan_lin::kernighan_lin_with_joins;
 use crate::options::{Options, Solver};
 use crate::proof::{Certificate, Reduced};
-use crate::search::{State, close, contract, improve, survey};
+use crate::search::{State, close, contract, contract_and_move, improve, survey};
 use crate::signed_graph::SignedGraph;
 use crate::sum::Sum;
 use crate::union_find::UnionFind;
@@ -63,10 +62,11 @@ struct Component {
 ///
 /// What numbering may change: the objective and bound of a completed proof never (but for the rounding of costs that
 /// are no integers); the partition never where the optimum is unique. Where several partitions are best, or no
-/// proof completes, ties are broken in an order of nodes taken from the graph itself. Up to 3,000 nodes and
-/// edges in a conflicted component that order is refined until it tells all nodes apart that are not images of each other
-/// (as far as colour refinement can see); in larger ones it looks four edges far, nodes alike that far go by number, and
-/// renumbering may then give another partition. The order of edges, and the number of threads, change nothing.
+/// proof completes, ties are broken in an order of nodes taken from the graph itself. In each conflicted component that
+/// order is refined until it tells all nodes apart that are not images of each other (as far as colour refinement can
+/// see), or until 60 million nodes and edges were looked at: that is always enough up to 3,000 nodes and edges, and for most
+/// irregular graphs up to a million; in a larger one, nodes alike four edges far go by number, and renumbering may
+/// then give another partition. The order of edges, and the number of threads, change nothing.
 pub fn solve(graph: &Graph, options: &Options) -> Solution {
     let start = Instant::now();
     let mut budget = Budget::new(options.time_limit, options.work_limit);
@@ -76,7 +76,7 @@ pub fn solve(graph: &Graph, options: &Options) -> Solution {
     for (nodes, local) in conflicted_components(graph, &mut joined, &mut bound) {
         let order = canonical_order(&local);
         let nodes: Vec<u32> = order.iter().map(|&node| nodes[node as usize]).collect();
-        let local = local.induced(&order, &mut vec![u32::MAX; order.len()]);
+        let local = local.permuted(&order);
         let decomposition = decompose(local, options.certificate, &mut budget);
         components.push(Component { nodes, decomposition, states: Vec::new() });
     }
@@ -134,13 +134,10 @@ fn survey_all(components: &mut [Component], options: &Options, budget: &mut Budg
     let mut labels = Vec::new();
     for component in components.iter() {
         for piece in &component.decomposition.kernels {
-            labels.push(contract(&piece.graph, budget));
-        }
-    }
-    let pieces = components.iter().flat_map(|component| &component.decomposition.kernels);
-    if options.solver != Solver::Gaec {
-        for (piece, labels) in pieces.zip(&mut labels) {
-            kernighan_lin_with_joins(&piece.graph, labels, budget);
+            labels.push(match options.solver {
+                Solver::Gaec => contract(&piece.graph, budget),
+                Solver::Klj | Solver::Exact => contract_and_move(&piece.graph, budget),
+            });
         }
     }
     let mut labels = labels.into_iter();
@@ -167,6 +164,9 @@ fn close_all(components: &mut [Component], seed: u64, budget: &mut Budget) {
     }
     open.sort_unstable();
     for (_, index, place) in open {
+        if budget.is_over() {
+            break;
+        }
         let component = &mut components[index];
         let piece = &component.decomposition.kernels[place];
         improve(&piece.graph, &mut component.states[place], ROUNDS, seed, budget);

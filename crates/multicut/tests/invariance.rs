@@ -1,6 +1,7 @@
 //! Numbering, order, seeds and limits: what may change an answer, and what may not.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+use posecut_multicut::generate::{Family, generate};
 use posecut_multicut::{Graph, Options, Solver, solve, verify};
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
@@ -56,6 +57,26 @@ fn answers_do_not_depend_on_numbering() {
             assert_eq!(first.objective, second.objective, "{round} {solver:?}");
             assert_eq!(sizes(&first.labels), sizes(&second.labels), "{round} {solver:?}");
         }
+    }
+}
+
+#[test]
+fn answers_for_large_components_do_not_depend_on_numbering() {
+    let mut random = ChaCha8Rng::seed_from_u64(15);
+    let graph = generate(Family::Aliased, 2_000, 0.5, 1).unwrap();
+    let edges: Edges =
+        graph.edges().iter().map(|edge| (edge.tail.into(), edge.head.into(), edge.cost)).collect();
+    let (_, renumbered) = renumber(&edges, 4_000, &mut random);
+    for (solver, work_limit) in
+        [(Solver::Exact, 30_000_000), (Solver::Klj, u64::MAX), (Solver::Gaec, u64::MAX)]
+    {
+        let options =
+            Options { solver, time_limit: None, work_limit: Some(work_limit), ..Options::default() };
+        let first = solve(&graph, &options);
+        let second = solve(&Graph::new(4_000, renumbered.clone()).unwrap(), &options);
+        assert!(first.largest_kernel.1 > 3_000);
+        assert_eq!(first.objective, second.objective, "{solver:?}");
+        assert_eq!(sizes(&first.labels), sizes(&second.labels), "{solver:?}");
     }
 }
 
