@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 """Measures posecut-multicut as a whole process on generated and published instances; writes docs/multicut-results.md.
 
-Usage: scripts/bench-multicut.py [--largest N] [--peer PYTHON] [--time-limit SECONDS] [--generated-limit SECONDS] [-o FILE]
+Usage: scripts/bench-multicut.py [--largest N] [--peer PYTHON] [--time-limit SECONDS] [--generated-limit SECONDS]
+                                 [--measured FILE] [--for SECONDS] [-o FILE]
 
 Builds the release program, generates graphs of the families F, S, A (10^3 to N viewpoints) and D (to 10^5) with 10, 50
 and 90 % false edges, and adds every instance of $POSECUT_SHARED_DATA/multicut. With --peer, the Python of an
 environment that has bioimage-cpp, its GAEC and GAEC + KL run on the same files. CPU seconds and peak memory are
-those that the system counts for the whole process, reading and writing included, on one thread.
+those that the system counts for the whole process, reading and writing included, on one thread. --measured keeps what
+was measured, one JSON object an instance, so that a run cut short by --for goes on where it ended.
 """
 
 import argparse
@@ -18,9 +20,11 @@ import platform
 import subprocess
 import sys
 import tempfile
+import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SEED = "1"
+RATES = ("0.1", "0.5", "0.9")
 
 
 def measured(command, limit):
@@ -58,7 +62,20 @@ def number(value):
     return f"{value:.10g}"
 
 
-def exact_row(name, s):
+def measure(name, program, peer, path, limit, peer_limit, folder):
+    """All that the tables say about one instance."""
+    found = {"name": name, "exact": solve(program, path, "exact", limit, folder), "peer": {}}
+    if peer:
+        for solver in ("gaec", "klj"):
+            theirs = measured([peer, ROOT / "scripts/bench-multicut-peer.py", solver, path], peer_limit)
+            if theirs:
+                theirs = {"cpu": theirs[0], "memory": theirs[1], **json.loads(theirs[2])}
+            found["peer"][solver] = (solve(program, path, solver, limit, folder), theirs)
+    return found
+
+
+def exact_row(found):
+    name, s = found["name"], found["exact"]
     if s is None:
         return f"| {name} | – | – | failed | | | | | |"
     share = 100 * s["kernel_edges"] / max(s["edges"], 1)
@@ -66,22 +83,41 @@ def exact_row(name, s):
             f"{number(s['lower_bound'])} | {'yes' if s['optimal'] else 'no'} | {share:.3g} |")
 
 
-def peer_rows(name, program, peer, path, time_limit, peer_limit, folder):
-    for solver in ("gaec", "klj"):
-        ours = solve(program, path, solver, time_limit, folder)
-        theirs = measured([peer, ROOT / "scripts/bench-multicut-peer.py", solver, path], peer_limit)
+def compare(ours, theirs):
+    """better, equal or worse."""
+    difference = ours["objective"] - theirs["objective"]
+    # Sums in another order differ in the last digits.
+    small = 1e-9 * max(1.0, abs(theirs["objective"]))
+    return "equal" if abs(difference) <= small else "better" if difference < 0 else "worse"
+
+
+def peer_rows(found, peer_limit):
+    for solver, (ours, theirs) in found["peer"].items():
+        start = f"| {found['name']} | {solver} | "
         if ours is None or theirs is None:
-            mine, value = ("failed", "–") if ours is None else (f"{ours['cpu']:.2f}", number(ours["objective"]))
-            yield f"| {name} | {solver} | {mine} | {value} | {'over ' + str(peer_limit) if theirs is None else '–'} | | | | |"
+            mine = "failed | – | –" if ours is None else f"{ours['cpu']:.2f} | {ours['seconds']:.3f} | {number(ours['objective'])}"
+            yield start + f"{mine} | {'over ' + str(peer_limit) if theirs is None else '–'} | | | | |"
             continue
-        peer_stats = json.loads(theirs[2])
-        difference = ours["objective"] - peer_stats["objective"]
-        # Sums in another order differ in the last digits.
-        small = 1e-9 * max(1.0, abs(peer_stats["objective"]))
-        word = "equal" if abs(difference) <= small else "better" if difference < 0 else "worse"
-        yield (f"| {name} | {solver} | {ours['cpu']:.2f} | {number(ours['objective'])} | {theirs[0]:.2f} | "
-               f"{peer_stats['solve_cpu_seconds']:.2f} | {number(peer_stats['objective'])} | "
-               f"{peer_stats['solve_cpu_seconds'] / max(ours['cpu'], 1e-3):.2g} | {word} |")
+        yield (start + f"{ours['cpu']:.2f} | {ours['seconds']:.3f} | {number(ours['objective'])} | {theirs['cpu']:.2f} | "
+               f"{theirs['solve_cpu_seconds']:.3f} | {number(theirs['objective'])} | "
+               f"{theirs['cpu'] / max(ours['cpu'], 1e-3):.2g} | {compare(ours, theirs)} |")
+
+
+def growth(results):
+    """CPU seconds, memory and share of surviving edges of the generated instances, a column a size."""
+    drawn = {tuple(found["name"].split()): found["exact"] for found in results if " n=" in found["name"]}
+    sizes = sorted({key[1] for key in drawn}, key=lambda size: int(size[2:]))
+    yield "| family | false | " + " | ".join(sizes) + " |"
+    yield "|---|---|" + "---|" * len(sizes)
+    for family in "FSAD":
+        for rate in RATES:
+            cells = []
+            for size in sizes:
+                s = drawn.get((family, size, rate))
+                cells.append("" if s is None else f"{s['cpu']:.2f} s, {s['memory']:.0f} MB, "
+                             f"{100 * s['kernel_edges'] / max(s['edges'], 1):.2g} %, "
+                             + ("proved" if s["optimal"] else f"gap {100 * s['gap'] / abs(s['objective']):.2g} %"))
+            yield f"| {family} | {rate} | " + " | ".join(cells) + " |"
 
 
 def main():
@@ -92,13 +128,14 @@ def main():
     parser.add_argument("--time-limit", type=int, default=60, help="for each published instance")
     parser.add_argument("--generated-limit", type=int, default=60, help="for each generated instance")
     parser.add_argument("--peer-limit", type=int, default=120)
+    parser.add_argument("--measured", type=pathlib.Path, help="keep measurements in this file, and use those in it")
+    parser.add_argument("--for", type=float, default=float("inf"), dest="seconds", help="measure nothing new after this many seconds")
     parser.add_argument("-o", "--output", default=ROOT / "docs/multicut-results.md")
     arguments = parser.parse_args()
     target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
     subprocess.run(["cargo", "build", "--release", "--locked", "-q", "-p", "posecut-multicut", "--bins", "--example",
                     "generate_mc"], cwd=ROOT, check=True)
     program, generator = target / "release/posecut-multicut", target / "release/examples/generate_mc"
-    exact, peers = [], []
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         jobs = []
@@ -110,18 +147,34 @@ def main():
         sizes = [10**power for power in range(3, 7) if 10**power <= arguments.largest]
         for size in sizes:
             for family in "FSAD":
-                for rate in ("0.1", "0.5", "0.9"):
+                for rate in RATES:
                     if family != "D" or size <= 10**5:
                         jobs.append((f"{family} n={size} {rate}", folder / "instance.mc", (family, size, rate)))
+        known = {}
+        if arguments.measured and arguments.measured.exists():
+            known = {found["name"]: found for found in map(json.loads, arguments.measured.read_text().splitlines())}
+        results = []
+        end = time.monotonic() + arguments.seconds
         for name, path, drawn in jobs:
-            print(name, file=sys.stderr)
-            if drawn:
-                family, size, rate = drawn
-                subprocess.run([generator, family, str(size), rate, SEED, path], check=True)
-            limit = arguments.generated_limit if drawn else arguments.time_limit
-            exact.append(exact_row(name, solve(program, path, "exact", limit, folder)))
-            if arguments.peer and (not drawn or size <= arguments.largest_peer):
-                peers += peer_rows(name, program, arguments.peer, path, limit, arguments.peer_limit, folder)
+            if name not in known and time.monotonic() < end:
+                print(name, file=sys.stderr)
+                if drawn:
+                    family, size, rate = drawn
+                    subprocess.run([generator, family, str(size), rate, SEED, path], check=True)
+                peer = arguments.peer if not drawn or size <= arguments.largest_peer else None
+                limit = arguments.generated_limit if drawn else arguments.time_limit
+                known[name] = measure(name, program, peer, path, limit, arguments.peer_limit, folder)
+                if arguments.measured:
+                    with arguments.measured.open("a") as file:
+                        print(json.dumps(known[name]), file=file)
+            if name in known:
+                results.append(known[name])
+    exact = [exact_row(found) for found in results]
+    peers = [row for found in results for row in peer_rows(found, arguments.peer_limit)]
+    pairs = [pair for found in results for pair in found["peer"].values() if None not in pair]
+    words = [compare(*pair) for pair in pairs]
+    faster = sum(ours["cpu"] < theirs["cpu"] for ours, theirs in pairs)
+    faster_alone = sum(ours["seconds"] < theirs["solve_cpu_seconds"] for ours, theirs in pairs)
     text = ["# What the multicut solver does", "", f"Measured {datetime.date.today()} on {machine()}, one thread. Made by:", "",
             "    scripts/bench-multicut.py " + " ".join(
                 f"{option} {value}" for option, value in (("--largest", arguments.largest),
@@ -133,18 +186,24 @@ def main():
             "Family, n viewpoints in each of two sessions, share of false edges (`crates/multicut/src/generate.rs`); all others "
             "are published instances. CPU seconds and peak memory are the whole process's, reading included. *Share* is the "
             "percentage of edges that survive the reductions.", "",
-            f"Proved optimal: {sum('| yes |' in row for row in exact)} of {len(exact)}. Value beside the peer's, where it ended in time: "
-            + ", ".join(f"{sum(row.endswith(f' {word} |') for row in peers)} {word}" for word in ("better", "equal", "worse")) + ".",
+            f"Proved optimal: {sum('| yes |' in row for row in exact)} of {len(exact)}." + (
+                f" Beside the peer, where it ended in time ({len(pairs)} runs): value "
+                + ", ".join(f"{words.count(word)} {word}" for word in ("better", "equal", "worse"))
+                + f"; whole process faster in {faster}; solving alone, with our bound and without, faster in {faster_alone}."
+                if pairs else ""),
+            "", "## Growth", "",
+            "CPU seconds, peak memory, share of edges that survive the reductions, gap relative to the objective.", "",
+            *growth(results),
             "", "## Exact", "",
             "| instance | nodes | edges | CPU s | MB | objective | lower bound | proved | share % |",
             "|---|---|---|---|---|---|---|---|---|", *exact, ""]
     if peers:
         text += ["## Heuristics beside bioimage-cpp", "",
-                 "*Whole* counts the peer's Python start and reading, *solving* its solver alone; ours is always the whole process with "
-                 "reading, writing and a lower bound. *Ratio* is the peer's solving over our whole: above 1, we are faster although we do "
-                 "more. *Value* compares objectives.", "",
-                 "| instance | solver | ours CPU s | ours value | peer whole s | peer solving s | peer value | ratio | value |",
-                 "|---|---|---|---|---|---|---|---|---|", *peers, ""]
+                 "*Whole* is the process: for the peer, Python's start and reading too; for us, reading, writing and a lower bound. *Solving* "
+                 "is the peer's solver alone, and our solver with its bound. *Ratio* is whole over whole: above 1, we are faster. *Value* "
+                 "compares objectives.", "",
+                 "| instance | solver | whole s | solving s | value | peer whole s | peer solving s | peer value | ratio | value |",
+                 "|---|---|---|---|---|---|---|---|---|---|", *peers, ""]
     pathlib.Path(arguments.output).write_text("\n".join(text))
 
 

@@ -183,15 +183,14 @@ impl<'a> NewtonSystem<'a> {
             |lengths: &mut dyn Iterator<Item = usize>| lengths.map(|length| length * length).sum::<usize>();
         let over_columns = pairs(&mut rows.iter().map(|row| row.entries.len()));
         let over_rows = pairs(&mut transposed.iter().map(Vec::len));
-        // Where one side has far fewer products, its factor is the smaller one too; else both are tried.
-        let of_rows = || CliqueMatrix::new(rows.len(), transposed.clone());
-        let of_columns = || CliqueMatrix::new(columns, rows.iter().map(|row| row.entries.clone()).collect());
-        let candidates = [
-            (over_columns <= 4 * over_rows).then(of_columns).flatten().map(|matrix| (false, matrix)),
-            (over_rows <= 4 * over_columns).then(of_rows).flatten().map(|matrix| (true, matrix)),
-        ];
-        let best = candidates.into_iter().flatten().min_by_key(|(_, matrix)| matrix.work());
-        best.map(|(by_rows, matrix)| Self { rows, by_rows, matrix })
+        // The variables of repulsive edges never meet, so the form in variables is better than its products say.
+        let by_rows = 2 * over_rows < over_columns;
+        let matrix = if by_rows {
+            CliqueMatrix::new(rows.len(), transposed)?
+        } else {
+            CliqueMatrix::new(columns, rows.iter().map(|row| row.entries.clone()).collect())?
+        };
+        Some(Self { rows, by_rows, matrix })
     }
 
     fn work(&self) -> u64 {

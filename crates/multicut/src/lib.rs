@@ -48,6 +48,7 @@ mod sum;
 pub mod support;
 mod union_find;
 mod verified_part;
+mod verified_proof;
 mod verify;
 
 pub use error::{GraphError, LabelError, MAXIMUM_NODES};

@@ -27,12 +27,6 @@ struct Cycles {
 }
 
 impl Cycles {
-    fn has(&self, kernel: &Kernel, nodes: &[u32]) -> bool {
-        let mut edges = kernel.cycle_edges(nodes);
-        edges.sort_unstable();
-        self.known.contains(&edges)
-    }
-
     fn add(&mut self, kernel: &Kernel, nodes: Vec<u32>) -> bool {
         let edges = kernel.cycle_edges(&nodes);
         let mut sorted = edges.clone();
@@ -122,8 +116,6 @@ pub(crate) fn solve_relaxation(
         let weighted = weighted.map(|((nodes, edges), &weight)| (nodes.clone(), edges.clone(), weight));
         let mut packing = Packing::from_weights(kernel, weighted.filter(|entry| entry.2 > 1e-11 * scale));
         packing.extend(kernel, u64::MAX, budget);
-        let fresh = packing.cycles.iter().rev().take_while(|cycle| !cycles.has(kernel, &cycle.nodes));
-        let fresh: Vec<Vec<u32>> = fresh.map(|cycle| cycle.nodes.clone()).collect();
         if packing.bound > relaxation.packing.bound {
             relaxation.packing = packing;
         }
@@ -155,7 +147,7 @@ pub(crate) fn solve_relaxation(
             cycles.retain(|index| keep[index]);
         }
         let mut added = false;
-        for nodes in violated.into_iter().chain(fresh) {
+        for nodes in violated {
             added |= cycles.add(kernel, nodes);
         }
         if !added {

@@ -225,7 +225,8 @@ impl Tree {
         let mut states: Vec<State> = kernels
             .iter()
             .map(|piece| {
-                let labels = contract_and_move(&piece.graph, budget);
+                let mut labels = contract(&piece.graph, budget);
+                kernighan_lin_with_joins(&piece.graph, &mut labels, budget);
                 survey(&piece.graph, labels, Solver::Exact, record, budget)
             })
             .collect();
