@@ -2,7 +2,7 @@
 """Measures posecut-multicut as a whole process on generated and published instances; writes docs/multicut-results.md.
 
 Usage: scripts/bench-multicut.py [--largest N] [--peer PYTHON] [--time-limit SECONDS] [--generated-limit SECONDS]
-                                 [--measured FILE] [--for SECONDS] [-o FILE]
+                                 [--measured FILE] [--only TEXT] [--for SECONDS] [-o FILE]
 
 Builds the release program, generates graphs of the families F, S, A (10^3 to N viewpoints) and D (to 10^5) with 10, 50
 and 90 % false edges, and adds every instance of $POSECUT_SHARED_DATA/multicut. With --peer, the Python of an
@@ -129,6 +129,7 @@ def main():
     parser.add_argument("--generated-limit", type=int, default=60, help="for each generated instance")
     parser.add_argument("--peer-limit", type=int, default=120)
     parser.add_argument("--measured", type=pathlib.Path, help="keep measurements in this file, and use those in it")
+    parser.add_argument("--only", default="", metavar="TEXT", help="only instances with this text in their names")
     parser.add_argument("--for", type=float, default=float("inf"), dest="seconds", help="measure nothing new after this many seconds")
     parser.add_argument("-o", "--output", default=ROOT / "docs/multicut-results.md")
     arguments = parser.parse_args()
@@ -156,7 +157,7 @@ def main():
         results = []
         end = time.monotonic() + arguments.seconds
         for name, path, drawn in jobs:
-            if name not in known and time.monotonic() < end:
+            if arguments.only in name and name not in known and time.monotonic() < end:
                 print(name, file=sys.stderr)
                 if drawn:
                     family, size, rate = drawn

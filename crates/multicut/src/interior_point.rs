@@ -87,7 +87,9 @@ pub(crate) fn minimise_covering(
         let count = (costs.len() + rows.len()) as f64;
         let mean = (dot(&slack, &weights) + dot(&reduced, &values)) / count;
         let state = State { values: &values, slack: &slack, weights: &weights, reduced: &reduced };
-        system.factorise(&state)?;
+        if system.factorise(&state).is_none() {
+            break;
+        }
         // Predictor: straight to the optimum.
         let affine = system.direction(&state, &|index| -weights[index] * slack[index], &|index| {
             -values[index] * reduced[index]

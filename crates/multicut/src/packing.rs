@@ -188,7 +188,7 @@ impl PathSearch {
         self.seen.push(start);
         let mut found = None;
         'search: while let Some((node, depth)) = self.queue.pop_front() {
-            budget.spend(kernel.arcs(node).len() as u64);
+            budget.spend(if depth + 1 == length { 1 } else { kernel.arcs(node).len() as u64 });
             // One step from the end, only the goal itself is of use.
             if depth + 1 == length {
                 if let Some(edge) = kernel.edge(node, goal)

@@ -27,6 +27,14 @@ struct Cycles {
 }
 
 impl Cycles {
+    fn of(kernel: &Kernel, packing: &Packing) -> Self {
+        let mut cycles = Self { nodes: Vec::new(), edges: Vec::new(), known: HashSet::new() };
+        for cycle in &packing.cycles {
+            cycles.add(kernel, cycle.nodes.clone());
+        }
+        cycles
+    }
+
     fn add(&mut self, kernel: &Kernel, nodes: Vec<u32>) -> bool {
         let edges = kernel.cycle_edges(&nodes);
         let mut sorted = edges.clone();
@@ -76,10 +84,8 @@ pub(crate) fn solve_relaxation(
     give_up: impl Fn(&Packing) -> bool,
     budget: &mut Budget,
 ) -> Relaxation {
-    let mut cycles = Cycles { nodes: Vec::new(), edges: Vec::new(), known: HashSet::new() };
-    for cycle in &start.cycles {
-        cycles.add(kernel, cycle.nodes.clone());
-    }
+    let mut cycles = Cycles::of(kernel, &start);
+    let mut restarted_at = start.bound;
     let magnitude: f64 = kernel.costs.iter().map(|cost| cost.abs()).sum();
     let mut relaxation =
         Relaxation { packing: start, paid: vec![0.0; kernel.edge_count()], converged: false };
@@ -125,9 +131,18 @@ pub(crate) fn solve_relaxation(
         missing.push(target - relaxation.packing.bound);
         if let [.., before, _, _, now] = missing[..]
             && now > 0.95 * before
-            && give_up(&relaxation.packing)
         {
-            break;
+            if give_up(&relaxation.packing) {
+                break;
+            }
+            // Where packing what the weights left brought more than the weights themselves, its cycles make the
+            // better program.
+            if relaxation.packing.bound > restarted_at {
+                restarted_at = relaxation.packing.bound;
+                missing.clear();
+                cycles = Cycles::of(kernel, &relaxation.packing);
+                continue;
+            }
         }
         let least = (accuracy * 0.1).max(1e-7);
         let violated = separation.violated(&relaxation.paid, least, budget);
