@@ -62,26 +62,27 @@ pub struct Verdict {
 /// Votes on clusters of landmark edges (algorithms 1 to 3 of the paper). `fit` optimises over the odometry and the edges
 /// that it is given.
 ///
-/// 1. Each cluster alone: rejected if chi2 of its optimum fails; an edge whose own residual fails is taken out of it.
+/// 1. Each cluster alone: while chi2 of its optimum fails, the edge of the largest residual is taken out, until none is left;
+///    then those edges whose own residual fails.
 /// 2. All clusters that are left, together: those with one edge at least that passes become candidates.
 /// 3. The accepted clusters with the candidates: if the whole and every cluster pass, the candidates are accepted; otherwise
 ///    the cluster whose residuals exceed their quantile by the largest factor is rejected, and the rest is tried again.
 /// 4. Steps 2 and 3 repeat: what was rejected gets another chance after every success, until nothing new is accepted.
 ///
-/// Unlike the published code, the test of the whole takes the redundancy of the graph as degrees of freedom, not the number
-/// of all edges: with the latter, thousands of odometry edges, whose residuals are zero without loops, would leave room for
-/// any false loop.
+/// Two things differ from the published code. The test of the whole takes the redundancy of the graph as degrees of freedom,
+/// not the number of all edges: with the latter, thousands of odometry edges, whose residuals are zero without loops, would
+/// leave room for any false loop. And a cluster that fails loses its worst edge, not all: clusters here are as long as frames
+/// stay near each other, and one false edge beside a run of a hundred would take them along.
 ///
-/// One optimisation for each cluster (in parallel), then at most one for each rejection in each round.
+/// One optimisation for each cluster and each edge taken out of it (clusters in parallel), then at most one for each rejection
+/// in each round.
 pub fn vote(clusters: &[Vec<usize>], quantiles: Quantiles, fit: impl Fn(&[usize]) -> Fit + Sync) -> Verdict {
-    let consistent: Vec<Vec<usize>> = clusters
-        .par_iter()
-        .map(|cluster| consistent_part(cluster, quantiles, &fit(cluster)))
-        .collect::<Vec<_>>()
-        .into_iter()
-        .filter(|cluster| !cluster.is_empty())
-        .collect();
-    let mut election = Election { clusters: &consistent, quantiles, fit, fits: clusters.len() };
+    let parts: Vec<(Vec<usize>, usize)> =
+        clusters.par_iter().map(|cluster| consistent_part(cluster, quantiles, &fit)).collect();
+    let fits = parts.iter().map(|(_, fits)| fits).sum();
+    let consistent: Vec<Vec<usize>> =
+        parts.into_iter().map(|(cluster, _)| cluster).filter(|cluster| !cluster.is_empty()).collect();
+    let mut election = Election { clusters: &consistent, quantiles, fit, fits };
     let mut accepted: BTreeSet<usize> = BTreeSet::new();
     let mut refused: BTreeSet<usize> = BTreeSet::new();
     loop {
@@ -108,18 +109,28 @@ pub fn vote(clusters: &[Vec<usize>], quantiles: Quantiles, fit: impl Fn(&[usize]
     }
 }
 
-/// Step 1: the edges of a cluster that pass by themselves, none if the whole fails.
-fn consistent_part(cluster: &[usize], quantiles: Quantiles, fit: &Fit) -> Vec<usize> {
-    if !quantiles.passes(fit) {
-        return Vec::new();
+/// Step 1: the edges of a cluster that pass by themselves, and the optimisations that it took to know.
+fn consistent_part(
+    cluster: &[usize],
+    quantiles: Quantiles,
+    fit: impl Fn(&[usize]) -> Fit,
+) -> (Vec<usize>, usize) {
+    let mut members = cluster.to_vec();
+    let mut fits = 0;
+    while !members.is_empty() {
+        let found = fit(&members);
+        fits += 1;
+        if quantiles.passes(&found) {
+            let bound = quantiles.edges(1);
+            let mut residuals = found.residuals.iter();
+            members.retain(|_| residuals.next().is_some_and(|&residual| residual < bound));
+            break;
+        }
+        let residuals = found.residuals.iter().enumerate();
+        let worst = residuals.max_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(place, _)| place);
+        members.remove(worst);
     }
-    let bound = quantiles.edges(1);
-    cluster
-        .iter()
-        .zip(&fit.residuals)
-        .filter(|&(_, &residual)| residual < bound)
-        .map(|(&edge, _)| edge)
-        .collect()
+    (members, fits)
 }
 
 struct Election<'a, F> {
