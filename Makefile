@@ -73,7 +73,7 @@ methods       := $(METHODS) $(if $(filter figures,$(MAKECMDGOALS)),$(filter-out 
 table_of       = $(call declared,$(PIPELINES)) $(both) --sessions $(call listed,$(SESSIONS)) --seeds $(SEEDS)
 
 # ---- programs ---------------------------------------------------------------------------------------------
-sources       := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
+sources       := $(shell find crates -name '*.rs' -o -name Cargo.toml -o -path '*/assets/*' -type f) Cargo.toml Cargo.lock
 binaries      := $(addprefix $(BIN)/posecut-,simulate ingest construct oracle pcm multicut islands ransac voting densest \
                  optimize evaluate report convert conform experiment)
 

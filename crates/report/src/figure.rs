@@ -1,22 +1,84 @@
 //! Figures: what is drawn, apart from how. [`plotting`] alone knows the plotting library.
 
+pub mod components;
+pub mod consistency;
+pub mod error;
 pub mod graphs;
 pub mod plotting;
+pub mod ramp;
+pub mod regimes;
 pub mod trajectories;
 
-/// A line through points, metres.
-#[derive(Clone, Debug, PartialEq)]
+/// How a line is broken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Dash {
+    /// Not at all.
+    #[default]
+    Solid,
+    /// Long pieces.
+    Dashed,
+    /// Short pieces.
+    Dotted,
+    /// Both by turns.
+    DashDot,
+}
+
+/// A line through points, in units of the axes.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Polyline {
-    /// East and north.
+    /// To the right and upwards.
     pub points: Vec<(f64, f64)>,
     /// A CSS colour.
     pub colour: &'static str,
     /// Pixels.
     pub width: f64,
-    /// Whether it is dashed.
-    pub dashed: bool,
+    /// How it is broken.
+    pub dash: Dash,
+    /// A band around it, lower and upper ends, one pair a point; empty without one.
+    pub band: Vec<(f64, f64)>,
     /// Its entry in the legend, if it has one.
     pub legend: Option<String>,
+}
+
+/// The shape of a mark.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// Filled.
+    Disc,
+    /// Hollow.
+    Ring,
+    /// Two strokes.
+    Cross,
+}
+
+/// Marks of one kind.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Marks {
+    /// To the right and upwards.
+    pub points: Vec<(f64, f64)>,
+    /// A CSS colour.
+    pub colour: &'static str,
+    /// Their shape.
+    pub shape: Shape,
+    /// Radius, pixels.
+    pub size: f64,
+    /// Their entry in the legend, if they have one.
+    pub legend: Option<String>,
+}
+
+/// What axes say.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axes {
+    /// Below.
+    pub right: String,
+    /// At the left.
+    pub up: String,
+    /// Whether both have one scale, as maps do.
+    pub equal: bool,
+    /// Whether the scale to the right is logarithmic.
+    pub logarithmic_right: bool,
+    /// Whether the scale upwards is logarithmic.
+    pub logarithmic_up: bool,
 }
 
 /// One set of axes.
@@ -24,24 +86,44 @@ pub struct Polyline {
 pub struct Panel {
     /// Above the axes.
     pub title: String,
+    /// What the axes say.
+    pub axes: Axes,
     /// In drawing order.
     pub lines: Vec<Polyline>,
+    /// Above the lines.
+    pub marks: Vec<Marks>,
 }
 
-/// Colours that differ for colour-blind readers too (Okabe and Ito).
+/// Colours that differ for colour-blind readers too, together with the widths, dashes and shapes that go with
+/// them; the page has the same.
 pub mod colours {
+    use super::Dash;
+
     /// The first experience.
-    pub const FIRST: &str = "#0072B2";
+    pub const FIRST: &str = "#0072b2";
     /// The second experience.
-    pub const SECOND: &str = "#E69F00";
+    pub const SECOND: &str = "#c77f00";
     /// Further experiences.
-    pub const OTHERS: [&str; 3] = ["#009E73", "#CC79A7", "#56B4E9"];
+    pub const OTHERS: [&str; 2] = ["#7b5ea7", "#3a9ab2"];
     /// What an estimate is compared with.
-    pub const REFERENCE: &str = "#b8b8b8";
-    /// Correct edges in use.
-    pub const CORRECT: &str = "#009E73";
+    pub const REFERENCE: &str = "#bcc3cd";
+    /// Correct edges.
+    pub const CORRECT: &str = "#00805c";
     /// Incorrect edges.
-    pub const INCORRECT: &str = "#D7191C";
+    pub const INCORRECT: &str = "#c8102e";
+    /// Edges whose truth is unknown, and what matters less.
+    pub const UNKNOWN: &str = "#6b7280";
+    /// Pairs of kept candidates that agree.
+    pub const CLIQUE: &str = "#1f5f99";
+    /// Other pairs that agree.
+    pub const AGREE: &str = "#b9cbe0";
+    /// Where there is nothing.
+    pub const GROUND: &str = "#f5f6f8";
+    /// Text.
+    pub const INK: &str = "#18202b";
+    /// For landmarks, and methods without a colour of their own.
+    pub const HUES: [&str; 8] =
+        ["#0072b2", "#c77f00", "#00805c", "#b0508a", "#2c8fbf", "#c8501e", "#6a5acd", "#7a7a00"];
 
     /// The colour of an experience.
     pub fn experience(index: usize) -> &'static str {
@@ -49,6 +131,21 @@ pub mod colours {
             0 => FIRST,
             1 => SECOND,
             _ => OTHERS[(index - 2) % OTHERS.len()],
+        }
+    }
+
+    /// Colour and dashes of a method; `index` counts those that have none of their own.
+    pub fn method(name: &str, index: usize) -> (&'static str, Dash) {
+        match name {
+            "none" => ("#7a828d", Dash::Dotted),
+            "pcm" => ("#c8501e", Dash::Dashed),
+            "gc" => ("#0072b2", Dash::DashDot),
+            "pcm+gc" => ("#00805c", Dash::Solid),
+            "oracle" => (INK, Dash::Solid),
+            _ => (
+                HUES[[3, 6, 7, 4, 1, 0, 2, 5][index % 8]],
+                [Dash::Dashed, Dash::Dotted, Dash::DashDot, Dash::Solid][index % 4],
+            ),
         }
     }
 }
@@ -79,10 +176,14 @@ impl Frame {
         }
     }
 
-    pub(crate) fn labels(self) -> (&'static str, &'static str) {
-        match self {
-            Self::Ned => ("east (m)", "north (m)"),
-            Self::Xy => ("x (m)", "y (m)"),
+    pub(crate) fn axes(self) -> Axes {
+        let (right, up) = self.directions();
+        Axes {
+            right: format!("{right} (m)"),
+            up: format!("{up} (m)"),
+            equal: true,
+            logarithmic_right: false,
+            logarithmic_up: false,
         }
     }
 }

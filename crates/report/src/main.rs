@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use posecut_stage::{CommonArguments, Identity, Outcome, run};
-use task::{figures, html, table};
+use task::{figures, html, regimes, table};
 
 #[derive(Parser)]
 struct Command {
@@ -27,6 +27,14 @@ enum Task {
     Trajectories(figures::Trajectories),
     /// Optimised graphs over their reference, with false edges visible (SVG, PDF or PNG by the name given to -o)
     Graphs(figures::Graphs),
+    /// Which candidates of PCM agree with each other (SVG, PDF or PNG by the name given to -o)
+    Consistency(figures::Consistency),
+    /// The landmarks that the multicut leaves (SVG, PDF or PNG by the name given to -o)
+    Components(figures::Components),
+    /// The error of each pose along a session, one line a method (SVG, PDF or PNG by the name given to -o)
+    Error(figures::Error),
+    /// Where the graph cut helps, is neutral, or hurts: heat maps and curves (SVG, PDF or PNG), or tables
+    Regimes(regimes::Regimes),
 }
 
 fn main() -> ExitCode {
@@ -45,6 +53,10 @@ fn main() -> ExitCode {
                 Task::Html(task) => task.write(context)?,
                 Task::Trajectories(task) => task.write(common, context)?,
                 Task::Graphs(task) => task.write(common, context)?,
+                Task::Consistency(task) => task.write(common, context)?,
+                Task::Components(task) => task.write(common, context)?,
+                Task::Error(task) => task.write(common, context)?,
+                Task::Regimes(task) => task.write(common)?,
             };
             context.write_bytes(&bytes)?;
             Ok(Outcome::Done)

@@ -2,4 +2,5 @@
 
 pub(crate) mod figures;
 pub(crate) mod html;
+pub(crate) mod regimes;
 pub(crate) mod table;

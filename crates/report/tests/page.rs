@@ -214,3 +214,46 @@ fn a_graph_that_is_not_the_one_evaluated_is_told() {
     ]);
     assert!(done && said.contains("paper/s/1/pcm: the graph's RMSE is"), "{said}");
 }
+
+#[test]
+fn figures_are_drawn_of_the_same_graphs_and_refuse_others_in_sentences() {
+    let folder = tempfile::tempdir().unwrap();
+    experiment(folder.path(), ["paper", "s", "1"]);
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let named = |name: &str| format!("{name}={}", path(&format!("{name}.optimized.jsonl")));
+    let reference = path("oracle.optimized.jsonl");
+    for (task, arguments, text) in [
+        ("consistency", vec![named("pcm")], "4 candidates, 3 kept; 1 incorrect, 0 of them kept"),
+        ("components", vec![named("pcm")], "incorrect (1)"),
+        (
+            "error",
+            vec![named("none"), named("pcm"), "--reference".to_owned(), reference.clone()],
+            "none (RMSE ",
+        ),
+        (
+            "graphs",
+            vec![named("pcm"), "--reference".to_owned(), reference.clone()],
+            "incorrect, rejected (1)",
+        ),
+    ] {
+        let mut drawings = Vec::new();
+        for name in ["one.svg", "two.svg"] {
+            let file = path(name);
+            let mut all: Vec<&str> = vec![task];
+            all.extend(arguments.iter().map(String::as_str));
+            all.extend(["-o", &file]);
+            let (done, said) = run(&all);
+            assert!(done, "{task}: {said}");
+            drawings.push(fs::read_to_string(file).unwrap());
+        }
+        assert!(drawings[0].contains(text), "{task}: {text} is missing");
+        assert!(drawings[0] == drawings[1], "{task}: the same bytes each time");
+    }
+    let svg = path("x.svg");
+    let (_, said) = run(&["consistency", &named("none"), "-o", &svg]);
+    assert!(said.contains("this graph did not go through PCM; name what posecut-pcm wrote"), "{said}");
+    let (_, said) = run(&["error", &named("pcm"), "--reference", &reference]);
+    assert!(said.contains("a figure needs a file"), "{said}");
+    let (_, said) = run(&["regimes", &path("pcm.result.json"), "-o", &svg]);
+    assert!(said.contains("has no label covariance_scale"), "{said}");
+}

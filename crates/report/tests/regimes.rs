@@ -125,3 +125,28 @@ fn what_cannot_be_placed_is_refused_in_sentences() {
     let broken = line("s", "pcm", "1", "\"0.1\"", 1, 1.0) + "\n{\n";
     assert!(said(&broken).contains("results.jsonl, line 2: is no result"), "{}", said(&broken));
 }
+
+#[test]
+fn heat_maps_and_curves_say_what_the_map_says() {
+    use posecut_report::figure::plotting::{charts, grids};
+    use posecut_report::figure::regimes::{Quantity, curves, differences, heat_maps};
+    let map = Map::new(&sample(), &[]).unwrap();
+    let (panels, ramp) = heat_maps(&map, "s", "uniform", Quantity::Rmse);
+    assert_eq!(panels.iter().map(|panel| panel.title.as_str()).collect::<Vec<_>>(), ["pcm", "pcm+gc"]);
+    let texts = |panel: usize| -> Vec<&str> {
+        panels[panel].cells.iter().flatten().map(|cell| cell.text.as_str()).collect()
+    };
+    assert_eq!((texts(0), texts(1)), (vec!["1.95", "1.95", "101"], vec!["3.45", "2.05", "5.95"]));
+    let (changes, _) = differences(&map, "s", "uniform");
+    assert_eq!(changes[0].title, "pcm+gc against pcm");
+    assert_eq!(changes[0].note, "helps in 1, neutral in 1, hurts in 1");
+    let dots: Vec<bool> = changes[0].cells.iter().flatten().map(|cell| cell.dot).collect();
+    assert_eq!(dots, [true, false, true]);
+    let draw = || grids("a map", &panels, &ramp, 2).unwrap().write("svg").unwrap();
+    let svg = String::from_utf8(draw()).unwrap();
+    assert!(svg.contains(">101<") && svg.contains(">mean RMSE over seeds (m)<") && svg.as_bytes() == draw());
+    let lines = curves(&map, "s", "uniform", 2, 0);
+    assert!((lines[1].lines[0].points[2].1 - 100.95).abs() < 1e-9, "over scales, without the graph cut");
+    assert!(lines[1].lines[0].band[2].0 < 100.95 && lines[1].lines[0].band[2].1 > 100.95);
+    assert!(charts(&lines, 2).unwrap().write("png").unwrap().starts_with(b"\x89PNG"));
+}

@@ -75,9 +75,10 @@ fn what_is_no_result_is_refused_with_its_path() {
 }
 
 #[test]
-fn figures_are_drawn_in_both_formats_and_the_same_each_time() {
+fn figures_are_drawn_in_all_formats_and_the_same_each_time() {
     use posecut_graph::PoseGraph;
-    use posecut_report::figure::{Frame, graphs, plotting, trajectories};
+    use posecut_report::figure::plotting::charts;
+    use posecut_report::figure::{Frame, graphs, trajectories};
     let text = r#"{"kind":"header","format":"posecut","version":1,"dimension":2}
 {"kind":"node","id":0,"session":"s/a","frame":0,"pose":[0,0,0]}
 {"kind":"node","id":1,"session":"s/a","frame":1,"pose":[50,10,0]}
@@ -103,11 +104,18 @@ fn figures_are_drawn_in_both_formats_and_the_same_each_time() {
     );
     assert_eq!(panel.lines[2].points, [(0.0, 0.0), (10.0, 50.0)], "east to the right, north upwards");
     let panels = [panel, trajectories::panels(&[("s".to_owned(), graph)], Frame::Xy).remove(0)];
-    let svg = plotting::draw(&panels, 2, Frame::Ned, "svg").unwrap();
+    let draw = |extension: &str| charts(&panels, 2).and_then(|drawing| drawing.write(extension));
+    let svg = draw("svg").unwrap();
     assert!(String::from_utf8(svg.clone()).unwrap().contains("<svg"));
-    assert!(svg == plotting::draw(&panels, 2, Frame::Ned, "svg").unwrap(), "the same bytes each time");
-    let png = plotting::draw(&panels, 2, Frame::Ned, "png").unwrap();
-    assert!(png.starts_with(b"\x89PNG") && png == plotting::draw(&panels, 2, Frame::Ned, "png").unwrap());
-    assert!(plotting::draw(&panels, 2, Frame::Ned, "gif").unwrap_err().to_string().contains(".svg or .png"));
-    assert!(plotting::draw(&[], 2, Frame::Ned, "svg").is_err());
+    assert!(svg == draw("svg").unwrap(), "the same bytes each time");
+    for (extension, magic) in [("png", &b"\x89PNG"[..]), ("pdf", b"%PDF-")] {
+        if extension == "pdf" && cfg!(not(feature = "pdf")) {
+            println!("skipped: built without PDF");
+            continue;
+        }
+        let bytes = draw(extension).unwrap();
+        assert!(bytes.starts_with(magic) && bytes == draw(extension).unwrap(), "{extension}");
+    }
+    assert!(draw("gif").unwrap_err().to_string().contains(".svg, .pdf or .png"));
+    assert!(charts(&[], 2).is_err());
 }

@@ -89,7 +89,7 @@ if (byId("regimes-maps")) {
   }
   function effect(cell) {
     const { css, dark } = along(cell.difference < 0 ? better : worse, bend(cell.difference));
-    return { fill: css, dark, text: Math.abs(cell.difference) < 100 ? signed(cell.difference) : signed(cell.difference).replace(/\.\d+$/, ""), dot: cell.verdict !== "neutral",
+    return { fill: css, dark, text: Math.abs(cell.difference) < 100 ? signed(cell.difference) : `${cell.difference < 0 ? "−" : "+"}${Math.abs(cell.difference).toFixed(0)}`, dot: cell.verdict !== "neutral",
       about: `${signed(cell.difference)} m [${signed(cell.low)}, ${signed(cell.high)}], adjusted p ${cell.p < 0.001 ? "below 0.001" : cell.p.toFixed(3)}, ${cell.seeds} pairs: ${cell.verdict}` };
   }
 

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use posecut_evaluate::alignment::{Alignment, Freedom};
 use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 
-use super::{Frame, Panel, Polyline, colours};
+use super::{Dash, Frame, Panel, Polyline, colours};
 
 /// An estimate in the frame of its reference.
 pub struct Estimate {
@@ -79,54 +79,68 @@ struct Drawn {
 
 /// One panel for an estimate: the reference in grey, the experiences over it, landmark edges on top.
 pub fn panel(title: &str, estimate: &PoseGraph, reference: Option<&PoseGraph>, frame: Frame) -> Panel {
-    let places = Estimate::new(estimate, reference, Freedom::Se2).places;
+    let motion = onto_truth(reference.unwrap_or(estimate));
+    let places = Estimate::new(estimate, reference, Freedom::Se2).moved(&motion).places;
     let mut lines = Vec::new();
     if let Some(reference) = reference {
-        lines.extend(experiences(reference, &positions(reference), frame).into_iter().map(
-            |(index, _, points)| Polyline {
-                points,
-                colour: colours::REFERENCE,
-                width: 3.0,
-                dashed: false,
-                legend: (index == 0).then(|| "reference".to_owned()),
-            },
-        ));
+        let known = Estimate::new(reference, None, Freedom::None).moved(&motion).places;
+        lines.extend(experiences(reference, &known, frame).into_iter().map(|(index, _, points)| Polyline {
+            points,
+            colour: colours::REFERENCE,
+            width: 3.0,
+            legend: (index == 0).then(|| "reference".to_owned()),
+            ..Polyline::default()
+        }));
     }
     lines.extend(experiences(estimate, &places, frame).into_iter().map(|(index, name, points)| Polyline {
         points,
         colour: colours::experience(index),
         width: 1.0,
-        dashed: false,
         legend: Some(name),
+        ..Polyline::default()
     }));
     let edges = drawn_edges(estimate, &places, frame);
-    let mut add = |wanted: fn(&Drawn) -> bool, colour, width, dashed, name: &str| {
+    let mut add = |wanted: fn(&Drawn) -> bool, colour, width, dash, name: &str| {
         let chosen: Vec<&Drawn> = edges.iter().filter(|edge| wanted(edge)).collect();
         let count = chosen.len();
         lines.extend(chosen.into_iter().enumerate().map(|(index, edge)| Polyline {
             points: edge.ends.to_vec(),
             colour,
             width,
-            dashed,
+            dash,
+            band: Vec::new(),
             legend: (index == 0).then(|| format!("{name} ({count})")),
         }));
     };
-    add(|edge| edge.in_use && edge.correct != Some(false), colours::CORRECT, 1.2, false, "correct, in use");
+    add(
+        |edge| edge.in_use && edge.correct != Some(false),
+        colours::CORRECT,
+        1.2,
+        Dash::Solid,
+        "correct, in use",
+    );
+    add(
+        |edge| !edge.in_use && edge.correct == Some(true),
+        colours::CORRECT,
+        0.8,
+        Dash::Dashed,
+        "correct, rejected",
+    );
     add(
         |edge| !edge.in_use && edge.correct == Some(false),
         colours::INCORRECT,
         0.6,
-        true,
+        Dash::Dashed,
         "incorrect, rejected",
     );
     add(
         |edge| edge.in_use && edge.correct == Some(false),
         colours::INCORRECT,
         2.4,
-        false,
+        Dash::Solid,
         "incorrect, in use",
     );
-    Panel { title: title.to_owned(), lines }
+    Panel { title: title.to_owned(), axes: frame.axes(), lines, marks: Vec::new() }
 }
 
 /// The number and name of an experience, and the points it passes.

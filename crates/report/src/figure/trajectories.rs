@@ -27,11 +27,11 @@ pub fn panels(graphs: &[(String, PoseGraph)], frame: Frame) -> Vec<Panel> {
                     points,
                     colour: colours::experience(index),
                     width: 1.2,
-                    dashed: false,
                     legend: several.then_some(session),
+                    ..Polyline::default()
                 })
                 .collect();
-            Panel { title: name.clone(), lines }
+            Panel { title: name.clone(), axes: frame.axes(), lines, marks: Vec::new() }
         })
         .collect()
 }

@@ -13,8 +13,8 @@ use super::view::{
     Track,
 };
 use crate::consistency;
-use crate::figure::Frame;
 use crate::figure::graphs::{self, Estimate};
+use crate::figure::{Frame, components, error};
 use crate::published::Published;
 use crate::results::Located;
 use crate::table::Table;
@@ -185,7 +185,7 @@ impl Loader<'_> {
             error: error.map(|errors| encode::series(errors, ERROR_STEP)),
             state,
             stages,
-            landmarks: landmarks(graph),
+            landmarks: components::landmarks(graph),
         }
     }
 }
@@ -212,13 +212,8 @@ fn truth(graph: &PoseGraph, frame: Frame) -> Vec<Option<(f64, f64)>> {
         .collect()
 }
 
-/// Minutes since the first node; `None` if a node has no time, time runs backwards, or half an hour is silent
-/// (sessions of different days).
 fn minutes(graph: &PoseGraph) -> Option<String> {
-    let times: Vec<i64> = graph.nodes.iter().map(|node| node.utime).collect::<Option<_>>()?;
-    let steady = times.windows(2).all(|pair| (0..1_800_000_000).contains(&(pair[1] - pair[0])));
-    let first = *times.first()?;
-    steady.then(|| encode::series(times.iter().map(|time| (time - first) as f64 / 6e7), 0.01))
+    error::minutes(graph).map(|minutes| encode::series(minutes, 0.01))
 }
 
 /// Stretches of one session name, in the order of nodes.
@@ -275,22 +270,6 @@ fn states(graph: &PoseGraph, edges: &Edges) -> (String, Vec<String>) {
         })
         .collect();
     (state, stages)
-}
-
-/// Landmarks of several viewpoints, largest first; `None` if no node has one.
-pub fn landmarks(graph: &PoseGraph) -> Option<Vec<Vec<usize>>> {
-    let mut members: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
-    for (index, node) in graph.nodes.iter().enumerate() {
-        if let Some(landmark) = node.landmark {
-            members.entry(landmark).or_default().push(index);
-        }
-    }
-    if members.is_empty() {
-        return None;
-    }
-    let mut landmarks: Vec<Vec<usize>> = members.into_values().filter(|nodes| nodes.len() > 1).collect();
-    landmarks.sort_by_key(|nodes| (std::cmp::Reverse(nodes.len()), nodes[0]));
-    Some(landmarks)
 }
 
 fn matrix(graph: &PoseGraph, edges: &Edges, method: &str) -> Option<Consistency> {

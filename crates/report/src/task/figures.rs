@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use anyhow::{Context as _, bail};
 use clap::Args;
 use posecut_graph::PoseGraph;
-use posecut_report::figure::{Frame, graphs, plotting, trajectories};
+use posecut_report::consistency::matrix;
+use posecut_report::figure::plotting::charts;
+use posecut_report::figure::{self, Frame, components, error, graphs, trajectories};
 use posecut_stage::{CommonArguments, Context, Source};
 
 /// Options of `trajectories`.
@@ -29,7 +31,7 @@ impl Trajectories {
             let name = graph.sessions().first().map_or(name, |&session| session.to_owned());
             named.push((name, graph));
         }
-        plotting::draw(&trajectories::panels(&named, self.frame), 2, self.frame, &extension(common)?)
+        charts(&trajectories::panels(&named, self.frame), 2)?.write(&extension(common)?)
     }
 }
 
@@ -61,7 +63,83 @@ impl Graphs {
                 Ok(graphs::panel(title, &graph, reference.as_ref(), self.frame))
             })
             .collect::<anyhow::Result<Vec<_>>>()?;
-        plotting::draw(&panels, panels.len(), self.frame, &extension(common)?)
+        charts(&panels, panels.len())?.write(&extension(common)?)
+    }
+}
+
+/// Options of `consistency`.
+#[derive(Args)]
+pub(crate) struct Consistency {
+    /// TITLE=FILE: a graph that went through PCM and its matrix's title
+    #[arg(required = true, value_name = "TITLE=FILE")]
+    panels: Vec<String>,
+}
+
+impl Consistency {
+    pub(crate) fn write(&self, common: &CommonArguments, context: &mut Context) -> anyhow::Result<Vec<u8>> {
+        let mut shown = Vec::new();
+        for named in &self.panels {
+            let (title, graph) = titled(named, context)?;
+            let matrix = matrix(&graph).with_context(|| named.clone())?.with_context(|| {
+                format!("{named}: this graph did not go through PCM; name what posecut-pcm wrote, or a later stage")
+            })?;
+            shown.push((title.to_owned(), graph, matrix));
+        }
+        figure::consistency::drawing(&shown)?.write(&extension(common)?)
+    }
+}
+
+/// Options of `components`.
+#[derive(Args)]
+pub(crate) struct Components {
+    /// TITLE=FILE: a graph that went through the multicut and its panels' title
+    #[arg(required = true, value_name = "TITLE=FILE")]
+    panels: Vec<String>,
+
+    /// How coordinates lie on paper
+    #[arg(long, value_enum, default_value_t = Frame::Ned)]
+    frame: Frame,
+}
+
+impl Components {
+    pub(crate) fn write(&self, common: &CommonArguments, context: &mut Context) -> anyhow::Result<Vec<u8>> {
+        let mut panels = Vec::new();
+        for named in &self.panels {
+            let (title, graph) = titled(named, context)?;
+            let landmarks = components::landmarks(&graph).with_context(|| {
+                format!("{named}: no node has a landmark; name what posecut-multicut wrote, or a later stage")
+            })?;
+            panels.extend(components::panels(title, &graph, &landmarks, self.frame));
+        }
+        charts(&panels, 2)?.write(&extension(common)?)
+    }
+}
+
+/// Options of `error`.
+#[derive(Args)]
+pub(crate) struct Error {
+    /// NAME=FILE: an optimised graph and the name of its method
+    #[arg(required = true, value_name = "NAME=FILE")]
+    estimates: Vec<String>,
+
+    /// The reference graph
+    #[arg(long, value_name = "FILE", required = true)]
+    reference: Source,
+
+    /// Above the chart
+    #[arg(long, value_name = "TEXT", default_value = "Error of each pose along the session")]
+    title: String,
+}
+
+impl Error {
+    pub(crate) fn write(&self, common: &CommonArguments, context: &mut Context) -> anyhow::Result<Vec<u8>> {
+        let reference = context.read_graph(&self.reference, "reference")?;
+        let mut estimates = Vec::new();
+        for named in &self.estimates {
+            let (name, graph) = titled(named, context)?;
+            estimates.push((name.to_owned(), graph));
+        }
+        charts(&[error::panel(&self.title, &estimates, &reference)?], 1)?.write(&extension(common)?)
     }
 }
 

@@ -1,0 +1,112 @@
+//! `posecut-report regimes`.
+
+use std::path::PathBuf;
+
+use anyhow::bail;
+use clap::{Args, ValueEnum};
+use posecut_report::figure::plotting::{charts, grids};
+use posecut_report::figure::regimes::{Quantity, curves, differences, heat_maps, nearest};
+use posecut_report::regimes::{Map, table};
+use posecut_report::results;
+use posecut_stage::CommonArguments;
+
+use super::figures::extension;
+
+/// Options of `regimes`.
+#[derive(Args)]
+pub(crate) struct Regimes {
+    /// Results over regimes, one a line, labelled `covariance_scale`, `incorrect_rate`, `session`, `seed`, `method`
+    #[arg(required = true)]
+    results: Vec<PathBuf>,
+
+    /// What the figure shows
+    #[arg(long, value_enum, default_value_t = Show::Rmse, conflicts_with = "table")]
+    show: Show,
+
+    /// Write a table instead of a figure
+    #[arg(long, value_enum)]
+    table: Option<Format>,
+
+    /// Sessions; `all sessions` is the mean over them. A figure shows the first, a table all named, or all there are
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    sessions: Vec<String>,
+
+    /// Kinds of false edges, as sessions are named
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    kinds: Vec<String>,
+
+    /// Methods in the order of panels
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    methods: Vec<String>,
+
+    /// Curves: the covariance scale (the nearest there is) at which false edges vary
+    #[arg(long, value_name = "SCALE", default_value_t = 3.0)]
+    scale: f64,
+
+    /// Curves: the false-edge rate (the nearest there is) at which the scale varies
+    #[arg(long, value_name = "RATE", default_value_t = 0.1)]
+    rate: f64,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Show {
+    /// Heat maps of the mean RMSE, one a method
+    Rmse,
+    /// Heat maps of the mean precision of edges
+    Precision,
+    /// Heat maps of the mean recall of edges
+    Recall,
+    /// Heat maps of what the graph cut changes
+    Differences,
+    /// Curves over rate and scale, with 95 % intervals
+    Curves,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Format {
+    /// For people and documents
+    Markdown,
+    /// One row a cell
+    Csv,
+}
+
+impl Regimes {
+    pub(crate) fn write(&self, common: &CommonArguments) -> anyhow::Result<Vec<u8>> {
+        let map = Map::new(&results::read_all(&self.results)?, &self.methods)?;
+        let sessions = chosen(&self.sessions, &map.sessions, "session")?;
+        let kinds = chosen(&self.kinds, &map.kinds, "kind of false edges")?;
+        if let Some(format) = self.table {
+            return match format {
+                Format::Markdown => Ok(table::markdown(&map, &sessions, &kinds).into_bytes()),
+                Format::Csv => table::csv(&map, &sessions, &kinds),
+            };
+        }
+        let (session, kind) = (&sessions[0], &kinds[0]);
+        let extension = extension(common)?;
+        let quantity = match self.show {
+            Show::Rmse => Quantity::Rmse,
+            Show::Precision => Quantity::Precision,
+            Show::Recall => Quantity::Recall,
+            Show::Differences => {
+                let (panels, ramp) = differences(&map, session, kind);
+                let title = format!("What the graph cut changes: {session}, {kind} false edges");
+                return grids(&title, &panels, &ramp, 3)?.write(&extension);
+            }
+            Show::Curves => {
+                let (scale, rate) = (nearest(&map.scales, self.scale), nearest(&map.rates, self.rate));
+                return charts(&curves(&map, session, kind, scale, rate), 2)?.write(&extension);
+            }
+        };
+        let (panels, ramp) = heat_maps(&map, session, kind, quantity);
+        let columns = if panels.len() == 4 { 2 } else { 3 };
+        grids(&format!("{session}, {kind} false edges"), &panels, &ramp, columns)?.write(&extension)
+    }
+}
+
+/// Those asked for, or all.
+fn chosen(asked: &[String], known: &[String], what: &str) -> anyhow::Result<Vec<String>> {
+    if let Some(name) = asked.iter().find(|name| !known.contains(name)) {
+        bail!("there is no {what} named {name} in the results; there is {}", known.join(", "));
+    }
+    Ok(if asked.is_empty() { known.to_vec() } else { asked.to_vec() })
+}
