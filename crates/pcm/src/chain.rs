@@ -20,6 +20,15 @@ pub struct Chain<G, const DOF: usize> {
     pub poses: Vec<G>,
     /// Accumulated covariances.
     pub covariances: Vec<SMatrix<f64, DOF, DOF>>,
+    /// Distance travelled up to each node, metres.
+    pub travelled: Vec<f64>,
+}
+
+impl<G: LieGroup<DOF>, const DOF: usize> Default for Chain<G, DOF> {
+    /// A chain of one node.
+    fn default() -> Self {
+        Self { poses: vec![G::identity()], covariances: vec![SMatrix::zeros()], travelled: vec![0.0] }
+    }
 }
 
 impl<G: LieGroup<DOF>, const DOF: usize> Chain<G, DOF> {
@@ -29,15 +38,14 @@ impl<G: LieGroup<DOF>, const DOF: usize> Chain<G, DOF> {
         self.covariances[late] - self.covariances[early]
     }
 
-    fn start() -> Self {
-        Self { poses: vec![G::identity()], covariances: vec![SMatrix::zeros()] }
-    }
-
-    fn push(&mut self, step: &Step<G, DOF>) {
+    /// Adds a node: the motion to it from the last one, with its covariance.
+    pub fn push(&mut self, motion: &G, covariance: &SMatrix<f64, DOF, DOF>) {
         let last = self.poses.len() - 1;
-        let pose = self.poses[last].compose(&step.motion);
+        let pose = self.poses[last].compose(motion);
         let adjoint = pose.adjoint();
-        self.covariances.push(self.covariances[last] + adjoint * step.covariance * adjoint.transpose());
+        self.covariances.push(self.covariances[last] + adjoint * covariance * adjoint.transpose());
+        let [x, y, z] = motion.translation();
+        self.travelled.push(self.travelled[last] + x.hypot(y).hypot(z));
         self.poses.push(pose);
     }
 }
@@ -51,15 +59,24 @@ pub struct Chains<G, const DOF: usize> {
     pub places: Vec<(usize, usize)>,
 }
 
-struct Step<G, const DOF: usize> {
-    motion: G,
-    covariance: SMatrix<f64, DOF, DOF>,
+/// Whether covariances are needed: some tests look at the measurements alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Covariances {
+    /// Every information matrix must have an inverse.
+    Needed,
+    /// They are not read; all are zero.
+    Ignored,
 }
 
 impl<G: LieGroup<DOF>, const DOF: usize> Chains<G, DOF> {
     /// Follows the odometry edges of a graph. Every node gets a place; one without odometry is a chain of its
     /// own. Where odometry branches or closes a ring, edges of higher id are left out with a warning. O(edges).
     pub fn of(graph: &PoseGraph) -> Result<Self, PcmError> {
+        Self::with(graph, Covariances::Needed)
+    }
+
+    /// As [`Self::of`], with or without covariances.
+    pub fn with(graph: &PoseGraph, covariances: Covariances) -> Result<Self, PcmError> {
         let links = Links::of(graph);
         let mut places = vec![(usize::MAX, 0); graph.nodes.len()];
         let mut chains = Vec::new();
@@ -67,11 +84,12 @@ impl<G: LieGroup<DOF>, const DOF: usize> Chains<G, DOF> {
             if places[start].0 != usize::MAX || links.degree(start) > 1 {
                 continue;
             }
-            let mut chain = Chain::start();
+            let mut chain = Chain::default();
             places[start] = (chains.len(), 0);
             let mut here = start;
             while let Some((edge, next)) = links.next(here, |node| places[node].0 != usize::MAX) {
-                chain.push(&step(graph, edge, graph.nodes[here].id == edge.from)?);
+                let (motion, covariance) = step(graph, edge, graph.nodes[here].id == edge.from, covariances)?;
+                chain.push(&motion, &covariance);
                 places[next] = (chains.len(), chain.poses.len() - 1);
                 here = next;
             }
@@ -86,28 +104,34 @@ fn step<G: LieGroup<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     edge: &Edge,
     forward: bool,
-) -> Result<Step<G, DOF>, PcmError> {
+    covariances: Covariances,
+) -> Result<(G, SMatrix<f64, DOF, DOF>), PcmError> {
     let motion = edge.measurement.as_deref().and_then(G::from_components).unwrap_or_else(G::identity);
-    let covariance = covariance::<DOF>(graph, edge)?;
+    let covariance = covariance::<DOF>(graph, edge, covariances)?;
     if forward {
-        return Ok(Step { motion, covariance });
+        return Ok((motion, covariance));
     }
     let adjoint = motion.adjoint();
-    Ok(Step { motion: motion.inverse(), covariance: adjoint * covariance * adjoint.transpose() })
+    Ok((motion.inverse(), adjoint * covariance * adjoint.transpose()))
 }
 
 /// The covariance of an edge's measurement: the inverse of its information.
 pub(crate) fn covariance<const DOF: usize>(
     graph: &PoseGraph,
     edge: &Edge,
+    covariances: Covariances,
 ) -> Result<SMatrix<f64, DOF, DOF>, PcmError> {
+    if covariances == Covariances::Ignored {
+        return Ok(SMatrix::zeros());
+    }
     let refused = |reason: String| PcmError::Covariance { edge: edge.name(), reason };
     let packed = graph.information(edge).ok_or_else(|| refused("it has none".to_owned()))?;
     let information = unpack_upper_triangle::<DOF>(packed).map_err(|error| refused(error.to_string()))?;
     covariance_from_information(&information).map_err(|error| refused(error.to_string()))
 }
 
-/// log(E)^T Sigma^-1 log(E) by Cholesky factorisation; `None` if Sigma is not positive definite.
+/// log(E)^T Sigma^-1 log(E) by Cholesky factorisation of the lower triangle; `None` if Sigma is not positive definite.
+#[inline]
 pub(crate) fn squared_mahalanobis<const DOF: usize>(
     covariance: &SMatrix<f64, DOF, DOF>,
     error: &SVector<f64, DOF>,

@@ -1,67 +1,212 @@
-//! Whether two candidates agree, and the graph of those that do.
+//! Which candidates agree: pairs, and the graph of those that do.
 
-use nalgebra::SMatrix;
-use posecut_geometry::LieGroup;
 use rayon::prelude::*;
+use serde::Serialize;
 
 use crate::Gate;
 use crate::candidate::{Candidate, Group};
-use crate::chain::{Chain, Chains, squared_mahalanobis};
+use crate::chain::{Chain, Chains};
 use crate::clique::BitGraph;
+pub use crate::distance::{squared_distance, squared_distance_to_odometry};
+use crate::pretest::{PreTest, Verdict};
+use crate::spread::Spatial;
 
-/// The loop through candidates a = (i, k, `Z_a`) and b = (j, l, `Z_b`) and the odometry between them,
-///
-/// E = `Z_a`^-1 (P_i^-1 P_j) `Z_b` (Q_l^-1 Q_k)            (Mangelson et al., equation 6)
-///
-/// with its covariance, told by the squared Mahalanobis distance of Log(E) from zero. The distance does not
-/// change when the loop is conjugated by Q_k, which gives Q_k E Q_k^-1 = T_a^-1 T_b for the alignments T and
-///
-/// Sigma = C_a + C_b + Ad(T_a^-1) dS_A Ad(T_a^-1)^T + dS_B,
-///
-/// one change of frame a pair. Within one chain the two stretches of odometry may share steps: those enter
-/// once, through the sum of both their effects, each with its sign.
-///
-/// `None` if Sigma is not positive definite. O(1).
-pub fn squared_distance<G: LieGroup<DOF>, const DOF: usize>(
-    chain_a: &Chain<G, DOF>,
-    chain_b: &Chain<G, DOF>,
+/// Columns looked at for 64 rows before the next ones are: what the tests read of them stays in the cache.
+const TILE: usize = 512;
+
+/// How many pairs were tested, and how they fared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct PairCounts {
+    /// Pairs looked at.
+    pub pairs: usize,
+    /// Those that the pre-test of rotations rejected.
+    pub skipped_by_rotation: usize,
+    /// Those that the pre-test of positions rejected.
+    pub skipped_by_translation: usize,
+    /// Pairs whose covariance is not positive definite: never consistent.
+    pub indefinite: usize,
+    /// Pairs that are consistent.
+    pub consistent: usize,
+}
+
+impl std::ops::AddAssign for PairCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.pairs += other.pairs;
+        self.skipped_by_rotation += other.skipped_by_rotation;
+        self.skipped_by_translation += other.skipped_by_translation;
+        self.indefinite += other.indefinite;
+        self.consistent += other.consistent;
+    }
+}
+
+/// The candidates of a group with all that testing a pair needs.
+pub struct Pairs<'a, G, const DOF: usize> {
+    chain_a: &'a Chain<G, DOF>,
+    chain_b: &'a Chain<G, DOF>,
     same_chain: bool,
-    a: &Candidate<G, DOF>,
-    b: &Candidate<G, DOF>,
-) -> Option<f64> {
-    let error = a.alignment.between(&b.alignment).log();
-    let mut covariance = a.covariance + b.covariance;
-    let mut stretch_a = chain_a.covariance_between(a.i, b.i);
-    let mut stretch_b = chain_b.covariance_between(b.k, a.k);
-    if same_chain && let Some(shared) = Shared::of(a, b) {
-        let both = shared.effect(&a.to_b);
-        let steps = chain_a.covariance_between(shared.first, shared.last);
-        covariance += both * steps * both.transpose();
-        stretch_a -= steps;
-        stretch_b -= steps;
-    }
-    covariance += a.to_b * stretch_a * a.to_b.transpose() + stretch_b;
-    squared_mahalanobis(&covariance, &error)
+    candidates: &'a [Candidate<G, DOF>],
+    pretest: PreTest,
+    odometry_test: bool,
 }
 
-/// Steps that belong to both stretches of odometry, i to j and l to k.
-struct Shared {
-    first: usize,
-    last: usize,
-    same_direction: bool,
-}
-
-impl Shared {
-    fn of<G, const DOF: usize>(a: &Candidate<G, DOF>, b: &Candidate<G, DOF>) -> Option<Self> {
-        let first = a.i.min(b.i).max(a.k.min(b.k));
-        let last = a.i.max(b.i).min(a.k.max(b.k));
-        // The first stretch runs from i to j, the second from l back to k.
-        (first < last).then_some(Self { first, last, same_direction: (a.i < b.i) == (b.k < a.k) })
+impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
+    /// Prepares a group. O(candidates + nodes of both chains).
+    pub fn new(chains: &'a Chains<G, DOF>, group: &'a Group<G, DOF>) -> Self {
+        Self {
+            chain_a: &chains.chains[group.a],
+            chain_b: &chains.chains[group.b],
+            same_chain: group.a == group.b,
+            candidates: &group.candidates,
+            pretest: PreTest::new(chains, group),
+            odometry_test: true,
+        }
     }
 
-    /// The error of a shared step acts through the stretch of A and through that of B at once.
-    fn effect<const DOF: usize>(&self, to_b: &SMatrix<f64, DOF, DOF>) -> SMatrix<f64, DOF, DOF> {
-        if self.same_direction { to_b + SMatrix::identity() } else { to_b - SMatrix::identity() }
+    /// The number of candidates.
+    pub fn len(&self) -> usize {
+        self.candidates.len()
+    }
+
+    /// Whether there is no candidate.
+    pub fn is_empty(&self) -> bool {
+        self.candidates.is_empty()
+    }
+
+    /// The squared Mahalanobis distance of a pair; `None` if its covariance is not positive definite.
+    pub fn squared_distance(&self, one: usize, other: usize) -> Option<f64> {
+        let (a, b) = (&self.candidates[one], &self.candidates[other]);
+        squared_distance(self.chain_a, self.chain_b, self.same_chain, a, b)
+    }
+
+    /// Whether a candidate within one chain agrees with the odometry alone, which closes a loop with it; between two
+    /// chains, and with `--no-odometry-test`, every candidate does. O(1).
+    pub fn agrees_with_odometry(&self, candidate: usize, gate: Gate) -> bool {
+        if !self.same_chain || !self.odometry_test {
+            return true;
+        }
+        let candidate = &self.candidates[candidate];
+        match gate {
+            Gate::SquaredDistance(limit) => squared_distance_to_odometry(self.chain_a, candidate)
+                .is_some_and(|distance| distance <= limit),
+            Gate::PerStep { translation, rotation } => {
+                let place = self.chain_b.poses[candidate.k];
+                let error = place.inverse().compose(&candidate.from_a).compose(&place);
+                let steps = (candidate.i.abs_diff(candidate.k) + 1) as f64;
+                let [x, y, z] = error.translation();
+                x.hypot(y).hypot(z) <= translation * steps && error.rotation_angle() <= rotation * steps
+            }
+        }
+    }
+
+    /// Whether candidates within one chain are held against the odometry alone too, as they are unless told otherwise.
+    #[must_use]
+    pub fn with_odometry_test(mut self, odometry_test: bool) -> Self {
+        self.odometry_test = odometry_test;
+        self
+    }
+
+    /// The squared distance that a pair would have if `other` had measured what `donor` did, with its own covariance.
+    pub(crate) fn exchanged(&self, one: usize, other: usize, donor: usize) -> Option<f64> {
+        let (a, b, c) = (&self.candidates[one], &self.candidates[other], &self.candidates[donor]);
+        let poses = |candidate: &Candidate<G, DOF>| {
+            (self.chain_a.poses[candidate.i], self.chain_b.poses[candidate.k])
+        };
+        let ((donor_a, donor_b), (pose_a, pose_b)) = (poses(c), poses(b));
+        let measurement = donor_a.inverse().compose(&c.alignment).compose(&donor_b);
+        let mut exchanged = b.clone();
+        exchanged.alignment = pose_a.compose(&measurement).compose(&pose_b.inverse());
+        squared_distance(self.chain_a, self.chain_b, self.same_chain, a, &exchanged)
+    }
+
+    /// The verdict of the pre-test alone.
+    pub fn pretest(&self, one: usize, other: usize, squared_distance: f64) -> Verdict {
+        self.pretest.verdict(one, other, squared_distance)
+    }
+
+    /// Distance travelled between the candidates' places, in chain A plus in chain B, metres.
+    pub fn travelled(&self, one: usize, other: usize) -> f64 {
+        let ([a, b], [c, d]) = (self.position(one), self.position(other));
+        (a - c).abs() + (b - d).abs()
+    }
+
+    /// Distance travelled up to the candidate's places in chain A and in chain B, metres.
+    pub fn position(&self, candidate: usize) -> [f64; 2] {
+        let candidate = &self.candidates[candidate];
+        [self.chain_a.travelled[candidate.i], self.chain_b.travelled[candidate.k]]
+    }
+
+    /// Whether two different candidates agree. The order does not matter to a squared distance; an error per step is
+    /// that of the earlier candidate. O(1).
+    #[inline]
+    pub fn consistent(&self, one: usize, other: usize, gate: Gate, counts: &mut PairCounts) -> bool {
+        let (one, other) = (one.min(other), one.max(other));
+        counts.pairs += 1;
+        let consistent = match gate {
+            Gate::SquaredDistance(limit) => match self.pretest.verdict(one, other, limit) {
+                Verdict::Rotation => {
+                    counts.skipped_by_rotation += 1;
+                    false
+                }
+                Verdict::Translation => {
+                    counts.skipped_by_translation += 1;
+                    false
+                }
+                Verdict::Open => {
+                    let distance = self.squared_distance(one, other);
+                    counts.indefinite += usize::from(distance.is_none());
+                    distance.is_some_and(|distance| distance <= limit)
+                }
+            },
+            Gate::PerStep { translation, rotation } => {
+                let steps = self.pretest.steps(one, other) as f64;
+                let sine = 0.5 * self.pretest.squared_turn(one, other).max(0.0).sqrt();
+                let angle = 2.0 * sine.min(1.0).asin();
+                angle <= rotation * steps
+                    && self.pretest.squared_shift(one, other) <= (translation * steps).powi(2)
+            }
+        };
+        counts.consistent += usize::from(consistent);
+        consistent
+    }
+
+    /// The consistency graph: N (N - 1) / 2 pairs in tiles, strips of 64 rows in parallel; the same at any number of
+    /// threads. Memory: N^2 / 8 bytes.
+    pub fn graph(&self, gate: Gate) -> (BitGraph, PairCounts) {
+        let all: Vec<usize> = (0..self.candidates.len()).collect();
+        self.graph_of(&all, gate)
+    }
+
+    /// The consistency graph of some of the candidates, numbered in the order given.
+    pub fn graph_of(&self, chosen: &[usize], gate: Gate) -> (BitGraph, PairCounts) {
+        let count = chosen.len();
+        let mut graph = BitGraph::new(count);
+        let stride = graph.stride().max(1);
+        let strips: Vec<(usize, &mut [u64])> = graph.strips().enumerate().collect();
+        let counts: Vec<PairCounts> = strips
+            .into_par_iter()
+            .map(|(strip, words)| {
+                let mut counts = PairCounts::default();
+                let first = 64 * strip;
+                for start in (first..count).step_by(TILE) {
+                    let end = (start + TILE).min(count);
+                    for (row, words) in words.chunks_mut(stride).enumerate() {
+                        let one = first + row;
+                        for other in start.max(one + 1)..end {
+                            if self.consistent(chosen[one], chosen[other], gate, &mut counts) {
+                                words[other / 64] |= 1 << (other % 64);
+                            }
+                        }
+                    }
+                }
+                counts
+            })
+            .collect();
+        graph.mirror();
+        let mut total = PairCounts::default();
+        for counts in counts {
+            total += counts;
+        }
+        (graph, total)
     }
 }
 
@@ -70,41 +215,16 @@ impl Shared {
 pub struct Consistency {
     /// One vertex a candidate, an edge between those that are consistent.
     pub graph: BitGraph,
-    /// Pairs whose covariance is not positive definite: never consistent.
-    pub indefinite: usize,
+    /// How the pairs fared.
+    pub counts: PairCounts,
 }
 
-/// Tests all pairs of a group: N (N - 1) / 2 distances, rows in parallel, the same result at any number of
-/// threads.
-pub fn consistency_graph<G: LieGroup<DOF>, const DOF: usize>(
+/// Tests all pairs of a group.
+pub fn consistency_graph<G: Spatial<DOF>, const DOF: usize>(
     chains: &Chains<G, DOF>,
     group: &Group<G, DOF>,
     gate: Gate,
 ) -> Consistency {
-    let (chain_a, chain_b) = (&chains.chains[group.a], &chains.chains[group.b]);
-    let candidates = &group.candidates;
-    let rows: Vec<(Vec<usize>, usize)> = (0..candidates.len())
-        .into_par_iter()
-        .map(|row| {
-            let (mut consistent, mut indefinite) = (Vec::new(), 0);
-            for column in row + 1..candidates.len() {
-                let same_chain = group.a == group.b;
-                match squared_distance(chain_a, chain_b, same_chain, &candidates[row], &candidates[column]) {
-                    Some(distance) if distance <= gate.squared_distance => consistent.push(column),
-                    Some(_) => {}
-                    None => indefinite += 1,
-                }
-            }
-            (consistent, indefinite)
-        })
-        .collect();
-    let mut graph = BitGraph::new(candidates.len());
-    let mut indefinite = 0;
-    for (row, (columns, count)) in rows.into_iter().enumerate() {
-        indefinite += count;
-        for column in columns {
-            graph.connect(row, column);
-        }
-    }
-    Consistency { graph, indefinite }
+    let (graph, counts) = Pairs::new(chains, group).graph(gate);
+    Consistency { graph, counts }
 }

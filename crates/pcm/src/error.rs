@@ -14,9 +14,45 @@ pub enum PcmError {
         reason: String,
     },
     /// A probability outside (0, 1).
-    #[error("--probability is {value}, and must lie between 0 and 1, both excluded")]
+    #[error(
+        "a probability is {value}, and must lie between 0 and 1, both excluded; see --probability, --grow, --admit and --drop"
+    )]
     Probability {
         /// What was given.
         value: f64,
+    },
+    /// A length, an angle, a scale or a limit that is not a positive number.
+    #[error("{option} is {value}, and must be a positive number")]
+    NotPositive {
+        /// The option.
+        option: &'static str,
+        /// What was given.
+        value: f64,
+    },
+    /// A landmark edge without a usable `predicted_covariance`.
+    #[error(
+        "{edge}: its field predicted_covariance {reason}; re-admission needs the optimiser's marginals, as posecut-optimize --marginals landmark writes them"
+    )]
+    Prediction {
+        /// The edge.
+        edge: String,
+        /// What is wrong with the field.
+        reason: String,
+    },
+    /// A node without an estimate.
+    #[error("node {node}: it has no pose; re-admission needs an optimised graph")]
+    Pose {
+        /// The node.
+        node: u64,
+    },
+    /// The consistency graph of a group is asked for, and is not made.
+    #[error(
+        "--consistency-graph needs all pairs, and a group of {candidates} candidates is solved by cells, which never makes them; add --scheme exact (it takes {megabytes} MB for that group)"
+    )]
+    GraphNotMade {
+        /// Candidates of the group.
+        candidates: usize,
+        /// Memory of its bit matrix.
+        megabytes: usize,
     },
 }

@@ -5,7 +5,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::PcmError;
 
-/// What is compared with the chi-square quantile.
+/// What is compared with what.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Test {
@@ -13,31 +13,88 @@ pub enum Test {
     Mahalanobis,
     /// Its square root, as some public code does: passes nearly every true pair, and many false ones
     Root,
+    /// Metres and radians a step of the loop; covariances are not looked at
+    Threshold,
 }
 
-/// The largest squared Mahalanobis distance of a consistent pair.
+/// What the probability of a gate refers to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Correction {
+    /// One pair: of N correct edges some are lost, for each must agree with all others
+    #[default]
+    Pair,
+    /// All pairs of a group at once (Bonferroni): a far looser gate, which keeps nearly all correct edges
+    Group,
+}
+
+/// When a pair is consistent.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gate {
-    /// The threshold on the squared distance.
-    pub squared_distance: f64,
+pub enum Gate {
+    /// The squared Mahalanobis distance is at most this.
+    SquaredDistance(f64),
+    /// The loop's error is at most this a step.
+    PerStep {
+        /// Metres.
+        translation: f64,
+        /// Radians.
+        rotation: f64,
+    },
 }
 
 impl Gate {
     /// The gate that passes true pairs with the given probability (`Test::Mahalanobis`); with `Test::Root`
     /// the same quantile bounds the distance itself, so its square bounds the squared distance.
     pub fn new(test: Test, probability: f64, degrees_of_freedom: usize) -> Result<Self, PcmError> {
-        let refused = PcmError::Probability { value: probability };
-        if !(probability > 0.0 && probability < 1.0) {
-            return Err(refused);
-        }
-        let Ok(distribution) = ChiSquared::new(degrees_of_freedom as f64) else { return Err(refused) };
-        let quantile = distribution.inverse_cdf(probability);
-        let squared_distance = match test {
-            Test::Mahalanobis => quantile,
-            Test::Root => quantile * quantile,
-        };
-        Ok(Self { squared_distance })
+        let quantile = chi_square_quantile(probability, degrees_of_freedom)?;
+        Ok(Self::SquaredDistance(if test == Test::Root { quantile * quantile } else { quantile }))
     }
+
+    /// The squared distance, for a gate that has one.
+    pub fn squared_distance(self) -> Option<f64> {
+        match self {
+            Self::SquaredDistance(distance) => Some(distance),
+            Self::PerStep { .. } => None,
+        }
+    }
+}
+
+/// The probability with which one pair must pass, so that all pairs of N candidates do with the given probability:
+/// 1 - (1 - P) / (N (N - 1) / 2).
+pub fn corrected(probability: f64, correction: Correction, candidates: usize) -> f64 {
+    match correction {
+        Correction::Pair => probability,
+        Correction::Group => {
+            let pairs = (candidates * candidates.saturating_sub(1) / 2).max(1);
+            // Below this the complement of the probability has no digits left.
+            1.0 - ((1.0 - probability) / pairs as f64).max(1e-14)
+        }
+    }
+}
+
+/// The value that a chi-square variable stays below with this probability.
+///
+/// By bisection of the upper tail, which keeps its digits where the probability is near 1.
+pub fn chi_square_quantile(probability: f64, degrees_of_freedom: usize) -> Result<f64, PcmError> {
+    let refused = PcmError::Probability { value: probability };
+    if !(probability > 0.0 && probability < 1.0) {
+        return Err(refused);
+    }
+    let Ok(distribution) = ChiSquared::new(degrees_of_freedom as f64) else { return Err(refused) };
+    let tail = 1.0 - probability;
+    let (mut low, mut high) = (0.0, 1.0);
+    while distribution.sf(high) > tail {
+        high *= 2.0;
+    }
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if distribution.sf(middle) > tail {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Ok(high)
 }
 
 #[cfg(test)]
@@ -47,11 +104,20 @@ mod tests {
     #[test]
     fn quantiles_agree_with_the_tables() {
         // Chi-square table: 3 degrees of freedom, 0.99 -> 11.345; 6 degrees, 0.95 -> 12.592.
-        let three = Gate::new(Test::Mahalanobis, 0.99, 3).unwrap().squared_distance;
-        let six = Gate::new(Test::Mahalanobis, 0.95, 6).unwrap().squared_distance;
+        let three = chi_square_quantile(0.99, 3).unwrap();
+        let six = chi_square_quantile(0.95, 6).unwrap();
         assert!((three - 11.345).abs() < 1e-3 && (six - 12.592).abs() < 1e-3, "{three} {six}");
-        let root = Gate::new(Test::Root, 0.99, 3).unwrap().squared_distance;
+        let root = Gate::new(Test::Root, 0.99, 3).unwrap().squared_distance().unwrap();
         assert!((root - 11.345_f64.powi(2)).abs() < 0.02, "{root}");
+    }
+
+    #[test]
+    fn quantiles_far_in_the_tail_keep_their_digits() {
+        // scipy.stats.chi2.isf(1e-6, 3) and (1e-12, 6).
+        let near = chi_square_quantile(1.0 - 1e-6, 3).unwrap();
+        let far = chi_square_quantile(1.0 - 1e-12, 6).unwrap();
+        assert!((near - 30.664_85).abs() < 1e-3, "{near}");
+        assert!((far - 68.104_7).abs() < 1e-2, "{far}");
     }
 
     #[test]
@@ -59,5 +125,13 @@ mod tests {
         for probability in [0.0, 1.0, -0.5, f64::NAN] {
             assert!(Gate::new(Test::Mahalanobis, probability, 3).is_err());
         }
+    }
+
+    #[test]
+    fn a_gate_for_the_group_is_looser() {
+        assert_eq!(corrected(0.99, Correction::Pair, 1000), 0.99);
+        let looser = corrected(0.99, Correction::Group, 1000);
+        assert!((1.0 - looser - 0.01 / 499_500.0).abs() < 1e-15, "{looser}");
+        assert_eq!(corrected(0.99, Correction::Group, 1), 0.99);
     }
 }

@@ -4,18 +4,39 @@
 //!
 //! - [`chain`]: poses and covariances accumulated along the odometry, so that any stretch costs O(1).
 //! - [`candidate`]: landmark edges between the same two chains, oriented alike.
-//! - [`consistency`]: the Mahalanobis distance of a pair of candidates, and the graph of consistent pairs.
+//! - [`distance`]: the Mahalanobis distance of a pair of candidates.
+//! - [`pretest`]: bounds that most inconsistent pairs fail at a fraction of the cost.
+//! - [`consistency`]: the graph of consistent pairs.
 //! - [`clique`]: the maximum clique, with a proof or an upper bound.
+//! - [`cells`]: the same for more candidates than a matrix of all pairs can hold.
+//! - [`growth`]: candidates that a clique lost by a pair or two.
+//! - [`calibration`]: how far the covariances are off, from the candidates themselves.
+//! - [`readmission`]: every edge against the map that the others make.
+//! - [`incremental`]: candidates one by one.
 //! - [`stage`]: all of it on a pose graph.
 
+pub mod calibration;
 pub mod candidate;
+pub mod cells;
 pub mod chain;
 pub mod clique;
 pub mod consistency;
+pub mod dimacs;
+pub mod distance;
 mod error;
 mod gate;
+pub mod generate;
+pub mod growth;
+pub mod incremental;
+mod nearest;
+mod options;
+pub mod pretest;
+pub mod readmission;
+mod spread;
 pub mod stage;
+mod summary;
 
 pub use error::PcmError;
-pub use gate::{Gate, Test};
-pub use stage::Options;
+pub use gate::{Correction, Gate, Test, chi_square_quantile, corrected};
+pub use options::{Options, Scale, Scheme};
+pub use spread::Spatial;

@@ -1,31 +1,22 @@
 //! PCM as a stage: marks the landmark edges outside the maximum clique of each group.
 
-use posecut_geometry::{LieGroup, SE2, SE3};
+use std::time::Instant;
+
+use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, PoseGraph};
-use posecut_stage::{Context, GraphStage, counted, info, warn};
-use serde::Serialize;
+use posecut_stage::{Context, GraphStage, write_atomically};
 
-use crate::candidate::group;
-use crate::chain::Chains;
-use crate::clique::{MaximumClique, maximum_clique};
-use crate::consistency::consistency_graph;
-use crate::{Gate, Test};
-
-/// The options of PCM.
-#[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
-pub struct Options {
-    /// What is compared with the chi-square quantile
-    #[arg(long, value_enum, default_value_t = Test::Mahalanobis)]
-    pub test: Test,
-
-    /// Probability with which a pair of correct edges passes the test
-    #[arg(long, value_name = "P", default_value_t = 0.99)]
-    pub probability: f64,
-
-    /// Branch-and-bound nodes after which the largest clique so far is taken and its bound told
-    #[arg(long, value_name = "NODES", default_value_t = 20_000_000)]
-    pub work_limit: u64,
-}
+use crate::calibration::estimate_scale;
+use crate::candidate::{Group, group_with};
+use crate::cells::solve_by_cells;
+use crate::chain::{Chains, Covariances};
+use crate::clique::{BitGraph, Limits, maximum_clique};
+use crate::consistency::Pairs;
+use crate::dimacs::{NamedGraph, write_dimacs};
+use crate::growth::grow;
+use crate::readmission::readmit;
+use crate::summary::{Summary, note_readmission};
+use crate::{Options, PcmError, Scale, Scheme, Spatial, Test};
 
 impl GraphStage for Options {
     const NAME: &'static str = "pcm";
@@ -33,96 +24,177 @@ impl GraphStage for Options {
         "Reject landmark edges outside the largest set that is pairwise consistent with the odometry";
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
-        let summary = match graph.header.dimension {
+        self.check()?;
+        if self.readmit {
+            note_readmission(&readmit(graph, &self.readmission())?, context);
+            return Ok(());
+        }
+        let (summary, graphs) = match graph.header.dimension {
             Dimension::Two => reject::<SE2, 3>(self, graph)?,
             Dimension::Three => reject::<SE3, 6>(self, graph)?,
         };
+        if let Some(path) = &self.consistency_graph {
+            write_atomically(path, |writer| Ok(write_dimacs(writer, &graphs)?))?;
+        }
         summary.note(context);
         Ok(())
     }
 }
 
-#[derive(Default)]
-struct Summary {
-    groups: usize,
-    candidates: usize,
-    unmeasured: usize,
-    rejected_before: usize,
-    pairs: usize,
-    consistent_pairs: usize,
-    indefinite_pairs: usize,
-    clique_size: usize,
-    clique_upper_bound: usize,
-    work: u64,
+/// Whether a candidate stays, and why.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Role {
+    Clique,
+    Grown,
+    Outside,
 }
 
-impl Summary {
-    fn note(&self, context: &mut Context) {
-        let optimal = self.clique_size == self.clique_upper_bound;
-        info!(
-            "{} of {} kept, {}{}",
-            self.clique_size,
-            counted(self.candidates, "landmark edge"),
-            counted(self.groups, "group"),
-            if optimal { ", proved largest" } else { "" }
-        );
-        if !optimal {
-            warn!(
-                "the work limit ended the proof: the cliques hold {} edges, at most {} are possible; raise --work-limit",
-                self.clique_size, self.clique_upper_bound
-            );
+impl Role {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Clique => "clique",
+            Self::Grown => "grown",
+            Self::Outside => "outside",
         }
-        if self.unmeasured > 0 {
-            warn!(
-                "{} landmark edges have no measurement and are neither tested nor rejected",
-                self.unmeasured
-            );
-        }
-        let statistics = &mut context.statistics;
-        statistics.note("candidates", self.candidates);
-        statistics.note("groups", self.groups);
-        statistics.note("unmeasured", self.unmeasured);
-        statistics.note("rejected_before", self.rejected_before);
-        statistics.note("pairs", self.pairs);
-        statistics.note("consistent_pairs", self.consistent_pairs);
-        statistics.note("indefinite_pairs", self.indefinite_pairs);
-        statistics.note("clique_size", self.clique_size);
-        statistics.note("clique_upper_bound", self.clique_upper_bound);
-        statistics.note("optimal", optimal);
-        statistics.note("rejected", self.candidates - self.clique_size);
-        statistics.note("branch_and_bound_nodes", self.work);
     }
 }
 
-fn reject<G: LieGroup<DOF>, const DOF: usize>(
+/// What was found out about the candidates of a group.
+struct Judged {
+    roles: Vec<Role>,
+    degrees: Vec<usize>,
+    /// The consistency graph with the candidates that its vertices stand for.
+    graph: Option<(BitGraph, Vec<usize>)>,
+}
+
+impl Judged {
+    fn new(
+        degrees: Vec<usize>,
+        clique: &[usize],
+        grown: &[usize],
+        graph: Option<(BitGraph, Vec<usize>)>,
+    ) -> Self {
+        let mut roles = vec![Role::Outside; degrees.len()];
+        for &candidate in grown {
+            roles[candidate] = Role::Grown;
+        }
+        for &candidate in clique {
+            roles[candidate] = Role::Clique;
+        }
+        Self { roles, degrees, graph }
+    }
+}
+
+fn reject<G: Spatial<DOF>, const DOF: usize>(
     options: &Options,
     graph: &mut PoseGraph,
-) -> anyhow::Result<Summary> {
-    let gate = Gate::new(options.test, options.probability, DOF)?;
-    let chains = Chains::<G, DOF>::of(graph)?;
-    let grouped = group(graph, &chains)?;
+) -> Result<(Summary, Vec<NamedGraph>), PcmError> {
+    let covariances =
+        if options.test == Test::Threshold { Covariances::Ignored } else { Covariances::Needed };
+    let chains = Chains::<G, DOF>::with(graph, covariances)?;
+    let grouped = group_with(graph, &chains, covariances)?;
     let mut summary = Summary {
         unmeasured: grouped.unmeasured,
         rejected_before: grouped.rejected_before,
         groups: grouped.groups.len(),
         ..Summary::default()
     };
+    let limits = options.limits();
+    let mut graphs = Vec::new();
     for group in &grouped.groups {
-        let consistency = consistency_graph(&chains, group, gate);
-        let clique: MaximumClique = maximum_clique(&consistency.graph, options.work_limit);
-        let count = group.candidates.len();
-        summary.candidates += count;
-        summary.pairs += count * count.saturating_sub(1) / 2;
-        summary.consistent_pairs += consistency.graph.edges();
-        summary.indefinite_pairs += consistency.indefinite;
-        summary.clique_size += clique.vertices.len();
-        summary.clique_upper_bound += clique.upper_bound;
-        summary.work += clique.work;
-        for (vertex, candidate) in group.candidates.iter().enumerate() {
-            if clique.vertices.binary_search(&vertex).is_err() {
-                graph.edges[candidate.edge].reject(Options::NAME);
+        let judged = judge(options, &chains, group, limits, &mut summary)?;
+        for ((candidate, role), degree) in group.candidates.iter().zip(&judged.roles).zip(&judged.degrees) {
+            let edge = &mut graph.edges[candidate.edge];
+            edge.extra.insert("pcm_degree".to_owned(), (*degree).into());
+            edge.extra.insert("pcm_role".to_owned(), role.name().into());
+            if *role == Role::Outside {
+                edge.reject(Options::NAME);
             }
         }
+        if let Some((consistency, vertices)) = judged.graph {
+            let id = |&vertex: &usize| graph.edges[group.candidates[vertex].edge].id;
+            graphs.push(NamedGraph { edges: vertices.iter().map(id).collect(), graph: consistency });
+        }
     }
-    Ok(summary)
+    Ok((summary, graphs))
+}
+
+fn judge<G: Spatial<DOF>, const DOF: usize>(
+    options: &Options,
+    chains: &Chains<G, DOF>,
+    group: &Group<G, DOF>,
+    limits: Limits,
+    summary: &mut Summary,
+) -> Result<Judged, PcmError> {
+    let count = group.candidates.len();
+    let scheme = options.scheme.for_candidates(count);
+    if scheme == Scheme::Cells && options.consistency_graph.is_some() {
+        return Err(PcmError::GraphNotMade { candidates: count, megabytes: (count * count / 8) >> 20 });
+    }
+    summary.candidates += count;
+    summary.lone_candidates += usize::from(count == 1);
+    let pairs = Pairs::new(chains, group).with_odometry_test(!options.no_odometry_test);
+    let start = Instant::now();
+    let mut scale = 1.0;
+    if let Scale::Fixed(factor) = options.scale {
+        scale = factor;
+    } else if let Some(estimate) = estimate_scale(&pairs) {
+        summary.scales.push((estimate.scale, estimate.pairs));
+        scale = estimate.scale;
+    } else {
+        summary.groups_without_scale += 1;
+    }
+    summary.seconds_scale += start.elapsed().as_secs_f64();
+    let gate = options.gate(options.probability, count, scale, DOF)?;
+    let growth_gate = match options.grow {
+        Some(probability) => Some(options.gate(probability, count, scale, DOF)?),
+        None => None,
+    };
+    if scheme == Scheme::Cells {
+        let start = Instant::now();
+        let solution = solve_by_cells(&pairs, gate, growth_gate.unwrap_or(gate), options.cell_size, limits);
+        summary.seconds_clique += start.elapsed().as_secs_f64();
+        summary.groups_by_cells += 1;
+        summary.cells += solution.cells;
+        summary.hypotheses += solution.hypotheses;
+        summary.hypotheses_left_out += solution.hypotheses_left_out;
+        summary.counts += solution.counts;
+        summary.clique_size += solution.members.len();
+        // Nothing is proved about candidates that are no hypotheses.
+        summary.clique_upper_bound += count;
+        summary.grown += solution.grown.len();
+        summary.work += solution.clique.work;
+        return Ok(Judged::new(solution.degrees, &solution.members, &solution.grown, None));
+    }
+    let start = Instant::now();
+    let tested: Vec<usize> =
+        (0..count).filter(|&candidate| pairs.agrees_with_odometry(candidate, gate)).collect();
+    summary.against_odometry += count - tested.len();
+    let (graph, counts) = pairs.graph_of(&tested, gate);
+    summary.seconds_pairs += start.elapsed().as_secs_f64();
+    summary.counts += counts;
+    let start = Instant::now();
+    let clique = maximum_clique(&graph, limits);
+    summary.seconds_clique += start.elapsed().as_secs_f64();
+    summary.clique_size += clique.vertices.len();
+    summary.clique_upper_bound += clique.upper_bound;
+    summary.work += clique.work;
+    let members: Vec<usize> = clique.vertices.iter().map(|&vertex| tested[vertex]).collect();
+    let start = Instant::now();
+    let grown = match growth_gate {
+        Some(gate) => {
+            let (grown, counts) = grow(&pairs, &members, gate);
+            summary.counts += counts;
+            grown
+        }
+        None => Vec::new(),
+    };
+    summary.seconds_growth += start.elapsed().as_secs_f64();
+    summary.grown += grown.len();
+    let mut degrees = vec![0; count];
+    for (vertex, &candidate) in tested.iter().enumerate() {
+        degrees[candidate] = graph.degree(vertex);
+    }
+    let graph = options.consistency_graph.is_some().then_some((graph, tested));
+    Ok(Judged::new(degrees, &members, &grown, graph))
 }

@@ -7,7 +7,7 @@ use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_graph::{Dimension, Edge, EdgeKind, Header, Node, PoseGraph};
 use posecut_pcm::candidate::group;
 use posecut_pcm::chain::Chains;
-use posecut_pcm::consistency::squared_distance;
+use posecut_pcm::consistency::{squared_distance, squared_distance_to_odometry};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -221,14 +221,15 @@ fn odometry_stored_backwards_means_the_same() {
     assert!((a - b).abs() < 1e-6 * a.max(1.0), "{a} {b}");
 }
 
-/// Kolmogorov-Smirnov: the distances of true pairs follow the chi-square distribution.
-fn kolmogorov_smirnov<G: LieGroup<DOF>, const DOF: usize>(one_chain: bool) -> f64 {
+/// Kolmogorov-Smirnov: how far the distances of true pairs are from the chi-square distribution.
+fn kolmogorov_smirnov<G: LieGroup<DOF>, const DOF: usize>(
+    one_chain: bool,
+    distance: impl Fn(&PoseGraph) -> f64,
+) -> f64 {
     use statrs::distribution::{ChiSquared, ContinuousCDF};
     let count = 600;
     let mut distances: Vec<f64> = (0..count)
-        .map(|seed| {
-            distance::<G, DOF>(&world::<G, DOF>(10, one_chain, &[(2, 12), (8, 17)], 1000 + seed).graph)
-        })
+        .map(|seed| distance(&world::<G, DOF>(10, one_chain, &[(2, 12), (8, 17)], 1000 + seed).graph))
         .collect();
     distances.sort_by(f64::total_cmp);
     let chi_squared = ChiSquared::new(DOF as f64).unwrap();
@@ -239,12 +240,49 @@ fn kolmogorov_smirnov<G: LieGroup<DOF>, const DOF: usize>(one_chain: bool) -> f6
         .fold(0.0, f64::max)
 }
 
+/// The 1 % point of the statistic: 1.63 / sqrt(600).
+const KOLMOGOROV_SMIRNOV: f64 = 0.0665;
+
 #[test]
 fn distances_of_true_pairs_are_chi_square_distributed() {
-    // The 1 % point of the statistic is 1.63 / sqrt(600) = 0.0665.
     for one_chain in [false, true] {
-        let (plane, space) =
-            (kolmogorov_smirnov::<SE2, 3>(one_chain), kolmogorov_smirnov::<SE3, 6>(one_chain));
-        assert!(plane < 0.0665 && space < 0.0665, "one chain {one_chain}: {plane} {space}");
+        let plane = kolmogorov_smirnov::<SE2, 3>(one_chain, distance::<SE2, 3>);
+        let space = kolmogorov_smirnov::<SE3, 6>(one_chain, distance::<SE3, 6>);
+        assert!(
+            plane < KOLMOGOROV_SMIRNOV && space < KOLMOGOROV_SMIRNOV,
+            "one chain {one_chain}: {plane} {space}"
+        );
     }
+}
+
+/// The distance of the first candidate from the odometry of its own chain.
+fn distance_to_odometry<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> f64 {
+    let chains = Chains::<G, DOF>::of(graph).unwrap();
+    let grouped = group(graph, &chains).unwrap();
+    squared_distance_to_odometry(&chains.chains[0], &grouped.groups[0].candidates[0]).unwrap()
+}
+
+#[test]
+fn distances_to_the_odometry_are_chi_square_distributed() {
+    let plane = kolmogorov_smirnov::<SE2, 3>(true, distance_to_odometry::<SE2, 3>);
+    let space = kolmogorov_smirnov::<SE3, 6>(true, distance_to_odometry::<SE3, 6>);
+    assert!(plane < KOLMOGOROV_SMIRNOV && space < KOLMOGOROV_SMIRNOV, "{plane} {space}");
+}
+
+/// As `distance`, with the adjoint of the alignment itself where that of its inverse belongs.
+fn distance_with_a_wrong_adjoint<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> f64 {
+    let chains = Chains::<G, DOF>::of(graph).unwrap();
+    let mut grouped = group(graph, &chains).unwrap();
+    let found = &mut grouped.groups[0];
+    found.candidates[0].to_b = found.candidates[0].alignment.adjoint();
+    let (a, b) = (&found.candidates[0], &found.candidates[1]);
+    let (chain_a, chain_b) = (&chains.chains[found.a], &chains.chains[found.b]);
+    squared_distance(chain_a, chain_b, found.a == found.b, a, b).unwrap()
+}
+
+#[test]
+fn the_chi_square_test_notices_a_wrong_adjoint() {
+    let plane = kolmogorov_smirnov::<SE2, 3>(false, distance_with_a_wrong_adjoint::<SE2, 3>);
+    let space = kolmogorov_smirnov::<SE3, 6>(false, distance_with_a_wrong_adjoint::<SE3, 6>);
+    assert!(plane > KOLMOGOROV_SMIRNOV && space > KOLMOGOROV_SMIRNOV, "{plane} {space}");
 }

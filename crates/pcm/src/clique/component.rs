@@ -2,22 +2,24 @@
 
 use super::{BitGraph, BitSet};
 
-/// The components of the complement graph, each ascending, by their smallest vertex. O(N^2 / 64) words.
-pub(super) fn complement_components(graph: &BitGraph) -> Vec<Vec<usize>> {
-    let mut unseen = BitSet::new(graph.len());
-    (0..graph.len()).for_each(|vertex| unseen.insert(vertex));
+/// The components of the complement of the graph of the vertices `alive`, each ascending, by their smallest vertex.
+/// A clique of the graph is a clique in each of them. O(N^2 / 64) words.
+pub(super) fn complement_components(graph: &BitGraph, alive: &BitSet) -> Vec<Vec<usize>> {
+    let mut unseen = alive.clone();
     let mut components = Vec::new();
     let mut reached = BitSet::new(graph.len());
-    while let Some(start) = unseen.first() {
+    for start in alive.members() {
+        if !unseen.contains(start) {
+            continue;
+        }
         unseen.remove(start);
         let mut component = vec![start];
         let mut next = 0;
         while let Some(&vertex) = component.get(next) {
             next += 1;
-            reached.copy_from(&unseen);
-            reached.subtract(graph.neighbours(vertex));
+            reached.assign_difference(&unseen, graph.neighbours(vertex));
             component.extend(reached.members());
-            unseen.subtract(&reached);
+            unseen.subtract(reached.words());
         }
         component.sort_unstable();
         components.push(component);

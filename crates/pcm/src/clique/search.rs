@@ -1,135 +1,248 @@
 //! Branch and bound with greedy colouring.
 
-use super::{BitGraph, BitSet};
+use rayon::prelude::*;
 
-/// The search in one component of the complement, its vertices renumbered so that the first are those of
-/// the highest degree: colouring and bits go through them in this order.
-pub(super) struct Search {
-    /// The largest clique so far, in the numbers of the whole graph.
-    pub(super) best: Vec<usize>,
+use super::degeneracy::Degeneracy;
+use super::{BitGraph, BitSet, Limits};
+
+/// Root branches searched at a time. All of them start from the largest clique known before the round, and the first
+/// of the largest that they find is taken: the answer does not depend on who finishes first.
+const ROUND: usize = 16;
+
+/// What a search found out about one graph.
+#[derive(Clone, Debug)]
+pub(crate) struct Outcome {
+    /// A largest clique, if one has more vertices than was known.
+    pub(crate) clique: Option<Vec<usize>>,
+    /// No clique has more vertices than this.
+    pub(crate) upper_bound: usize,
     /// Nodes visited.
-    pub(super) work: u64,
-    limit: u64,
-    complete: bool,
-    original: Vec<usize>,
-    graph: BitGraph,
-    root_bound: usize,
+    pub(crate) work: u64,
 }
 
-/// Vertices in the order of colouring, each with the number of colours used up to it.
-struct Colouring {
-    order: Vec<(usize, usize)>,
-}
-
-impl Search {
-    pub(super) fn new(graph: &BitGraph, mut vertices: Vec<usize>, limit: u64) -> Self {
-        vertices.sort_by_key(|&vertex| (std::cmp::Reverse(graph.degree(vertex)), vertex));
-        let mut renumbered = BitGraph::new(vertices.len());
-        for (one, &a) in vertices.iter().enumerate() {
-            for (other, &b) in vertices.iter().enumerate().skip(one + 1) {
-                if graph.connected(a, b) {
-                    renumbered.connect(one, other);
-                }
+/// Searches for a clique of more than `known` vertices (Tomita and Seki 2003; bit-parallel as San Segundo,
+/// Rodriguez-Losada, Jimenez 2011; recolouring as Tomita et al. 2010).
+pub(super) fn search(graph: &BitGraph, known: usize, limits: Limits) -> Outcome {
+    let all = BitSet::full(graph.len());
+    let mut order = Degeneracy::of(graph, &all).order;
+    order.reverse();
+    let renumbered = graph.induced(&order);
+    let mut colours = Colours::new(renumbered.len());
+    colours.colour(&renumbered, &all, known);
+    let branches = std::mem::take(&mut colours.order);
+    let mut best: Option<Vec<usize>> = None;
+    let mut size = known;
+    let mut work = 1;
+    let mut upper_bound = known;
+    let mut candidates = all;
+    let mut left = &branches[..];
+    while let Some(round) = next_round(&mut left, size) {
+        let share = limits.work.saturating_sub(work).div_ceil(round.len() as u64);
+        let run = |place: usize, share: u64| {
+            let mut own = candidates.clone();
+            round[..=place].iter().for_each(|&(vertex, _)| own.remove(vertex));
+            run_branch(&renumbered, round[place].0, &own, size, Limits { work: share, ..limits })
+        };
+        let mut outcomes: Vec<Found> =
+            (0..round.len()).into_par_iter().map(|place| run(place, share)).collect();
+        work += outcomes.iter().map(|found| found.work).sum::<u64>();
+        for (place, found) in outcomes.iter_mut().enumerate() {
+            // A branch that used up its share may have what the others left.
+            let rest = limits.work.saturating_sub(work);
+            if !found.complete && rest > share && !limits.is_over() {
+                *found = run(place, rest);
+                work += found.work;
             }
         }
-        Self {
-            best: Vec::new(),
-            work: 0,
-            limit,
-            complete: true,
-            original: vertices,
-            graph: renumbered,
-            root_bound: 0,
+        for &(vertex, _) in &round {
+            candidates.remove(vertex);
+        }
+        for found in &outcomes {
+            if found.clique.len() > size {
+                size = found.clique.len();
+                best = Some(found.clique.clone());
+            }
+        }
+        let open = round.iter().zip(&outcomes).find(|(_, found)| !found.complete);
+        if let Some(((_, colours), _)) = open {
+            upper_bound = *colours;
+            break;
         }
     }
+    let clique =
+        best.map(|clique: Vec<usize>| clique.into_iter().map(|vertex| order[vertex]).collect::<Vec<_>>());
+    Outcome { clique, upper_bound: upper_bound.max(size), work }
+}
 
-    /// A proved bound: the size of the best clique once the search is complete, else the colours at the root.
-    pub(super) fn upper_bound(&self) -> usize {
-        if self.complete { self.best.len() } else { self.root_bound }
+/// Takes the next branches, those of most colours first, as far as they can lead to more than `size` vertices: each a
+/// vertex with its colours, to be joined by its neighbours among those not yet branched on.
+fn next_round(left: &mut &[(usize, usize)], size: usize) -> Option<Vec<(usize, usize)>> {
+    let mut round = Vec::new();
+    while round.len() < ROUND
+        && let Some((&branch, rest)) = left.split_last()
+        && branch.1 > size
+    {
+        *left = rest;
+        round.push(branch);
     }
+    (!round.is_empty()).then_some(round)
+}
 
-    pub(super) fn run(&mut self) {
-        let mut all = BitSet::new(self.graph.len());
-        (0..self.graph.len()).for_each(|vertex| all.insert(vertex));
-        self.root_bound = self.colour(&all, 0).order.last().map_or(0, |&(_, colours)| colours);
-        self.greedy(&all);
-        let mut clique = Vec::new();
-        self.expand(&mut clique, &all);
-    }
+struct Found {
+    clique: Vec<usize>,
+    complete: bool,
+    work: u64,
+}
 
-    /// A first clique: the candidate with most neighbours among the candidates, again and again.
-    fn greedy(&mut self, all: &BitSet) {
-        let mut candidates = all.clone();
-        let mut clique = Vec::new();
-        let mut common = BitSet::new(self.graph.len());
-        loop {
-            let most = candidates.members().max_by_key(|&vertex| {
-                common.copy_from(&candidates);
-                common.intersect(self.graph.neighbours(vertex));
-                (common.count(), std::cmp::Reverse(vertex))
-            });
-            let Some(vertex) = most else { break };
-            clique.push(vertex);
-            candidates.intersect(self.graph.neighbours(vertex));
-        }
-        self.keep(&clique);
-    }
+fn run_branch(graph: &BitGraph, vertex: usize, candidates: &BitSet, size: usize, limits: Limits) -> Found {
+    let mut state = State {
+        graph,
+        limits,
+        work: 0,
+        complete: true,
+        size,
+        best: Vec::new(),
+        clique: vec![vertex],
+        colours: Colours::new(graph.len()),
+    };
+    let mut next = BitSet::new(graph.len());
+    next.assign_intersection(candidates, graph.neighbours(vertex));
+    state.expand(&next);
+    Found { clique: state.best, complete: state.complete, work: state.work }
+}
 
-    fn keep(&mut self, clique: &[usize]) {
-        self.best = clique.iter().map(|&vertex| self.original[vertex]).collect();
-    }
+struct State<'a> {
+    graph: &'a BitGraph,
+    limits: Limits,
+    work: u64,
+    complete: bool,
+    size: usize,
+    best: Vec<usize>,
+    clique: Vec<usize>,
+    colours: Colours,
+}
 
-    fn expand(&mut self, clique: &mut Vec<usize>, candidates: &BitSet) {
-        if self.work >= self.limit {
+impl State<'_> {
+    fn expand(&mut self, candidates: &BitSet) {
+        if self.work >= self.limits.work || self.limits.is_over() {
             self.complete = false;
             return;
         }
         self.work += 1;
-        let needed = (self.best.len() + 1).saturating_sub(clique.len());
-        let colouring = self.colour(candidates, needed);
+        if candidates.is_empty() {
+            if self.clique.len() > self.size {
+                self.size = self.clique.len();
+                self.best.clone_from(&self.clique);
+            }
+            return;
+        }
+        self.colours.colour(self.graph, candidates, self.size.saturating_sub(self.clique.len()));
+        let branches = std::mem::take(&mut self.colours.order);
         let mut candidates = candidates.clone();
         let mut next = BitSet::new(self.graph.len());
         // Those coloured last need the most colours: a clique through them can be largest.
-        for &(vertex, colours) in colouring.order.iter().rev() {
-            if clique.len() + colours <= self.best.len() {
+        for &(vertex, colours) in branches.iter().rev() {
+            if self.clique.len() + colours <= self.size {
                 return;
             }
-            clique.push(vertex);
-            next.copy_from(&candidates);
-            next.intersect(self.graph.neighbours(vertex));
-            if !next.is_empty() {
-                self.expand(clique, &next);
-            } else if clique.len() > self.best.len() {
-                let found = clique.clone();
-                self.keep(&found);
-            }
-            clique.pop();
+            next.assign_intersection(&candidates, self.graph.neighbours(vertex));
+            self.clique.push(vertex);
+            self.expand(&next);
+            self.clique.pop();
             candidates.remove(vertex);
             if !self.complete {
                 return;
             }
         }
     }
+}
 
-    /// Colours vertices so that neighbours differ; a clique needs as many colours as it has vertices. Those
-    /// that fit into fewer than `needed` colours cannot lead to a larger clique and are not listed.
-    fn colour(&self, candidates: &BitSet, needed: usize) -> Colouring {
-        let mut order = Vec::new();
-        let mut uncoloured = candidates.clone();
-        let mut class = BitSet::new(self.graph.len());
+/// No clique of the graph has more vertices than this: greedy colouring along the degeneracy order.
+pub(super) fn colour_bound(graph: &BitGraph) -> usize {
+    let all = BitSet::full(graph.len());
+    let mut order = Degeneracy::of(graph, &all).order;
+    order.reverse();
+    let mut colours = Colours::new(graph.len());
+    colours.colour(&graph.induced(&order), &all, 0);
+    colours.order.last().map_or(0, |&(_, colours)| colours)
+}
+
+/// Greedy colouring: neighbours get different colours, so a clique has no more vertices than there are colours.
+struct Colours {
+    /// Vertices that need more colours than were `spare`, each with the number of colours used up to it.
+    order: Vec<(usize, usize)>,
+    classes: Vec<BitSet>,
+    uncoloured: BitSet,
+    class: BitSet,
+    vertices: usize,
+}
+
+impl Colours {
+    fn new(vertices: usize) -> Self {
+        Self {
+            order: Vec::new(),
+            classes: Vec::new(),
+            uncoloured: BitSet::new(vertices),
+            class: BitSet::new(vertices),
+            vertices,
+        }
+    }
+
+    /// Colours the candidates. Those that fit into `spare` colours cannot lead to a larger clique and are not listed.
+    fn colour(&mut self, graph: &BitGraph, candidates: &BitSet, spare: usize) {
+        self.order = Vec::new();
+        self.uncoloured.copy_from(candidates);
         let mut colours = 0;
-        while !uncoloured.is_empty() {
+        let mut first = 0;
+        let words = self.uncoloured.words().len();
+        while first < words {
+            if self.uncoloured.words()[first] == 0 {
+                first += 1;
+                continue;
+            }
             colours += 1;
-            class.copy_from(&uncoloured);
-            while let Some(vertex) = class.first() {
-                class.remove(vertex);
-                uncoloured.remove(vertex);
-                class.subtract(self.graph.neighbours(vertex));
-                if colours >= needed {
-                    order.push((vertex, colours));
+            if self.classes.len() < colours {
+                self.classes.push(BitSet::new(self.vertices));
+            }
+            self.classes[colours - 1].clear();
+            self.class.copy_from(&self.uncoloured);
+            let listed = self.order.len();
+            while let Some(vertex) = self.class.first_from(first) {
+                self.class.remove(vertex);
+                self.uncoloured.remove(vertex);
+                self.class.subtract_from(first, graph.neighbours(vertex));
+                self.classes[colours - 1].insert(vertex);
+                if colours > spare && !(spare > 0 && self.recolour(graph, vertex, colours, spare)) {
+                    self.order.push((vertex, colours));
+                }
+            }
+            if colours > spare && self.order.len() == listed {
+                colours -= 1;
+            }
+        }
+    }
+
+    /// Makes room for a vertex in the first `spare` colours: where it has one neighbour there, and that neighbour fits
+    /// into another of them.
+    fn recolour(&mut self, graph: &BitGraph, vertex: usize, colours: usize, spare: usize) -> bool {
+        let row = graph.neighbours(vertex);
+        for one in 0..spare {
+            let Some(neighbour) = single(self.classes[one].members_within(row)) else { continue };
+            for other in (0..spare).filter(|&other| other != one) {
+                if self.classes[other].members_within(graph.neighbours(neighbour)).next().is_none() {
+                    self.classes[one].remove(neighbour);
+                    self.classes[other].insert(neighbour);
+                    self.classes[one].insert(vertex);
+                    self.classes[colours - 1].remove(vertex);
+                    return true;
                 }
             }
         }
-        Colouring { order }
+        false
     }
+}
+
+fn single(mut items: impl Iterator<Item = usize>) -> Option<usize> {
+    let first = items.next()?;
+    items.next().is_none().then_some(first)
 }

@@ -1,0 +1,205 @@
+//! The options of the stage.
+
+use std::fmt;
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::time::{Duration, Instant};
+
+use serde::{Serialize, Serializer};
+
+use crate::clique::Limits;
+use crate::readmission::Readmission;
+use crate::{Correction, Gate, PcmError, Test, corrected};
+
+/// The most candidates of a group for which all pairs are tested: their matrix takes 50 MB.
+const MOST_EXACT: usize = 20_000;
+
+/// How a group is solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scheme {
+    /// All pairs up to 20000 candidates between two chains, cells beyond
+    #[default]
+    Auto,
+    /// All pairs and the maximum clique; N^2 / 8 bytes
+    Exact,
+    /// Cells of distance travelled, a clique over hypotheses, growth; memory linear in N
+    Cells,
+}
+
+impl Scheme {
+    /// `Exact` or `Cells`.
+    pub(crate) fn for_candidates(self, candidates: usize) -> Self {
+        match self {
+            Self::Auto if candidates > MOST_EXACT => Self::Cells,
+            Self::Auto => Self::Exact,
+            chosen => chosen,
+        }
+    }
+}
+
+/// What covariances are multiplied by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Scale {
+    /// This factor.
+    Fixed(f64),
+    /// The factor estimated from the data.
+    Auto,
+}
+
+impl FromStr for Scale {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        if text == "auto" {
+            return Ok(Self::Auto);
+        }
+        match text.parse() {
+            Ok(factor) if factor > 0.0 && f64::is_finite(factor) => Ok(Self::Fixed(factor)),
+            _ => Err("expected `auto` or a positive number".to_owned()),
+        }
+    }
+}
+
+impl fmt::Display for Scale {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Fixed(factor) => write!(formatter, "{factor}"),
+            Self::Auto => formatter.write_str("auto"),
+        }
+    }
+}
+
+impl Serialize for Scale {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Fixed(factor) => serializer.serialize_f64(*factor),
+            Self::Auto => serializer.serialize_str("auto"),
+        }
+    }
+}
+
+/// The options of PCM.
+#[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
+pub struct Options {
+    /// When two edges are consistent
+    #[arg(long, value_enum, default_value_t = Test::Mahalanobis)]
+    pub test: Test,
+
+    /// Probability with which correct edges pass the test
+    #[arg(long, value_name = "P", default_value_t = 0.99)]
+    pub probability: f64,
+
+    /// What the probability refers to
+    #[arg(long, value_enum, value_name = "WHAT", default_value_t)]
+    pub correction: Correction,
+
+    /// Largest error of a loop in metres a step (`--test threshold`)
+    #[arg(long, value_name = "METRES", default_value_t = 0.01)]
+    pub translation_per_step: f64,
+
+    /// Largest error of a loop in radians a step (`--test threshold`)
+    #[arg(long, value_name = "RADIANS", default_value_t = 0.001)]
+    pub rotation_per_step: f64,
+
+    /// Factor on all covariances: a number, or `auto` to estimate it from neighbouring candidates
+    #[arg(long, value_name = "FACTOR", default_value_t = Scale::Fixed(1.0))]
+    pub scale: Scale,
+
+    /// Do not hold the candidates of one chain against its odometry alone before they are held against each other
+    #[arg(long)]
+    pub no_odometry_test: bool,
+
+    /// After the clique, keep candidates too that agree with three of four members near them at this probability
+    #[arg(long, value_name = "P")]
+    pub grow: Option<f64>,
+
+    /// How a group of candidates is solved
+    #[arg(long, value_enum, default_value_t, help_heading = "Search")]
+    pub scheme: Scheme,
+
+    /// Side of a cell in metres travelled (`--scheme cells`)
+    #[arg(long, value_name = "METRES", default_value_t = 10.0, help_heading = "Search")]
+    pub cell_size: f64,
+
+    /// Branch-and-bound nodes a group after which the largest clique so far is taken and its bound told
+    #[arg(long, value_name = "NODES", default_value_t = 20_000_000, help_heading = "Search")]
+    pub work_limit: u64,
+
+    /// Seconds after which all searches end; what is kept then depends on the machine
+    #[arg(long, value_name = "SECONDS", help_heading = "Search")]
+    pub time_limit: Option<f64>,
+
+    /// Judge every landmark edge by the optimiser's marginals instead: re-admit rejected ones, drop ones in use
+    #[arg(long, help_heading = "Re-admission")]
+    pub readmit: bool,
+
+    /// Probability within which the innovation of a rejected edge re-admits it
+    #[arg(long, value_name = "P", default_value_t = 0.99, help_heading = "Re-admission")]
+    pub admit: f64,
+
+    /// Probability beyond which the innovation of an edge in use drops it
+    #[arg(long, value_name = "P", default_value_t = 0.9999, help_heading = "Re-admission")]
+    pub drop: f64,
+
+    /// Divide the information of landmark edges by the scale, for the optimiser that comes next
+    #[arg(long, requires = "readmit", help_heading = "Re-admission")]
+    pub apply_scale: bool,
+
+    /// Write the consistency graph in DIMACS format, for other clique solvers
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    #[serde(skip)]
+    pub consistency_graph: Option<PathBuf>,
+}
+
+impl Options {
+    /// Refuses numbers that mean nothing.
+    pub(crate) fn check(&self) -> Result<(), PcmError> {
+        for (option, value) in [
+            ("--translation-per-step", self.translation_per_step),
+            ("--rotation-per-step", self.rotation_per_step),
+            ("--cell-size", self.cell_size),
+            ("--time-limit", self.time_limit.unwrap_or(1.0)),
+        ] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(PcmError::NotPositive { option, value });
+            }
+        }
+        Ok(())
+    }
+
+    /// The gate for a group of this many candidates with covariances multiplied by `scale`.
+    pub(crate) fn gate(
+        &self,
+        probability: f64,
+        candidates: usize,
+        scale: f64,
+        degrees_of_freedom: usize,
+    ) -> Result<Gate, PcmError> {
+        let probability = corrected(probability, self.correction, candidates);
+        let gate = Gate::new(self.test, probability, degrees_of_freedom)?;
+        Ok(match gate {
+            _ if self.test == Test::Threshold => {
+                Gate::PerStep { translation: self.translation_per_step, rotation: self.rotation_per_step }
+            }
+            // d^2 with covariances s * Sigma is that with Sigma, divided by s.
+            Gate::SquaredDistance(distance) => Gate::SquaredDistance(distance * scale),
+            gate @ Gate::PerStep { .. } => gate,
+        })
+    }
+
+    /// The limits of a run that starts now.
+    pub(crate) fn limits(&self) -> Limits {
+        let deadline =
+            self.time_limit.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.min(1e9)));
+        Limits { work: self.work_limit, deadline }
+    }
+
+    pub(crate) fn readmission(&self) -> Readmission {
+        let scale = match self.scale {
+            Scale::Fixed(factor) => Some(factor),
+            Scale::Auto => None,
+        };
+        Readmission { admit: self.admit, drop: self.drop, scale, apply_scale: self.apply_scale }
+    }
+}

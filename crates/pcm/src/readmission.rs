@@ -1,0 +1,185 @@
+//! Re-admission: every landmark edge against the map that the others make.
+
+use nalgebra::SMatrix;
+use posecut_geometry::covariance::unpack_upper_triangle;
+use posecut_geometry::{LieGroup, SE2, SE3};
+use posecut_graph::{Dimension, Edge, EdgeKind, PoseGraph};
+
+use crate::PcmError;
+use crate::chain::{Covariances, covariance, squared_mahalanobis};
+use crate::gate::chi_square_quantile;
+
+/// The field in which the optimiser predicts the pose that a landmark edge measures.
+pub const PREDICTED_COVARIANCE: &str = "predicted_covariance";
+
+/// The stage's name in `rejected_by`; other stages' rejections are theirs to take back.
+const STAGE: &str = "pcm";
+
+/// The share of innovations at which the scale is read off: within the bulk of the edges in use, yet where a tail
+/// heavier than a Gaussian's already shows.
+const SCALE_QUANTILE: f64 = 0.9;
+
+/// What to do with the innovations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Readmission {
+    /// A rejected edge comes back if its innovation is within this quantile.
+    pub admit: f64,
+    /// An edge in use goes if its innovation is beyond this quantile.
+    pub drop: f64,
+    /// What the covariances are multiplied by; `None`: estimated from the edges in use.
+    pub scale: Option<f64>,
+    /// Whether the information of landmark edges is divided by the scale.
+    pub apply_scale: bool,
+}
+
+/// What became of the edges.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Readmitted {
+    /// Landmark edges with a measurement that are in use or were rejected by this stage.
+    pub tested: usize,
+    /// Rejected edges that came back.
+    pub readmitted: usize,
+    /// Edges in use that went.
+    pub dropped: usize,
+    /// Edges in use that nothing else constrains: they cannot disagree.
+    pub untestable: usize,
+    /// Landmark edges without a measurement.
+    pub unmeasured: usize,
+    /// Landmark edges that another stage has rejected.
+    pub rejected_by_others: usize,
+    /// The scale of the covariances.
+    pub scale: f64,
+}
+
+/// The innovation of a landmark edge: how far its measurement is from what all *other* edges in use predict.
+///
+/// With E = Z^-1 X, X the estimated relative pose with covariance P, r = Log(E) and H = J_r^-1(r), a rejected edge has
+///
+/// d^2 = r^T (Sigma_Z + H P H^T)^-1 r.
+///
+/// In P of an edge in use its own measurement is contained; leaving it out turns the sum into the difference
+/// Sigma_Z - H P H^T, the covariance of a residual: both are the same quadratic form of the innovation. Where that
+/// difference is not positive definite, nothing but the edge itself holds its two nodes together, and there is no
+/// innovation: `None`.
+fn innovation<G: LieGroup<DOF>, const DOF: usize>(
+    measurement: &G,
+    covariance: &SMatrix<f64, DOF, DOF>,
+    estimate: &G,
+    predicted: &SMatrix<f64, DOF, DOF>,
+    in_use: bool,
+) -> Option<f64> {
+    let residual = measurement.between(estimate).log();
+    let jacobian = G::right_jacobian_inverse(&residual);
+    let projected = jacobian * predicted * jacobian.transpose();
+    if !in_use {
+        return squared_mahalanobis(&(covariance + projected), &residual);
+    }
+    // What is left of the variance must be more than the digits of both.
+    squared_mahalanobis(&(covariance * (1.0 - 1e-6) - projected), &residual)
+}
+
+/// Re-admits and drops landmark edges of a graph that the optimiser has given marginals.
+pub fn readmit(graph: &mut PoseGraph, options: &Readmission) -> Result<Readmitted, PcmError> {
+    match graph.header.dimension {
+        Dimension::Two => judge::<SE2, 3>(graph, options),
+        Dimension::Three => judge::<SE3, 6>(graph, options),
+    }
+}
+
+fn judge<G: LieGroup<DOF>, const DOF: usize>(
+    graph: &mut PoseGraph,
+    options: &Readmission,
+) -> Result<Readmitted, PcmError> {
+    let (admit, drop) = (chi_square_quantile(options.admit, DOF)?, chi_square_quantile(options.drop, DOF)?);
+    let mut result = Readmitted::default();
+    let mut innovations: Vec<(usize, bool, Option<f64>)> = Vec::new();
+    for (index, edge) in graph.edges.iter().enumerate() {
+        if edge.kind != EdgeKind::Landmark {
+            continue;
+        }
+        if edge.rejected_by.as_deref().is_some_and(|stage| stage != STAGE) {
+            result.rejected_by_others += 1;
+            continue;
+        }
+        let Some(measurement) = edge.measurement.as_deref().and_then(G::from_components) else {
+            result.unmeasured += 1;
+            continue;
+        };
+        let covariance = covariance::<DOF>(graph, edge, Covariances::Needed)?;
+        let predicted = predicted::<DOF>(edge)?;
+        let estimate = pose::<G, DOF>(graph, edge.from)?.between(&pose::<G, DOF>(graph, edge.to)?);
+        let squared = innovation(&measurement, &covariance, &estimate, &predicted, edge.in_use());
+        innovations.push((index, edge.in_use(), squared));
+    }
+    result.tested = innovations.len();
+    result.scale = match options.scale {
+        Some(scale) => scale,
+        None => estimated_scale::<DOF>(&innovations)?,
+    };
+    for (index, in_use, squared) in innovations {
+        let squared = squared.map(|squared| squared / result.scale);
+        let edge = &mut graph.edges[index];
+        match (in_use, squared) {
+            (true, None) => result.untestable += 1,
+            (true, Some(squared)) if squared > drop => {
+                edge.reject(STAGE);
+                result.dropped += 1;
+            }
+            (false, Some(squared)) if squared <= admit => {
+                edge.rejected_by = None;
+                result.readmitted += 1;
+            }
+            _ => {}
+        }
+        edge.extra.insert("pcm_innovation".to_owned(), squared.into());
+    }
+    if options.apply_scale {
+        divide_information(graph, result.scale);
+    }
+    Ok(result)
+}
+
+/// The factor that brings the 0.9 quantile of the innovations in use to that of chi-square; 1 with fewer than ten.
+fn estimated_scale<const DOF: usize>(innovations: &[(usize, bool, Option<f64>)]) -> Result<f64, PcmError> {
+    let mut used: Vec<f64> =
+        innovations.iter().filter(|(_, in_use, _)| *in_use).filter_map(|(_, _, squared)| *squared).collect();
+    if used.len() < 10 {
+        return Ok(1.0);
+    }
+    used.sort_by(f64::total_cmp);
+    let quantile = used[((used.len() - 1) as f64 * SCALE_QUANTILE).round() as usize];
+    let scale = quantile / chi_square_quantile(SCALE_QUANTILE, DOF)?;
+    Ok(if scale > 0.0 { scale } else { 1.0 })
+}
+
+/// Divides the information of all landmark edges with a measurement; one that a noise model gave becomes the edge's own.
+pub(crate) fn divide_information(graph: &mut PoseGraph, scale: f64) {
+    for index in 0..graph.edges.len() {
+        let edge = &graph.edges[index];
+        if edge.kind != EdgeKind::Landmark || edge.measurement.is_none() {
+            continue;
+        }
+        let Some(information) = graph.information(edge) else { continue };
+        let scaled: Vec<f64> = information.iter().map(|term| term / scale).collect();
+        let edge = &mut graph.edges[index];
+        edge.information = Some(scaled);
+        edge.noise = None;
+    }
+}
+
+fn predicted<const DOF: usize>(edge: &Edge) -> Result<SMatrix<f64, DOF, DOF>, PcmError> {
+    let missing = |reason: &str| PcmError::Prediction { edge: edge.name(), reason: reason.to_owned() };
+    let value = edge.extra.get(PREDICTED_COVARIANCE).ok_or_else(|| missing("is missing"))?;
+    let terms: Option<Vec<f64>> =
+        value.as_array().and_then(|terms| terms.iter().map(serde_json::Value::as_f64).collect());
+    let terms = terms.ok_or_else(|| missing("is no list of numbers"))?;
+    unpack_upper_triangle::<DOF>(&terms).map_err(|error| missing(&format!("does not fit ({error})")))
+}
+
+fn pose<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph, id: u64) -> Result<G, PcmError> {
+    graph
+        .node_index(id)
+        .and_then(|index| graph.nodes[index].pose.as_deref())
+        .and_then(G::from_components)
+        .ok_or(PcmError::Pose { node: id })
+}

@@ -1,0 +1,128 @@
+//! What the stage says about its work.
+
+use posecut_stage::{Context, counted, info, warn};
+
+use crate::consistency::PairCounts;
+use crate::readmission::Readmitted;
+
+/// Figures of a run, over all groups.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Summary {
+    pub(crate) groups: usize,
+    pub(crate) groups_by_cells: usize,
+    pub(crate) lone_candidates: usize,
+    pub(crate) against_odometry: usize,
+    pub(crate) candidates: usize,
+    pub(crate) unmeasured: usize,
+    pub(crate) rejected_before: usize,
+    pub(crate) counts: PairCounts,
+    pub(crate) cells: usize,
+    pub(crate) hypotheses: usize,
+    pub(crate) hypotheses_left_out: usize,
+    pub(crate) clique_size: usize,
+    pub(crate) clique_upper_bound: usize,
+    pub(crate) grown: usize,
+    pub(crate) work: u64,
+    /// Scale and pairs of each group that has an estimate.
+    pub(crate) scales: Vec<(f64, usize)>,
+    pub(crate) groups_without_scale: usize,
+    pub(crate) seconds_scale: f64,
+    pub(crate) seconds_pairs: f64,
+    pub(crate) seconds_clique: f64,
+    pub(crate) seconds_growth: f64,
+}
+
+impl Summary {
+    fn scheme(&self) -> &'static str {
+        match self.groups_by_cells {
+            0 => "exact",
+            all if all == self.groups => "cells",
+            _ => "mixed",
+        }
+    }
+
+    pub(crate) fn note(&self, context: &mut Context) {
+        let exact = self.groups_by_cells == 0;
+        let optimal = exact && self.clique_size == self.clique_upper_bound;
+        let kept = self.clique_size + self.grown;
+        let grown = if self.grown > 0 { format!(", {} of them grown", self.grown) } else { String::new() };
+        info!(
+            "{kept} of {} kept{grown}, {}{}{}",
+            counted(self.candidates, "landmark edge"),
+            counted(self.groups, "group"),
+            if optimal { ", proved largest" } else { "" },
+            if exact { "" } else { ", by cells" }
+        );
+        if exact && !optimal {
+            warn!(
+                "a limit ended the proof: the cliques hold {} edges, at most {} are possible; raise --work-limit or --time-limit",
+                self.clique_size, self.clique_upper_bound
+            );
+        }
+        if self.unmeasured > 0 {
+            warn!(
+                "{} landmark edges have no measurement and are neither tested nor rejected",
+                self.unmeasured
+            );
+        }
+        if self.groups_without_scale > 0 {
+            warn!(
+                "{} of {} groups have too few candidates for an estimate of the scale, and take the covariances as they are",
+                self.groups_without_scale, self.groups
+            );
+        }
+        let statistics = &mut context.statistics;
+        statistics.note("scheme", self.scheme());
+        statistics.note("candidates", self.candidates);
+        statistics.note("groups", self.groups);
+        statistics.note("groups_by_cells", self.groups_by_cells);
+        statistics.note("lone_candidates", self.lone_candidates);
+        statistics.note("unmeasured", self.unmeasured);
+        statistics.note("rejected_before", self.rejected_before);
+        statistics.note("against_odometry", self.against_odometry);
+        statistics.note("pairs", self.counts.pairs);
+        statistics.note("pairs_skipped_by_rotation", self.counts.skipped_by_rotation);
+        statistics.note("pairs_skipped_by_translation", self.counts.skipped_by_translation);
+        statistics.note("consistent_pairs", self.counts.consistent);
+        statistics.note("indefinite_pairs", self.counts.indefinite);
+        if !exact {
+            statistics.note("cells", self.cells);
+            statistics.note("hypotheses", self.hypotheses);
+            statistics.note("hypotheses_left_out", self.hypotheses_left_out);
+        }
+        statistics.note("clique_size", self.clique_size);
+        statistics.note("clique_upper_bound", self.clique_upper_bound);
+        statistics.note("optimal", optimal);
+        statistics.note("grown", self.grown);
+        statistics.note("rejected", self.candidates - kept);
+        statistics.note("branch_and_bound_nodes", self.work);
+        if !self.scales.is_empty() {
+            let values: Vec<f64> = self.scales.iter().map(|&(scale, _)| scale).collect();
+            statistics.note("scale", values);
+            statistics.note("scale_pairs", self.scales.iter().map(|&(_, pairs)| pairs).sum::<usize>());
+        }
+        statistics.note("seconds_scale", self.seconds_scale);
+        statistics.note("seconds_pairs", self.seconds_pairs);
+        statistics.note("seconds_clique", self.seconds_clique);
+        statistics.note("seconds_growth", self.seconds_growth);
+    }
+}
+
+/// Notes what re-admission did.
+pub(crate) fn note_readmission(result: &Readmitted, context: &mut Context) {
+    info!(
+        "{} re-admitted and {} dropped of {}",
+        result.readmitted,
+        result.dropped,
+        counted(result.tested, "landmark edge")
+    );
+    let statistics = &mut context.statistics;
+    statistics.note("tested", result.tested);
+    statistics.note("readmitted", result.readmitted);
+    statistics.note("dropped", result.dropped);
+    statistics.note("changed", result.readmitted + result.dropped);
+    statistics.note("untestable", result.untestable);
+    statistics.note("unmeasured", result.unmeasured);
+    statistics.note("rejected_by_others", result.rejected_by_others);
+    statistics.note("scale", result.scale);
+}
