@@ -36,7 +36,11 @@ GATES = [
     ("0.99, grown", ["--grow", "0.999999"]),
     ("scale auto, grown", ["--scale", "auto", "--grow", "0.999999"]),
 ]
-READMISSIONS = [("re-admitted", []), ("scale auto, re-admitted", ["--scale", "auto"])]
+READMISSIONS = [
+    ("0.99, re-admitted", []),
+    ("grown, re-admitted", ["--grow", "0.999999"]),
+    ("scale auto, grown, re-admitted", ["--scale", "auto", "--grow", "0.999999"]),
+]
 
 
 def machine():

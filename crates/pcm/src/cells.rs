@@ -85,7 +85,11 @@ pub fn solve_by_cells<G: Spatial<DOF>, const DOF: usize>(
     solution
 }
 
-fn cells<G: Spatial<DOF>, const DOF: usize>(pairs: &Pairs<'_, G, DOF>, gate: Gate, size: f64) -> Vec<Vec<usize>> {
+fn cells<G: Spatial<DOF>, const DOF: usize>(
+    pairs: &Pairs<'_, G, DOF>,
+    gate: Gate,
+    size: f64,
+) -> Vec<Vec<usize>> {
     let mut cells: BTreeMap<[i64; 2], Vec<usize>> = BTreeMap::new();
     for candidate in (0..pairs.len()).filter(|&candidate| pairs.agrees_with_odometry(candidate, gate)) {
         let cell = pairs.position(candidate).map(|metres| (metres / size).floor() as i64);

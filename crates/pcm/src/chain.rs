@@ -1,5 +1,7 @@
 //! Odometry chains: accumulated poses and covariances.
 
+#![allow(clippy::inline_always, reason = "what is not inlined into the dispatched loop is compiled for SSE2")]
+
 use nalgebra::{SMatrix, SVector};
 use petgraph::unionfind::UnionFind;
 use posecut_geometry::LieGroup;
@@ -33,6 +35,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Default for Chain<G, DOF> {
 
 impl<G: LieGroup<DOF>, const DOF: usize> Chain<G, DOF> {
     /// The covariance of the stretch between two places of the chain, in the chain's frame. O(1).
+    #[inline(always)]
     pub fn covariance_between(&self, one: usize, other: usize) -> SMatrix<f64, DOF, DOF> {
         let (early, late) = (one.min(other), one.max(other));
         self.covariances[late] - self.covariances[early]
@@ -131,7 +134,7 @@ pub(crate) fn covariance<const DOF: usize>(
 }
 
 /// log(E)^T Sigma^-1 log(E) by Cholesky factorisation of the lower triangle; `None` if Sigma is not positive definite.
-#[inline]
+#[inline(always)]
 pub(crate) fn squared_mahalanobis<const DOF: usize>(
     covariance: &SMatrix<f64, DOF, DOF>,
     error: &SVector<f64, DOF>,

@@ -1,5 +1,8 @@
 //! Which candidates agree: pairs, and the graph of those that do.
 
+#![allow(clippy::inline_always, reason = "what is not inlined into the dispatched loop is compiled for SSE2")]
+
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -73,6 +76,7 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
     }
 
     /// The squared Mahalanobis distance of a pair; `None` if its covariance is not positive definite.
+    #[inline(always)]
     pub fn squared_distance(&self, one: usize, other: usize) -> Option<f64> {
         let (a, b) = (&self.candidates[one], &self.candidates[other]);
         squared_distance(self.chain_a, self.chain_b, self.same_chain, a, b)
@@ -137,7 +141,7 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
 
     /// Whether two different candidates agree. The order does not matter to a squared distance; an error per step is
     /// that of the earlier candidate. O(1).
-    #[inline]
+    #[inline(always)]
     pub fn consistent(&self, one: usize, other: usize, gate: Gate, counts: &mut PairCounts) -> bool {
         let (one, other) = (one.min(other), one.max(other));
         counts.pairs += 1;
@@ -185,20 +189,7 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
         let counts: Vec<PairCounts> = strips
             .into_par_iter()
             .map(|(strip, words)| {
-                let mut counts = PairCounts::default();
-                let first = 64 * strip;
-                for start in (first..count).step_by(TILE) {
-                    let end = (start + TILE).min(count);
-                    for (row, words) in words.chunks_mut(stride).enumerate() {
-                        let one = first + row;
-                        for other in start.max(one + 1)..end {
-                            if self.consistent(chosen[one], chosen[other], gate, &mut counts) {
-                                words[other / 64] |= 1 << (other % 64);
-                            }
-                        }
-                    }
-                }
-                counts
+                Arch::new().dispatch(Strip { pairs: self, chosen, words, stride, first: 64 * strip, gate })
             })
             .collect();
         graph.mirror();
@@ -207,6 +198,39 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
             total += counts;
         }
         (graph, total)
+    }
+}
+
+/// 64 rows of the upper triangle, for one set of vector instructions. Not a closure: the call of one is not inlined, and
+/// what it calls would be compiled for the least of all machines.
+struct Strip<'a, 'b, G, const DOF: usize> {
+    pairs: &'a Pairs<'b, G, DOF>,
+    chosen: &'a [usize],
+    words: &'a mut [u64],
+    stride: usize,
+    first: usize,
+    gate: Gate,
+}
+
+impl<G: Spatial<DOF>, const DOF: usize> WithSimd for Strip<'_, '_, G, DOF> {
+    type Output = PairCounts;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> PairCounts {
+        let Self { pairs, chosen, words, stride, first, gate } = self;
+        let mut counts = PairCounts::default();
+        for start in (first..chosen.len()).step_by(TILE) {
+            let end = (start + TILE).min(chosen.len());
+            for (row, words) in words.chunks_mut(stride).enumerate() {
+                let one = first + row;
+                for other in start.max(one + 1)..end {
+                    if pairs.consistent(chosen[one], chosen[other], gate, &mut counts) {
+                        words[other / 64] |= 1 << (other % 64);
+                    }
+                }
+            }
+        }
+        counts
     }
 }
 

@@ -1,5 +1,7 @@
 //! The Mahalanobis distance of a pair of candidates.
 
+#![allow(clippy::inline_always, reason = "what is not inlined into the dispatched loop is compiled for SSE2")]
+
 use nalgebra::SMatrix;
 use posecut_geometry::LieGroup;
 
@@ -19,7 +21,7 @@ use crate::chain::{Chain, squared_mahalanobis};
 /// once, through the sum of both their effects, each with its sign.
 ///
 /// `None` if Sigma is not positive definite. O(1).
-#[inline]
+#[inline(always)]
 pub fn squared_distance<G: LieGroup<DOF>, const DOF: usize>(
     chain_a: &Chain<G, DOF>,
     chain_b: &Chain<G, DOF>,
@@ -55,7 +57,7 @@ pub fn squared_distance_to_odometry<G: LieGroup<DOF>, const DOF: usize>(
 
 /// Adds F S F^T to a sum, at least to its lower triangle, for an F whose block below the diagonal is zero, as in an
 /// adjoint. By columns, so that the inner loops run along memory.
-#[inline]
+#[inline(always)]
 fn add_congruence<const DOF: usize>(
     sum: &mut SMatrix<f64, DOF, DOF>,
     frame: &SMatrix<f64, DOF, DOF>,
@@ -95,6 +97,7 @@ struct Shared {
 }
 
 impl Shared {
+    #[inline(always)]
     fn of<G, const DOF: usize>(a: &Candidate<G, DOF>, b: &Candidate<G, DOF>) -> Option<Self> {
         let first = a.i.min(b.i).max(a.k.min(b.k));
         let last = a.i.max(b.i).min(a.k.max(b.k));
@@ -103,6 +106,7 @@ impl Shared {
     }
 
     /// The error of a shared step acts through the stretch of A and through that of B at once.
+    #[inline(always)]
     fn effect<const DOF: usize>(&self, to_b: &SMatrix<f64, DOF, DOF>) -> SMatrix<f64, DOF, DOF> {
         if self.same_direction { to_b + SMatrix::identity() } else { to_b - SMatrix::identity() }
     }

@@ -124,7 +124,8 @@ impl<G: LieGroup<DOF>, const DOF: usize> Incremental<G, DOF> {
         let candidate = Candidate::new(vertex, (&self.chain_a, i), (chain_b, k), measurement, covariance);
         self.degrees.push(0);
         let admissible = !same_chain
-            || squared_distance_to_odometry(&self.chain_a, &candidate).is_some_and(|distance| distance <= self.gate);
+            || squared_distance_to_odometry(&self.chain_a, &candidate)
+                .is_some_and(|distance| distance <= self.gate);
         self.admissible.push(admissible);
         for (other, earlier) in self.candidates.iter().enumerate() {
             if !admissible || !self.admissible[other] {

@@ -1,5 +1,7 @@
 //! A cheap test that most inconsistent pairs fail, and no consistent one.
 
+#![allow(clippy::inline_always, reason = "what is not inlined into the dispatched loop is compiled for SSE2")]
+
 use nalgebra::{Matrix3, Vector3};
 
 use crate::candidate::Group;
@@ -106,7 +108,7 @@ impl PreTest {
     }
 
     /// 4 sin^2 of half the angle between the alignments, which is at most the angle's square.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn squared_turn(&self, one: usize, other: usize) -> f64 {
         let ([w, x, y, z], [ow, ox, oy, oz]) = (self.turns[one].quaternion, self.turns[other].quaternion);
         let half_cosine = w * ow + x * ox + y * oy + z * oz;
@@ -114,21 +116,21 @@ impl PreTest {
     }
 
     /// The squared distance between the two places that the candidates give to the first one's place in chain B.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn squared_shift(&self, one: usize, other: usize) -> f64 {
         let (a, b) = (&self.places[one], &self.places[other]);
         (b.rotation * a.point + b.translation - a.claimed).norm_squared()
     }
 
     /// Steps of the loop through both candidates: the odometry's and the two landmark edges.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn steps(&self, one: usize, other: usize) -> usize {
         let (a, b) = (&self.places[one].steps, &self.places[other].steps);
         a[0].abs_diff(b[0]) + a[1].abs_diff(b[1]) + 2
     }
 
     /// Whether a pair can pass a gate on the squared Mahalanobis distance. O(1).
-    #[inline]
+    #[inline(always)]
     pub fn verdict(&self, one: usize, other: usize, gate: f64) -> Verdict {
         let (a, b) = (&self.turns[one], &self.turns[other]);
         let turn = a.own + b.own + self.doubled * ((a.a - b.a).abs() + (a.b - b.b).abs());

@@ -1,5 +1,7 @@
 //! Cheap upper bounds of a covariance at a point.
 
+#![allow(clippy::inline_always, reason = "what is not inlined into the dispatched loop is compiled for SSE2")]
+
 use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3};
 use posecut_geometry::{LieGroup, SE2, SE3};
 
@@ -73,7 +75,7 @@ impl Spread {
     }
 
     /// The trace of the translation's covariance at a point.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn at(&self, q: &Vector3<f64>) -> f64 {
         let [xx, yy, zz, xy, xz, yz] = self.rotation;
         self.translation
