@@ -6,13 +6,13 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::Gate;
 use crate::candidate::{Candidate, Group};
 use crate::chain::{Chain, Chains};
 use crate::clique::BitGraph;
 pub use crate::distance::{squared_distance, squared_distance_to_odometry};
 use crate::pretest::{PreTest, Verdict};
 use crate::spread::Spatial;
+use crate::{Gate, PerStep};
 
 /// Columns looked at for 64 rows before the next ones are: what the tests read of them stays in the cache.
 const TILE: usize = 512;
@@ -89,10 +89,10 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
             return true;
         }
         let candidate = &self.candidates[candidate];
-        match gate {
-            Gate::SquaredDistance(limit) => squared_distance_to_odometry(self.chain_a, candidate)
-                .is_some_and(|distance| distance <= limit),
-            Gate::PerStep { translation, rotation } => {
+        match gate.per_step {
+            None => squared_distance_to_odometry(self.chain_a, candidate)
+                .is_some_and(|distance| distance <= gate.squared_distance),
+            Some(PerStep { translation, rotation }) => {
                 let place = self.chain_b.poses[candidate.k];
                 let error = place.inverse().compose(&candidate.from_a).compose(&place);
                 let steps = (candidate.i.abs_diff(candidate.k) + 1) as f64;
@@ -145,8 +145,9 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
     pub fn consistent(&self, one: usize, other: usize, gate: Gate, counts: &mut PairCounts) -> bool {
         let (one, other) = (one.min(other), one.max(other));
         counts.pairs += 1;
-        let consistent = match gate {
-            Gate::SquaredDistance(limit) => match self.pretest.verdict(one, other, limit) {
+        let limit = gate.squared_distance;
+        let consistent = match gate.per_step {
+            None => match self.pretest.verdict(one, other, limit) {
                 Verdict::Rotation => {
                     counts.skipped_by_rotation += 1;
                     false
@@ -161,7 +162,7 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
                     distance.is_some_and(|distance| distance <= limit)
                 }
             },
-            Gate::PerStep { translation, rotation } => {
+            Some(PerStep { translation, rotation }) => {
                 let steps = self.pretest.steps(one, other) as f64;
                 let sine = 0.5 * self.pretest.squared_turn(one, other).max(0.0).sqrt();
                 let angle = 2.0 * sine.min(1.0).asin();

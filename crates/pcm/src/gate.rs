@@ -30,16 +30,20 @@ pub enum Correction {
 
 /// When a pair is consistent.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Gate {
-    /// The squared Mahalanobis distance is at most this.
-    SquaredDistance(f64),
-    /// The loop's error is at most this a step.
-    PerStep {
-        /// Metres.
-        translation: f64,
-        /// Radians.
-        rotation: f64,
-    },
+pub struct Gate {
+    /// The largest squared Mahalanobis distance; not looked at where errors per step count.
+    pub squared_distance: f64,
+    /// The largest error of a loop per step, in place of the distance (`Test::Threshold`).
+    pub per_step: Option<PerStep>,
+}
+
+/// Errors of a loop divided by the number of its steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PerStep {
+    /// Metres.
+    pub translation: f64,
+    /// Radians.
+    pub rotation: f64,
 }
 
 impl Gate {
@@ -47,15 +51,13 @@ impl Gate {
     /// the same quantile bounds the distance itself, so its square bounds the squared distance.
     pub fn new(test: Test, probability: f64, degrees_of_freedom: usize) -> Result<Self, PcmError> {
         let quantile = chi_square_quantile(probability, degrees_of_freedom)?;
-        Ok(Self::SquaredDistance(if test == Test::Root { quantile * quantile } else { quantile }))
+        let squared_distance = if test == Test::Root { quantile * quantile } else { quantile };
+        Ok(Self { squared_distance, per_step: None })
     }
 
-    /// The squared distance, for a gate that has one.
-    pub fn squared_distance(self) -> Option<f64> {
-        match self {
-            Self::SquaredDistance(distance) => Some(distance),
-            Self::PerStep { .. } => None,
-        }
+    /// The gate on errors per step.
+    pub fn per_step(translation: f64, rotation: f64) -> Self {
+        Self { squared_distance: f64::INFINITY, per_step: Some(PerStep { translation, rotation }) }
     }
 }
 
@@ -107,7 +109,7 @@ mod tests {
         let three = chi_square_quantile(0.99, 3).unwrap();
         let six = chi_square_quantile(0.95, 6).unwrap();
         assert!((three - 11.345).abs() < 1e-3 && (six - 12.592).abs() < 1e-3, "{three} {six}");
-        let root = Gate::new(Test::Root, 0.99, 3).unwrap().squared_distance().unwrap();
+        let root = Gate::new(Test::Root, 0.99, 3).unwrap().squared_distance;
         assert!((root - 11.345_f64.powi(2)).abs() < 0.02, "{root}");
     }
 

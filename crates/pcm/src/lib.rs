@@ -37,6 +37,6 @@ pub mod stage;
 mod summary;
 
 pub use error::PcmError;
-pub use gate::{Correction, Gate, Test, chi_square_quantile, corrected};
+pub use gate::{Correction, Gate, PerStep, Test, chi_square_quantile, corrected};
 pub use options::{Options, Scale, Scheme};
 pub use spread::Spatial;

@@ -177,15 +177,12 @@ impl Options {
         degrees_of_freedom: usize,
     ) -> Result<Gate, PcmError> {
         let probability = corrected(probability, self.correction, candidates);
+        if self.test == Test::Threshold {
+            return Ok(Gate::per_step(self.translation_per_step, self.rotation_per_step));
+        }
         let gate = Gate::new(self.test, probability, degrees_of_freedom)?;
-        Ok(match gate {
-            _ if self.test == Test::Threshold => {
-                Gate::PerStep { translation: self.translation_per_step, rotation: self.rotation_per_step }
-            }
-            // d^2 with covariances s * Sigma is that with Sigma, divided by s.
-            Gate::SquaredDistance(distance) => Gate::SquaredDistance(distance * scale),
-            gate @ Gate::PerStep { .. } => gate,
-        })
+        // d^2 with covariances s * Sigma is that with Sigma, divided by s.
+        Ok(Gate { squared_distance: gate.squared_distance * scale, ..gate })
     }
 
     /// The limits of a run that starts now.

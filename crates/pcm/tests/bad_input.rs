@@ -99,7 +99,7 @@ const READMISSION: Readmission =
     Readmission { admit: 0.99, drop: 0.9999, scale: Some(1.0), apply_scale: false };
 
 fn predicted(edge: &str, terms: &str) -> String {
-    edge.replace("}", &format!(r#","predicted_covariance":{terms}}}"#))
+    edge.replace('}', &format!(r#","predicted_covariance":{terms}}}"#))
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn readmission_admits_drops_and_keeps_by_the_innovation() {
         (lone, None),
     ];
     for (line, expected) in cases {
-        let mut graph = with(nodes(5), &[line.clone()]);
+        let mut graph = with(nodes(5), std::slice::from_ref(&line));
         let result = readmit(&mut graph, &READMISSION).unwrap();
         assert_eq!(graph.edges[0].rejected_by.as_deref(), expected, "{line}");
         assert_eq!(result.tested + result.rejected_by_others, 1);

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use posecut_pcm::clique::{BitGraph, Limits, maximum_clique};
 use proptest::prelude::*;
-use rand::{RngExt as _, SeedableRng};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 /// The size of the largest clique among `candidates`, by taking or leaving one after the other.

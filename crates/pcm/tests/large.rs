@@ -143,7 +143,7 @@ fn one_by_one<G: Spatial<DOF>, const DOF: usize>(outliers: f64, falsehood: False
     let mut pcm = Incremental::new(
         chains.chains[0].clone(),
         chains.chains[1].clone(),
-        limit.squared_distance().unwrap(),
+        limit.squared_distance,
         Limits::NONE,
     );
     for (number, edge) in graph.edges_of(EdgeKind::Landmark).enumerate() {

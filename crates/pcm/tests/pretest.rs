@@ -35,7 +35,7 @@ fn holds<G: Spatial<DOF>, const DOF: usize>(
     prop_assert_eq!(grouped.groups.len(), 1);
     let pairs = Pairs::new(&chains, &grouped.groups[0]);
     let gate = Gate::new(Test::Mahalanobis, probability, DOF).unwrap();
-    let limit = gate.squared_distance().unwrap();
+    let limit = gate.squared_distance;
     let (matrix, counts) = pairs.graph(gate);
     let (mut open, mut consistent) = (0, 0);
     for one in 0..pairs.len() {
@@ -99,7 +99,7 @@ fn the_threshold_test_needs_no_covariances() {
     let grouped = group(&graph, &chains).unwrap();
     let found = &grouped.groups[0];
     let pairs = Pairs::new(&chains, found);
-    let gate = Gate::PerStep { translation: 0.05, rotation: 0.02 };
+    let gate = Gate::per_step(0.05, 0.02);
     let (matrix, _) = pairs.graph(gate);
     let mut consistent = 0;
     for (one, a) in found.candidates.iter().enumerate() {

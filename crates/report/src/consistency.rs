@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use anyhow::Context as _;
 use clap::ValueEnum as _;
-use posecut_geometry::{LieGroup, SE2, SE3};
+use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, PoseGraph};
 use posecut_pcm::candidate::group;
 use posecut_pcm::chain::Chains;
 use posecut_pcm::consistency::consistency_graph;
-use posecut_pcm::{Gate, Test};
+use posecut_pcm::{Gate, Spatial, Test};
 use serde_json::Value;
 
 /// The name of the stage, in histories and marks.
@@ -84,7 +84,7 @@ fn gate(arguments: &Value, degrees: usize) -> anyhow::Result<Gate> {
     Ok(Gate::new(test, probability, degrees)?)
 }
 
-fn of<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph, gate: Gate) -> anyhow::Result<Matrix> {
+fn of<G: Spatial<DOF>, const DOF: usize>(graph: &PoseGraph, gate: Gate) -> anyhow::Result<Matrix> {
     let chains = Chains::<G, DOF>::of(graph)?;
     let grouped = group(graph, &chains)?;
     let count = grouped.groups.iter().map(|group| group.candidates.len()).sum();
