@@ -115,7 +115,7 @@ fn sizes_that_files_claim_are_not_believed() {
     let deep = format!("{header}\n{{\"kind\":\"node\",\"id\":0,\"x\":{}\n", "[".repeat(1_000_000));
     refused("pcm", &[], deep.as_bytes(), "recursion limit");
     let unknown = format!("{header}\n{{\"kind\":\"x\",\"x\":{}\n", "{\"a\":".repeat(1_000_000));
-    refused("pcm", &[], unknown.as_bytes(), "recursion limit");
+    refused("pcm", &[], unknown.as_bytes(), "not JSON");
     // The largest ids and frames are numbers like others.
     let extreme = format!(
         "{header}\n{}\n{}\n{}\n",

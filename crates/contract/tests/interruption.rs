@@ -34,6 +34,14 @@ fn temporary_files(folder: &Path) -> Vec<std::path::PathBuf> {
     entries.filter(|path| path.file_name().unwrap().to_string_lossy().starts_with(".posecut-")).collect()
 }
 
+/// Whether something was written into a file or directory.
+fn has_content(path: &Path) -> bool {
+    match std::fs::read_dir(path) {
+        Ok(mut entries) => entries.next().is_some(),
+        Err(_) => std::fs::metadata(path).is_ok_and(|metadata| metadata.len() > 0),
+    }
+}
+
 fn start(name: &str, arguments: &[&str]) -> Child {
     Command::new(program(name))
         .args(arguments)
@@ -48,7 +56,7 @@ fn start(name: &str, arguments: &[&str]) -> Child {
 fn end_while_writing(child: &mut Child, folder: &Path, signal: &str) -> bool {
     let limit = Instant::now() + Duration::from_mins(2);
     while child.try_wait().unwrap().is_none() && Instant::now() < limit {
-        if !temporary_files(folder).is_empty() {
+        if temporary_files(folder).iter().any(|path| has_content(path)) {
             let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
             let status = child.wait().unwrap();
             return sent.success() && !status.success();
