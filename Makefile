@@ -20,7 +20,7 @@ SHELL := /bin/sh
 .DELETE_ON_ERROR:
 .SECONDARY:
 .DEFAULT_GOAL := help
-.PHONY: help table figures report regimes sweep run check-results accept-results stages test check bench data clean
+.PHONY: help documentation install table figures report regimes sweep run check-results accept-results stages test check bench data clean
 
 help:
 	@echo 'posecut: which landmark edges of a multi-session pose graph are wrong?'
@@ -39,6 +39,8 @@ help:
 	@echo '  make stages                    the stage programs and their versions'
 	@echo '  make test                      all tests'
 	@echo '  make check                     formatting, lints, documentation'
+	@echo '  make documentation             remake what is made from the programs: docs/cli.md, option tables, schema'
+	@echo '  make install [PREFIX=DIR]      programs, manual pages and shell completions'
 	@echo '  make bench                     benchmarks'
 	@echo '  make data [SESSIONS=…]         download NCLT sessions into data/nclt (large)'
 	@echo '  make clean                     remove results and simulated sessions'
@@ -168,6 +170,25 @@ check:
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
+
+documentation:
+	cargo build --release --workspace --bins --locked
+	cargo run --release --quiet --locked -p posecut-contract --example documentation
+	scripts/dependencies.py
+
+# Programs, manual pages and completions below PREFIX.
+PREFIX ?= $(HOME)/.local
+programs := $(patsubst crates/%/src/main.rs,$(BIN)/posecut-%,$(wildcard crates/*/src/main.rs))
+install: $(BIN)/.posecut-built
+	@mkdir -p $(PREFIX)/bin $(PREFIX)/share/man/man1 $(PREFIX)/share/bash-completion/completions \
+	  $(PREFIX)/share/zsh/site-functions $(PREFIX)/share/fish/vendor_completions.d
+	@for program in $(programs); do name=$$(basename $$program); \
+	  install -m 755 $$program $(PREFIX)/bin/ && \
+	  $$program --generate man  > $(PREFIX)/share/man/man1/$$name.1 && \
+	  $$program --generate bash > $(PREFIX)/share/bash-completion/completions/$$name && \
+	  $$program --generate zsh  > $(PREFIX)/share/zsh/site-functions/_$$name && \
+	  $$program --generate fish > $(PREFIX)/share/fish/vendor_completions.d/$$name.fish || exit 1; done
+	@echo 'installed programs, manual pages and completions below $(PREFIX)'
 
 bench:
 	cargo bench --workspace --locked

@@ -1,6 +1,7 @@
 //! Noise of landmark edges.
 
 use nalgebra::SVector;
+use posecut_geometry::covariance::isotropic_information;
 use posecut_graph::{Extra, NoiseModel, PoseGraph};
 use posecut_stage::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -30,13 +31,8 @@ pub(crate) fn draw_noise<const DOF: usize>(options: &Options, random: &mut ChaCh
 
 /// The name of the landmark edges' noise model, free or with the same content.
 pub(crate) fn add_noise_model<const DOF: usize>(graph: &mut PoseGraph, options: &Options) -> String {
-    let mut information = Vec::new();
-    for i in 0..DOF {
-        for j in i..DOF {
-            let sigma = sigma::<DOF>(options, i);
-            information.push(if i == j { 1.0 / (sigma * sigma) } else { 0.0 });
-        }
-    }
+    let information =
+        isotropic_information(DOF, options.landmark_sigma_translation, options.landmark_sigma_rotation);
     let model = NoiseModel { information, extra: Extra::new() };
     let mut name = "landmark".to_owned();
     while graph.header.noise_model(&name).is_some_and(|known| *known != model) {

@@ -1,5 +1,7 @@
 //! What the contract tests share: finding the programs, running them, and a small session to run them on.
 
+pub mod documentation;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
@@ -15,7 +17,8 @@ pub fn workspace() -> PathBuf {
 /// If it has not been built.
 pub fn program(name: &str) -> PathBuf {
     let test = std::env::current_exe().expect("a test knows its own path");
-    let folder = test.parent().and_then(Path::parent).expect("tests lie in target/PROFILE/deps");
+    let folder =
+        test.parent().and_then(Path::parent).expect("tests lie in target/PROFILE/deps, examples beside");
     let path = folder.join(format!("posecut-{name}{}", std::env::consts::EXE_SUFFIX));
     assert!(path.is_file(), "{} is not built; run the tests by `make test`", path.display());
     path

@@ -5,11 +5,13 @@
 
 use posecut_contract::{run, samples};
 
-/// The programs that read pose graphs from standard input.
+/// The programs that read pose graphs from standard input, with the subcommand that does.
 const READERS: &[&str] = &[
     "construct",
     "densest",
     "evaluate",
+    "inspect filter",
+    "inspect info",
     "islands",
     "multicut",
     "optimize",
@@ -139,12 +141,14 @@ fn every_reader_refuses_every_fault_with_its_place() {
             bytes.extend(b"{\"kind\":\"n\xff\"}\n");
             expected = vec!["line 2", "not UTF-8"];
         }
-        for name in READERS {
+        for reader in READERS {
+            let (name, task) = reader.split_once(' ').unwrap_or((reader, "-"));
             let folder = tempfile::tempdir().unwrap();
             let (out, stats) = (folder.path().join("out.jsonl"), folder.path().join("stats.json"));
             std::fs::write(&out, "precious").unwrap();
-            let arguments = ["-", "-o", out.to_str().unwrap(), "--stats", stats.to_str().unwrap()];
-            let output = run(name, &arguments, &bytes);
+            let input = if task == "-" { &["-"][..] } else { &[task, "-"] };
+            let outputs = ["-o", out.to_str().unwrap(), "--stats", stats.to_str().unwrap()];
+            let output = run(name, &[input, &outputs].concat(), &bytes);
             let said = String::from_utf8_lossy(&output.stderr);
             assert_eq!(output.status.code(), Some(2), "{name}, {fault}: {said}");
             assert!(
@@ -168,12 +172,14 @@ fn every_reader_refuses_every_fault_with_its_place() {
 
 #[test]
 fn missing_files_and_directories_are_refused() {
-    for name in READERS {
-        let output = run(name, &["/no/such/file.jsonl"], b"");
+    for reader in READERS {
+        let (name, task) = reader.split_once(' ').map_or((*reader, None), |(name, task)| (name, Some(task)));
+        let at = |path| task.into_iter().chain([path]).collect::<Vec<_>>();
+        let output = run(name, &at("/no/such/file.jsonl"), b"");
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{name}: {said}");
         assert!(said.contains("/no/such/file.jsonl"), "{name}: {said}");
-        let output = run(name, &["/"], b"");
+        let output = run(name, &at("/"), b"");
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{name}: {said}");
         assert!(said.contains("is a directory"), "{name}: {said}");

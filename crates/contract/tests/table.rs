@@ -54,6 +54,34 @@ const TABLE: &[Row] = &[
         writes_stream: true,
     },
     Row { name: "ingest", arguments: &["{2012-01-22}"], input: None, pipe: false, writes_stream: true },
+    Row {
+        name: "inspect",
+        arguments: &["info"],
+        input: Some("graph.jsonl"),
+        pipe: true,
+        writes_stream: true,
+    },
+    Row {
+        name: "inspect",
+        arguments: &["validate", "{graph.jsonl}"],
+        input: None,
+        pipe: false,
+        writes_stream: true,
+    },
+    Row {
+        name: "inspect",
+        arguments: &["diff", "{graph.jsonl}", "{graph.jsonl}"],
+        input: None,
+        pipe: false,
+        writes_stream: true,
+    },
+    Row {
+        name: "inspect",
+        arguments: &["filter", "--kind", "landmark"],
+        input: Some("graph.jsonl"),
+        pipe: true,
+        writes_stream: true,
+    },
     Row { name: "islands", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
     Row { name: "multicut", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
     Row { name: "optimize", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
@@ -195,6 +223,67 @@ fn a_full_disk_is_an_error() {
     }
 }
 
+/// The system refuses to let a file grow, as a disk does that fills up in the middle.
+#[cfg(unix)]
+#[test]
+fn a_disk_that_fills_up_while_a_file_is_written_leaves_the_old_one() {
+    // In blocks of 512 bytes.
+    const LIMIT: usize = 1;
+    let mut limited = 0;
+    for row in streams().filter(|row| row.name != "conform") {
+        if row.run(&[]).stdout.len() <= LIMIT * 512 {
+            continue;
+        }
+        limited += 1;
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("out");
+        std::fs::write(&file, "precious").unwrap();
+        let script = format!("trap '' XFSZ; ulimit -f {LIMIT}; exec \"$@\"");
+        let output = Command::new("sh")
+            .args(["-c", &script, "sh"])
+            .arg(program(row.name))
+            .args(row.arguments())
+            .arg("-o")
+            .arg(&file)
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{}: {said}", row.name);
+        assert!(
+            said.contains("nothing was left there") && said.contains("too large"),
+            "{}: {said}",
+            row.name
+        );
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), "precious", "{}", row.name);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "{}: something was left", row.name);
+    }
+    assert!(limited > 5, "only {limited} programs write enough for the limit to matter");
+}
+
+/// The superuser may write anywhere but into the kernel's own folders.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_read_only_folder_is_an_error() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::set_permissions(folder.path(), std::fs::Permissions::from_mode(0o555)).unwrap();
+    let all_powerful = std::fs::write(folder.path().join("probe"), "").is_ok();
+    let place = if all_powerful { std::path::Path::new("/proc/self") } else { folder.path() };
+    let file = place.join("out.jsonl");
+    for row in TABLE {
+        let output = row.run(&["-o", file.to_str().unwrap()]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{}: {said}", row.name);
+        assert!(said.contains("cannot be written, and nothing was left there"), "{}: {said}", row.name);
+        assert!(!file.exists());
+    }
+    for row in streams() {
+        let output = row.run(&["--stats", file.to_str().unwrap(), "-o", "/dev/null"]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{}: {said}", row.name);
+    }
+}
+
 #[test]
 fn a_missing_folder_is_an_error_and_is_not_made() {
     let folder = tempfile::tempdir().unwrap();
@@ -224,7 +313,11 @@ fn output_and_statistics_may_not_be_one_file() {
 #[test]
 fn a_closed_pipe_is_no_error() {
     for row in streams() {
+        // The work is done all the same, and whoever asked for a summary gets it.
+        let folder = tempfile::tempdir().unwrap();
+        let stats = folder.path().join("stats.json");
         let mut child = Command::new(program(row.name))
+            .args(["--stats", stats.to_str().unwrap()])
             .args(row.arguments())
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
@@ -236,6 +329,8 @@ fn a_closed_pipe_is_no_error() {
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{}: {said}", row.name);
         assert!(!said.contains("error"), "{}: {said}", row.name);
+        let stats: serde_json::Value = serde_json::from_slice(&std::fs::read(&stats).unwrap()).unwrap();
+        assert_eq!(stats["stage"], row.name);
     }
 }
 
@@ -249,6 +344,7 @@ fn statistics_are_json_with_the_stages_name() {
         ("densest", &["candidates", "density", "rejected"]),
         ("evaluate", &["rmse", "edges"]),
         ("experiment", &["tasks", "results"]),
+        ("inspect", &["nodes", "sessions", "components", "provenance"]),
         ("ingest", &["keyframes", "path_length_m", "dropped_rows", "gaps"]),
         ("islands", &["islands", "islands_kept", "rejected"]),
         ("multicut", &["objective", "lower_bound", "optimal", "landmarks", "cut_edges"]),

@@ -3,9 +3,17 @@
 //! Edges between one vertex and the next (ids n and n + 1, the first edge of such a pair) are odometry, all
 //! others landmark edges. An id whose top byte is a letter is gtsam's symbol of a robot: the letter names the
 //! session and the rest is the frame; other vertices belong to session `0`, or the name given.
+//!
+//! Where that rule would call an edge by the wrong name, as for a landmark edge between two successive vertices, the
+//! writer puts a comment line before it, `# posecut landmark` or `# posecut odometry`. Other tools skip comments; the
+//! reader here heeds them.
 
 mod read;
 mod write;
+
+use std::collections::HashSet;
+
+use posecut_graph::EdgeKind;
 
 pub(crate) use read::{Dialect, read_dialect};
 pub use read::{ReadOptions, ReadSummary, read};
@@ -13,3 +21,19 @@ pub use write::{WriteSummary, write};
 
 /// The field of a node that `FIX` sets.
 pub(crate) const FIXED: &str = "fixed";
+
+/// What an edge is by the ids of its vertices: the first between each vertex and its successor is odometry.
+pub(crate) fn inferred_kind(successive: &mut HashSet<u64>, from: u64, to: u64) -> EdgeKind {
+    let odometry = from.abs_diff(to) == 1 && successive.insert(from.min(to));
+    if odometry { EdgeKind::Odometry } else { EdgeKind::Landmark }
+}
+
+/// The comment that names the kind of the next edge, word by word.
+pub(crate) fn comment_of_kind(kind: EdgeKind) -> [&'static str; 3] {
+    ["#", "posecut", kind.name()]
+}
+
+/// The kind that a comment gives to the next edge.
+pub(crate) fn kind_of_comment(words: &[&str]) -> Option<EdgeKind> {
+    [EdgeKind::Odometry, EdgeKind::Landmark].into_iter().find(|&kind| words == comment_of_kind(kind))
+}

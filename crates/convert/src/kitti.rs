@@ -23,7 +23,7 @@ pub fn read(file: &str, reader: impl BufRead, session: &str) -> Result<PoseGraph
         let (place, n) = line?;
         let matrix = Matrix3::new(n[0], n[1], n[2], n[4], n[5], n[6], n[8], n[9], n[10]);
         let off = (matrix * matrix.transpose() - Matrix3::identity()).norm();
-        if off > ROTATION_TOLERANCE || matrix.determinant() < 0.0 {
+        if !(off <= ROTATION_TOLERANCE && matrix.determinant() > 0.0) {
             return Err(ConvertError::line(
                 file,
                 place,

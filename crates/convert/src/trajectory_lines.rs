@@ -2,6 +2,8 @@
 
 use std::io::BufRead;
 
+use posecut_stage::bounded_lines;
+
 use crate::ConvertError;
 use crate::error::number;
 
@@ -23,7 +25,7 @@ pub(crate) fn numbers<'a>(
     reader: impl BufRead + 'a,
     layout: &'a Layout,
 ) -> impl Iterator<Item = Result<(u64, Vec<f64>), ConvertError>> + 'a {
-    reader.lines().zip(1..).filter_map(move |(line, place)| {
+    bounded_lines(reader).zip(1..).filter_map(move |(line, place)| {
         let line = match line {
             Ok(line) => line,
             Err(error) => return Some(Err(ConvertError::Io { file: file.to_owned(), error })),

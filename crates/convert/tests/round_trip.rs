@@ -46,7 +46,9 @@ fn what_is_wrong_is_told_with_its_line() {
         ("VERTEX_SE2 0 0 0 x", &["line 1", "\"x\" is not a number"]),
         ("VERTEX_SE2 0 0 0 0\nVERTEX_SE2 0 0 0 0", &["line 2", "vertex 0 stands twice"]),
         ("VERTEX_SE2 0 0 0 0\nVERTEX_SE3:QUAT 1 0 0 0 0 0 0 1", &["line 2", "dimension 3 after"]),
-        ("VERTEX_SE3:QUAT 1 0 0 0 0 0 0 0", &["line 1", "quaternion is zero"]),
+        ("VERTEX_SE3:QUAT 1 0 0 0 0 0 0 0", &["line 1", "quaternion has norm 0"]),
+        // Its square leaves the range of doubles: dividing by the norm made a quaternion of zeros.
+        ("VERTEX_SE3:QUAT 1 0 0 0 0 0 0 1e300", &["line 1", "quaternion has norm inf"]),
         ("EDGE_SE2 3 3 0 0 0 1 0 0 1 0 1", &["line 1", "itself"]),
         (
             "EDGE_SE2 3 4 0 0 0 1 2 0 1 0 1",
@@ -136,4 +138,39 @@ proptest! {
         let again = SE3::from_components(again.nodes[0].pose.as_ref().unwrap()).unwrap();
         prop_assert!(again.between(&pose).log().norm() < 1e-9 * (1.0 + pose.translation.norm()));
     }
+}
+
+/// Products of such entries are infinite and their differences no numbers: neither is above a tolerance.
+#[test]
+fn kitti_matrices_of_huge_entries_are_refused() {
+    let text = "1e200 1e200 0 0 1e200 -1e200 0 0 0 0 1 0\n";
+    let error = kitti::read("test.kitti", text.as_bytes(), "0").unwrap_err().to_string();
+    assert!(error.contains("line 1") && error.contains("no rotation"), "{error}");
+}
+
+/// Such an edge came back as odometry, which no later stage judges.
+#[test]
+fn a_landmark_edge_between_successive_ids_stays_one() {
+    let header = "{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":2}";
+    let edge = |kind: &str, id: u64, from: u64, to: u64| {
+        format!(
+            "{{\"kind\":\"{kind}\",\"id\":{id},\"from\":{from},\"to\":{to},\"measurement\":[1,0,0],\"information\":[1,0,0,1,0,1]}}"
+        )
+    };
+    let nodes =
+        (0..4).map(|id| format!("{{\"kind\":\"node\",\"id\":{id},\"session\":\"0\",\"frame\":{id}}}"));
+    let edges = [
+        edge("landmark", 0, 1, 0),
+        edge("odometry", 1, 0, 1),
+        edge("odometry", 2, 1, 2),
+        edge("landmark", 3, 1, 2),
+        edge("odometry", 4, 1, 3),
+        edge("landmark", 5, 0, 3),
+        edge("landmark", 6, 2, 3),
+    ];
+    let text = [header.to_owned()].into_iter().chain(nodes).chain(edges).collect::<Vec<_>>().join("\n");
+    let graph = PoseGraph::read("test", text.as_bytes()).unwrap();
+    let written = String::from_utf8(g2o::write(&graph, false).0).unwrap();
+    assert_eq!(written.matches("# posecut").count(), 3, "only where the rule is wrong:\n{written}");
+    assert_eq!(read(&written).unwrap().0.edges, graph.edges);
 }

@@ -76,14 +76,18 @@ impl Problem {
     }
 
     pub(crate) fn at(self, source_name: &str, line: u64) -> ReadError {
-        ReadError::Format(Box::new(FormatProblem {
+        ReadError::Format(Box::new(self.placed(source_name, line)))
+    }
+
+    pub(crate) fn placed(self, source_name: &str, line: u64) -> FormatProblem {
+        FormatProblem {
             source_name: source_name.to_owned(),
             line,
             record: self.record,
             field: self.field,
             problem: self.cause,
             remedy: self.remedy,
-        }))
+        }
     }
 }
 

@@ -30,15 +30,18 @@ mod header;
 mod parse;
 mod read;
 mod record;
+mod schema;
 mod validate;
 mod write;
 
+pub use definiteness::negative_eigenvalue;
 pub use dimension::Dimension;
-pub use error::{ReadError, WriteError};
+pub use error::{FormatProblem, ReadError, WriteError};
 pub use graph::PoseGraph;
 pub use header::{Header, InputDigest, NoiseModel, Provenance};
-pub use read::RecordReader;
+pub use read::{Examination, RecordReader, examine};
 pub use record::{Edge, EdgeKind, EdgeTruth, Node, NodeTruth, Record};
+pub use schema::schema;
 
 /// The fields this crate does not know, in the order read.
 pub type Extra = serde_json::Map<String, serde_json::Value>;

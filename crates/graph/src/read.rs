@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, Read};
 
-use crate::error::Problem;
+use crate::error::{FormatProblem, Problem};
 use crate::parse::{kind_of, parse_edge, parse_header, parse_node};
 use crate::validate::Validator;
 use crate::{Edge, EdgeKind, Header, Node, PoseGraph, ReadError, Record};
@@ -19,6 +19,8 @@ pub struct RecordReader<R> {
     buffer: Vec<u8>,
     header: Header,
     header_pending: bool,
+    /// Bytes do not arrive, or a line has no end: nothing can follow.
+    ended: bool,
     validator: Validator,
 }
 
@@ -53,6 +55,7 @@ impl<R: BufRead> RecordReader<R> {
             buffer,
             header,
             header_pending: true,
+            ended: false,
             validator,
         })
     }
@@ -71,9 +74,13 @@ impl<R: BufRead> RecordReader<R> {
         if std::mem::take(&mut self.header_pending) {
             return Ok(Some(Record::Header(self.header.clone())));
         }
+        if self.ended {
+            return Ok(None);
+        }
         let mut lines = Lines { reader: &mut self.reader, line: self.line };
         let found = lines.next_into(&mut self.buffer);
         self.line = lines.line;
+        self.ended = found.is_err();
         if !found.map_err(|fault| fault.at(&self.source_name, self.line))? {
             return Ok(None);
         }
@@ -109,6 +116,9 @@ fn parse_record(line: &[u8], validator: &mut Validator) -> Result<Record, Proble
             serde_json::from_str::<serde::de::IgnoredAny>(line).map_err(|error| {
                 Problem::new(format!("this is not JSON: {error}"), "write one JSON object a line")
             })?;
+            if !line.trim_start().starts_with('{') {
+                return Err(Problem::new("the line is no JSON object", "write one JSON object a line"));
+            }
             Ok(Record::Unknown(line.to_owned()))
         }
     }
@@ -198,14 +208,82 @@ pub(crate) fn read_graph(source_name: &str, reader: impl BufRead) -> Result<Pose
             Record::Unknown(line) => graph.unknown.push(line),
         }
     }
+    let (node_lines, edge_lines) = sort_both(&mut graph, node_lines, edge_lines);
+    let first = relations(&graph, &node_lines, &edge_lines).next();
+    match first {
+        Some((problem, line)) => Err(problem.at(source_name, line)),
+        None => Ok(graph),
+    }
+}
+
+/// All that is wrong with a file, and what is sound in it.
+#[derive(Debug)]
+pub struct Examination {
+    /// The records that are sound by themselves, sorted by id; `None` if the header is not.
+    pub graph: Option<PoseGraph>,
+    /// The line of each node, in the order of the graph.
+    pub node_lines: Vec<u64>,
+    /// The line of each edge, in the order of the graph.
+    pub edge_lines: Vec<u64>,
+    /// What is wrong, in the order of lines; what concerns several records comes last.
+    pub faults: Vec<FormatProblem>,
+}
+
+/// Reads on after faults: one fault a record, then all ids that stand twice and all edges to missing nodes. Only bytes
+/// that do not arrive are an error. After a line that is too long, the rest is not looked at.
+pub fn examine(source_name: &str, reader: impl BufRead) -> Result<Examination, ReadError> {
+    let mut examination =
+        Examination { graph: None, node_lines: Vec::new(), edge_lines: Vec::new(), faults: Vec::new() };
+    let mut records = match RecordReader::new(source_name, reader) {
+        Ok(records) => records,
+        Err(ReadError::Format(problem)) => {
+            examination.faults.push(*problem);
+            return Ok(examination);
+        }
+        Err(error) => return Err(error),
+    };
+    let mut graph = PoseGraph::new(records.header().clone());
+    let (mut node_lines, mut edge_lines) = (Vec::new(), Vec::new());
+    while let Some(record) = records.next() {
+        match record {
+            Ok(Record::Header(_)) => {}
+            Ok(Record::Node(node)) => {
+                graph.nodes.push(node);
+                node_lines.push(records.line());
+            }
+            Ok(Record::Edge(edge)) => {
+                graph.edges.push(edge);
+                edge_lines.push(records.line());
+            }
+            Ok(Record::Unknown(line)) => graph.unknown.push(line),
+            Err(ReadError::Format(problem)) => examination.faults.push(*problem),
+            Err(error) => return Err(error),
+        }
+    }
+    (examination.node_lines, examination.edge_lines) = sort_both(&mut graph, node_lines, edge_lines);
+    for (problem, line) in relations(&graph, &examination.node_lines, &examination.edge_lines) {
+        examination.faults.push(problem.placed(source_name, line));
+    }
+    examination.graph = Some(graph);
+    Ok(examination)
+}
+
+fn sort_both(graph: &mut PoseGraph, node_lines: Vec<u64>, edge_lines: Vec<u64>) -> (Vec<u64>, Vec<u64>) {
     let node_lines = sort_with_lines(&mut graph.nodes, node_lines, |node| node.id);
     let edge_lines = sort_with_lines(&mut graph.edges, edge_lines, |edge| edge.id);
-    check_unique(source_name, &graph.nodes, &node_lines, |node: &Node| {
-        (node.id, format!("node {}", node.id))
-    })?;
-    check_unique(source_name, &graph.edges, &edge_lines, |edge: &Edge| (edge.id, edge.name()))?;
-    check_ends(source_name, &graph, &edge_lines)?;
-    Ok(graph)
+    (node_lines, edge_lines)
+}
+
+/// What is wrong between records, each with its line.
+fn relations<'a>(
+    graph: &'a PoseGraph,
+    node_lines: &'a [u64],
+    edge_lines: &'a [u64],
+) -> impl Iterator<Item = (Problem, u64)> + 'a {
+    let nodes =
+        duplicates(&graph.nodes, node_lines, |node| node.id, |node: &Node| format!("node {}", node.id));
+    let edges = duplicates(&graph.edges, edge_lines, |edge| edge.id, Edge::name);
+    nodes.chain(edges).chain(dangling(graph, edge_lines))
 }
 
 /// Sorts records by id and keeps each with its line. Files in canonical form are left as they are.
@@ -220,40 +298,32 @@ fn sort_with_lines<T>(records: &mut Vec<T>, lines: Vec<u64>, id: impl Fn(&T) -> 
     lines
 }
 
-fn check_unique<T>(
-    source_name: &str,
-    records: &[T],
-    lines: &[u64],
-    identity: impl Fn(&T) -> (u64, String),
-) -> Result<(), ReadError> {
-    for (pair, lines) in records.windows(2).zip(lines.windows(2)) {
-        let (first, second) = (identity(&pair[0]), identity(&pair[1]));
-        if first.0 == second.0 {
-            return Err(Problem::new(
-                format!("its id stands already in line {} ({})", lines[0], first.1),
+fn duplicates<'a, T>(
+    records: &'a [T],
+    lines: &'a [u64],
+    id: impl Fn(&T) -> u64 + 'a,
+    name: impl Fn(&T) -> String + 'a,
+) -> impl Iterator<Item = (Problem, u64)> + 'a {
+    records.windows(2).zip(lines.windows(2)).filter_map(move |(pair, lines)| {
+        (id(&pair[0]) == id(&pair[1])).then(|| {
+            let problem = Problem::new(
+                format!("its id stands already in line {} ({})", lines[0], name(&pair[0])),
                 "ids are unique among nodes, and among edges of all kinds; number them anew",
-            )
-            .record(second.1)
-            .field("id")
-            .at(source_name, lines[1]));
-        }
-    }
-    Ok(())
+            );
+            (problem.record(name(&pair[1])).field("id"), lines[1])
+        })
+    })
 }
 
-fn check_ends(source_name: &str, graph: &PoseGraph, lines: &[u64]) -> Result<(), ReadError> {
-    for (edge, line) in graph.edges.iter().zip(lines) {
-        for (field, id) in [("from", edge.from), ("to", edge.to)] {
-            if graph.node_index(id).is_none() {
-                return Err(Problem::new(
-                    format!("there is no node {id} in the file"),
-                    "add the node, or remove the edge",
-                )
-                .record(edge.name())
-                .field(field)
-                .at(source_name, *line));
-            }
-        }
-    }
-    Ok(())
+fn dangling<'a>(graph: &'a PoseGraph, lines: &'a [u64]) -> impl Iterator<Item = (Problem, u64)> + 'a {
+    graph.edges.iter().zip(lines).flat_map(move |(edge, &line)| {
+        let ends = [("from", edge.from), ("to", edge.to)];
+        ends.into_iter().filter(|(_, id)| graph.node_index(*id).is_none()).map(move |(field, id)| {
+            let problem = Problem::new(
+                format!("there is no node {id} in the file"),
+                "add the node, or remove the edge",
+            );
+            (problem.record(edge.name()).field(field), line)
+        })
+    })
 }

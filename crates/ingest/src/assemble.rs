@@ -1,16 +1,20 @@
 //! From a session's files to its graph.
 
+use posecut_geometry::covariance::isotropic_information;
 use posecut_geometry::{LieGroup, SE3};
 use posecut_graph::{Dimension, Edge, EdgeKind, Header, Node, NodeTruth, NoiseModel, PoseGraph};
 use posecut_stage::{ProgressBar, Statistics, info, warn};
 
 use crate::clock::{ClockSource, keyframe_times};
-use crate::covariance::{isotropic_information, step_error};
+use crate::covariance::step_error;
 use crate::odometry::{self, Odometry, Reader, from_row};
 use crate::{FileKind, IngestError, Options, SessionFiles, Table, Trajectory};
 
 /// The name of the noise model that all odometry edges share when the options set it.
 const NOISE_MODEL: &str = "odometry";
+
+/// More periods than this lie in no drive: at five a second, 23 days.
+const MOST_PERIODS: u64 = 10_000_000;
 
 /// A session's graph and what is worth knowing about it.
 pub struct Ingested {
@@ -78,6 +82,16 @@ fn keyframes(
         (ClockSource::Period, &[])
     };
     let period = (options.period * 1e6) as i64;
+    let periods = last.abs_diff(first) / period.max(1).unsigned_abs();
+    if clock.is_empty() && periods > MOST_PERIODS {
+        return Err(IngestError::session(
+            files.place(),
+            format!(
+                "its odometry covers {first} to {last} us, {periods} periods, which is no drive but a clock that jumps"
+            ),
+            "correct the stamps in the first column, or lengthen --period",
+        ));
+    }
     let all = keyframe_times(clock, period, options.keep_every as usize, first, last);
     let times: Vec<i64> = all.iter().copied().filter(|&time| trajectory.at(time).is_some()).collect();
     if times.len() < all.len() {
@@ -171,7 +185,7 @@ impl Builder<'_> {
         let translation = self.options.sigma_translation.unwrap_or(Options::DEFAULT_SIGMA.0);
         let rotation = self.options.sigma_rotation.unwrap_or(Options::DEFAULT_SIGMA.1);
         NoiseModel {
-            information: isotropic_information(self.planar(), translation, rotation),
+            information: isotropic_information(if self.planar() { 3 } else { 6 }, translation, rotation),
             extra: posecut_graph::Extra::new(),
         }
     }

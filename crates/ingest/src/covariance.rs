@@ -83,19 +83,6 @@ fn packed_information<const DOF: usize>(covariance: &SMatrix<f64, DOF, DOF>) -> 
         .map_err(|error| error.to_string())
 }
 
-/// The information matrix of equal standard deviations on all translation and all rotation axes.
-pub(crate) fn isotropic_information(planar: bool, translation: f64, rotation: f64) -> Vec<f64> {
-    let (translations, side) = if planar { (2, 3) } else { (3, 6) };
-    let mut packed = Vec::new();
-    for i in 0..side {
-        for j in i..side {
-            let sigma = if i < translations { translation } else { rotation };
-            packed.push(if i == j { 1.0 / (sigma * sigma) } else { 0.0 });
-        }
-    }
-    packed
-}
-
 /// Log of the difference between a measured and a true motion, for statistics.
 pub(crate) fn step_error(measured: &SE3, truth: &SE3) -> [f64; 6] {
     measured.between(truth).log().into()

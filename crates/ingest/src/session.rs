@@ -5,13 +5,14 @@ use std::fs::{self, File};
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
-use flate2::read::MultiGzDecoder;
+use flate2::bufread::MultiGzDecoder;
 use posecut_graph::InputDigest;
+use posecut_stage::Expansion;
 
 use crate::IngestError;
 
-/// A file larger than this inside an archive is not NCLT's (its largest is about 200 MB): 2 GiB.
-const LARGEST_MEMBER: u64 = 2 << 30;
+/// Files that hold more than this together are not NCLT's (its largest has about 200 MB): 2 GiB.
+const LARGEST_SESSION: u64 = 2 << 30;
 
 /// The NCLT files that ingestion can use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -201,7 +202,9 @@ impl SessionFiles {
                 "download it again; scripts/fetch-nclt.sh checks what it fetches",
             )
         };
-        let mut archive = tar::Archive::new(MultiGzDecoder::new(BufReader::new(file)));
+        let expanded = Expansion::new(BufReader::new(file), MultiGzDecoder::new);
+        let mut archive = tar::Archive::new(expanded);
+        let mut room = LARGEST_SESSION;
         for member in archive.entries().map_err(broken)? {
             let mut member = member.map_err(broken)?;
             // Only the last part of a member's name is used and nothing is unpacked: no path can escape.
@@ -214,14 +217,17 @@ impl SessionFiles {
                 continue;
             };
             let mut bytes = Vec::new();
-            (&mut member).take(LARGEST_MEMBER).read_to_end(&mut bytes).map_err(broken)?;
-            if bytes.len() as u64 >= LARGEST_MEMBER {
-                return Err(IngestError::session(
+            (&mut member).take(room + 1).read_to_end(&mut bytes).map_err(broken)?;
+            room = room.checked_sub(bytes.len() as u64).ok_or_else(|| {
+                IngestError::session(
                     &path.display().to_string(),
-                    format!("its member {name} is larger than 2 GiB"),
+                    format!(
+                        "with its member {name}, its files are larger than {} MiB",
+                        LARGEST_SESSION >> 20
+                    ),
                     "this is not an NCLT archive",
-                ));
-            }
+                )
+            })?;
             self.files.insert(kind, (name, Place::Member(bytes)));
         }
         Ok(())

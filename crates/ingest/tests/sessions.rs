@@ -323,3 +323,19 @@ fn a_session_too_short_is_refused() {
     let error = run(&path, &options()).err().unwrap().to_string();
     assert!(error.contains("1 keyframes remain") && error.contains("--keep-every"), "{error}");
 }
+
+/// Two rows that lie centuries apart would make as many keyframes as five a second give.
+#[test]
+fn a_clock_that_jumps_centuries_is_refused_and_takes_no_memory() {
+    let (_folder, path) = session();
+    let far = 8_000_000_000_000_000;
+    rows(
+        &path.join("odometry_mu_100hz.csv"),
+        [0, 1, 2]
+            .into_iter()
+            .zip([time(0), time(1), far])
+            .map(|(tenth, time)| (time, circle(tenth).to_vec())),
+    );
+    let error = run(&path, &options()).map(|_| ()).unwrap_err().to_string();
+    assert!(error.contains("a clock that jumps") && error.contains("--period"), "{error}");
+}

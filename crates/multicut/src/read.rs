@@ -1,6 +1,8 @@
 //! Plain instances: a line `MULTICUT`, then `u v cost` a line.
 
-use std::io::BufRead;
+use std::io::{BufRead, Read as _};
+
+use posecut_stage::LONGEST_LINE;
 
 use crate::error::{GraphError, MAXIMUM_NODES};
 use crate::graph::{Edge, Graph};
@@ -30,6 +32,14 @@ pub enum ReadError {
         /// The line found, cut short.
         found: String,
     },
+    /// The numbers of the nodes are far larger than edges explain.
+    #[error("nodes are numbered up to {}, and there are only {edges} edges; number them from 0 without gaps", nodes - 1)]
+    Sparse {
+        /// The largest number, and one.
+        nodes: usize,
+        /// The edges.
+        edges: usize,
+    },
     /// The edges make no graph.
     #[error("line {line}: {cause}")]
     Graph {
@@ -39,6 +49,12 @@ pub enum ReadError {
         cause: GraphError,
     },
 }
+
+/// Up to this many nodes, any number of them may be without an edge.
+const SPARSE_NODES: usize = 1 << 20;
+
+/// Beyond that, at most this many nodes an edge: one line with a large number would take gigabytes.
+const SPARSE_RATIO: usize = 1000;
 
 /// Reads an instance in the `mc` format: nodes are numbered from 0 to the largest number in the file. Empty lines are
 /// skipped.
@@ -53,9 +69,13 @@ pub fn read_mc(input: impl std::io::Read) -> Result<Graph, ReadError> {
     let mut header = false;
     loop {
         line.clear();
-        let read = input.read_until(b'\n', &mut line);
-        if read.map_err(|cause| ReadError::Read { line: number, cause })? == 0 {
+        let read = input.by_ref().take(LONGEST_LINE + 1).read_until(b'\n', &mut line);
+        let read = read.map_err(|cause| ReadError::Read { line: number, cause })?;
+        if read == 0 {
             break;
+        }
+        if read as u64 > LONGEST_LINE {
+            return Err(ReadError::Line { line: number + 1, found: excerpt(&line) });
         }
         number += 1;
         let text = line.trim_ascii();
@@ -96,6 +116,9 @@ pub fn read_mc(input: impl std::io::Read) -> Result<Graph, ReadError> {
     }
     if !header {
         return Err(ReadError::Header { found: String::new() });
+    }
+    if node_count > SPARSE_NODES && node_count / SPARSE_RATIO > edges.len() + self_loops {
+        return Err(ReadError::Sparse { nodes: node_count, edges: edges.len() + self_loops });
     }
     if !f64::is_finite(magnitude) {
         return Err(ReadError::Graph { line: number, cause: GraphError::CostsOverflow });
@@ -159,5 +182,6 @@ mod tests {
         assert!(message("MULTICUT\n0 1 nan\n").contains("costs NaN"));
         assert!(message("MULTICUT\n0 1 1e999\n").contains("costs inf"));
         assert!(message("MULTICUT\n0 99999999999999999999999 1\n").contains("more than the"));
+        assert!(message("MULTICUT\n0 268435455 1\n").contains("only 1 edges"));
     }
 }

@@ -11,6 +11,9 @@ use serde::Serialize;
 
 use crate::{CommonArguments, Identity, Source, Statistics, input, output};
 
+/// The largest input that is held whole: 1 GiB.
+const LARGEST_WHOLE: u64 = 1 << 30;
+
 /// Inputs read so far, statistics, and the common arguments.
 pub struct Context {
     /// Figures for `--stats`.
@@ -23,7 +26,8 @@ pub struct Context {
 }
 
 impl Context {
-    pub(crate) fn new(identity: Identity, common: CommonArguments) -> Self {
+    /// For a stage that runs inside another program: the library of a stage, a test.
+    pub fn new(identity: Identity, common: CommonArguments) -> Self {
         Self {
             statistics: Statistics::default(),
             inputs: Vec::new(),
@@ -54,7 +58,16 @@ impl Context {
         let mut input = input::open(source)?;
         let name = input.name.clone();
         let mut bytes = Vec::new();
-        input.read_to_end(&mut bytes).with_context(|| format!("{name}: cannot be read to its end"))?;
+        (&mut input)
+            .take(LARGEST_WHOLE + 1)
+            .read_to_end(&mut bytes)
+            .with_context(|| format!("{name}: cannot be read to its end"))?;
+        if bytes.len() as u64 > LARGEST_WHOLE {
+            bail!(
+                "{name}: is larger than {} MiB, which is no file of this kind; split it",
+                LARGEST_WHOLE >> 20
+            );
+        }
         let sha256 = input.finish().with_context(|| format!("{name}: cannot be read to its end"))?;
         self.inputs.push(InputDigest { name: role.to_owned(), sha256 });
         Ok((name, bytes))

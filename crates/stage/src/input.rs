@@ -8,7 +8,7 @@ use anyhow::{Context as _, bail};
 use flate2::bufread::MultiGzDecoder;
 use sha2::{Digest, Sha256};
 
-use crate::Source;
+use crate::{Expansion, Source};
 
 const BUFFER: usize = 1 << 17;
 
@@ -100,7 +100,7 @@ pub fn open_file(path: &Path) -> anyhow::Result<Input> {
 fn decompressed(name: String, mut reader: Box<dyn BufRead>) -> anyhow::Result<Input> {
     let start = reader.fill_buf().with_context(|| format!("{name}: cannot be read"))?;
     let reader: Box<dyn Read> = if start.starts_with(&[0x1f, 0x8b]) {
-        Box::new(MultiGzDecoder::new(reader))
+        Box::new(Expansion::new(reader, MultiGzDecoder::new))
     } else {
         Box::new(reader)
     };

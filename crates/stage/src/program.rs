@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use anyhow::Context as _;
 use clap::{CommandFactory, FromArgMatches};
 
-use crate::{CommonArguments, Context, interrupt, logging};
+use crate::{CommonArguments, Context, documentation, interrupt, logging};
 
 /// The name and version of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,6 +41,9 @@ pub fn run<A: CommandFactory + FromArgMatches>(
         .version(identity.version)
         .about(identity.about)
         .long_about(None);
+    if let Some(what) = documentation::requested(std::env::args_os()) {
+        return documentation::print(command, &what);
+    }
     let arguments = match command.try_get_matches().and_then(|matches| A::from_arg_matches(&matches)) {
         Ok(arguments) => arguments,
         Err(error) => {
@@ -76,7 +79,14 @@ fn execute<A>(
             .build_global()
             .context("the threads cannot be started; try fewer with --threads")?;
     }
-    let outcome = body(arguments, context)?;
+    let outcome = match body(arguments, context) {
+        // Whoever reads the pipe has seen enough. The work is done, and its summary is wanted all the same.
+        Err(error) if is_closed_pipe(&error) => {
+            context.statistics.note("output_closed", true);
+            Outcome::Done
+        }
+        outcome => outcome?,
+    };
     context.write_statistics()?;
     Ok(outcome)
 }

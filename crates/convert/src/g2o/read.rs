@@ -3,13 +3,14 @@
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::io::BufRead;
 
-use posecut_graph::{Dimension, Edge, EdgeKind, Header, Node, PoseGraph};
+use posecut_graph::{Dimension, Edge, EdgeKind, Header, Node, PoseGraph, negative_eigenvalue};
+use posecut_stage::bounded_lines;
 use serde_json::Value;
 
-use super::FIXED;
+use super::{FIXED, inferred_kind, kind_of_comment};
 use crate::ConvertError;
 use crate::error::number;
-use crate::information::{Repair, clamp, negative_eigenvalue};
+use crate::information::{Repair, clamp};
 use crate::toro;
 
 /// Which of the two formats with vertices and edges a file has.
@@ -57,6 +58,10 @@ struct Reader<'a> {
     dimension: Option<Dimension>,
     vertices: BTreeMap<u64, Vec<f64>>,
     edges: Vec<Edge>,
+    /// What a comment says of the next edge.
+    kind: Option<EdgeKind>,
+    /// Pairs of successive vertices that have their odometry.
+    successive: HashSet<u64>,
     fixed: BTreeSet<u64>,
     summary: ReadSummary,
 }
@@ -85,15 +90,19 @@ pub(crate) fn read_dialect(
         dimension: None,
         vertices: BTreeMap::new(),
         edges: Vec::new(),
+        kind: None,
+        successive: HashSet::new(),
         fixed: BTreeSet::new(),
         summary: ReadSummary::default(),
     };
-    for line in reader.lines() {
+    for line in bounded_lines(reader) {
         state.line += 1;
         let line = line.map_err(|error| ConvertError::Io { file: file.to_owned(), error })?;
         let fields: Vec<&str> = line.split_whitespace().collect();
         if fields.first().is_some_and(|tag| !tag.starts_with('#')) {
             state.record(&fields)?;
+        } else if let Some(kind) = kind_of_comment(&fields) {
+            state.kind = Some(kind);
         }
     }
     state.graph()
@@ -181,10 +190,11 @@ impl Reader<'_> {
         }
         if dimension == Dimension::Three {
             let norm = pose[3..].iter().map(|component| component * component).sum::<f64>().sqrt();
-            if !(norm > 1e-6) {
-                return Err(
-                    self.refuse("the quaternion is zero", "correct the line; the order is qx qy qz qw")
-                );
+            if !(norm > 1e-6 && norm.is_finite()) {
+                return Err(self.refuse(
+                    format!("the quaternion has norm {norm}, and cannot be brought to 1"),
+                    "correct the line; the order is qx qy qz qw",
+                ));
             }
             // Printed with few digits, quaternions are a little off: bring them back.
             if (norm - 1.0).abs() > 1e-9 {
@@ -228,8 +238,7 @@ impl Reader<'_> {
                     )
                 })?;
         }
-        let side = dimension.degrees_of_freedom();
-        if let Some(eigenvalue) = negative_eigenvalue(side, &information) {
+        if let Some(eigenvalue) = negative_eigenvalue(dimension, &information) {
             if self.options.repair == Repair::Refuse {
                 return Err(self.refuse(
                     format!(
@@ -238,10 +247,16 @@ impl Reader<'_> {
                     "correct it at its source, or say --repair-information to set negative eigenvalues to zero",
                 ));
             }
-            information = clamp(side, &information);
+            information = clamp(dimension, &information).ok_or_else(|| {
+                self.refuse(
+                    format!("the information matrix of edge {from} {to} is too large to be repaired"),
+                    "correct it at its source",
+                )
+            })?;
             self.summary.repaired += 1;
         }
-        let mut edge = Edge::new(EdgeKind::Landmark, self.edges.len() as u64, from, to);
+        let kind = self.kind.take().unwrap_or_else(|| inferred_kind(&mut self.successive, from, to));
+        let mut edge = Edge::new(kind, self.edges.len() as u64, from, to);
         edge.measurement = Some(self.pose(dimension, numbers)?);
         edge.information = Some(information);
         self.edges.push(edge);
@@ -275,7 +290,6 @@ impl Reader<'_> {
             }
             graph.nodes.push(node);
         }
-        mark_odometry(&mut self.edges);
         graph.edges = self.edges;
         Ok((graph, self.summary))
     }
@@ -286,17 +300,6 @@ impl Reader<'_> {
             (char::from(letter).to_string(), (id & ((1 << 56) - 1)) as i64)
         } else {
             (self.options.session.clone(), i64::try_from(id).unwrap_or(i64::MAX))
-        }
-    }
-}
-
-/// The first edge between each vertex and its successor is odometry.
-fn mark_odometry(edges: &mut [Edge]) {
-    let mut seen = HashSet::new();
-    for edge in edges {
-        let (low, high) = (edge.from.min(edge.to), edge.from.max(edge.to));
-        if high - low == 1 && seen.insert(low) {
-            edge.kind = EdgeKind::Odometry;
         }
     }
 }

@@ -1,11 +1,12 @@
 //! Writing g2o.
 
+use std::collections::HashSet;
 use std::fmt::Write as _;
 
-use posecut_graph::{Dimension, PoseGraph};
+use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 use serde_json::Value;
 
-use super::FIXED;
+use super::{FIXED, comment_of_kind, inferred_kind};
 
 /// What could not be written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -19,7 +20,7 @@ pub struct WriteSummary {
 }
 
 /// Writes a g2o file: vertices, `FIX`, edges in use (or all of them, `keep_rejected`). Numbers read back to
-/// the same bits.
+/// the same bits, and edges as the kind they are.
 pub fn write(graph: &PoseGraph, keep_rejected: bool) -> (Vec<u8>, WriteSummary) {
     let (vertex, edge_tag) = match graph.header.dimension {
         Dimension::Two => ("VERTEX_SE2", "EDGE_SE2"),
@@ -36,6 +37,7 @@ pub fn write(graph: &PoseGraph, keep_rejected: bool) -> (Vec<u8>, WriteSummary) 
     for node in graph.nodes.iter().filter(|node| node.extra.get(FIXED) == Some(&Value::Bool(true))) {
         line(&mut text, "FIX", &[node.id], &[]);
     }
+    let mut successive = HashSet::new();
     for edge in &graph.edges {
         if !edge.in_use() && !keep_rejected {
             summary.rejected += 1;
@@ -45,6 +47,14 @@ pub fn write(graph: &PoseGraph, keep_rejected: bool) -> (Vec<u8>, WriteSummary) 
             summary.unmeasured += 1;
             continue;
         };
+        // What the reader will call it: a comment corrects that where it is wrong, and then the rule has not been used.
+        let inferred = inferred_kind(&mut successive, edge.from, edge.to);
+        if inferred != edge.kind {
+            line(&mut text, &comment_of_kind(edge.kind).join(" "), &[], &[]);
+            if inferred == EdgeKind::Odometry {
+                successive.remove(&edge.from.min(edge.to));
+            }
+        }
         let numbers: Vec<f64> = measurement.iter().chain(information).copied().collect();
         line(&mut text, edge_tag, &[edge.from, edge.to], &numbers);
     }

@@ -2,6 +2,8 @@
 
 use nalgebra::{DMatrix, SMatrix};
 
+use super::packing::{packed_length, unpack_upper_triangle};
+
 /// A smallest eigenvalue above minus this share of the largest is zero in print: files carry six to nine digits.
 const PRINT_TOLERANCE: f64 = 1e-9;
 
@@ -51,5 +53,87 @@ pub fn definiteness<const DOF: usize>(matrix: &SMatrix<f64, DOF, DOF>) -> Defini
         Definiteness::Semidefinite { smallest: printed_smallest, largest: printed_largest }
     } else {
         Definiteness::Indefinite { smallest: printed_smallest, largest: printed_largest }
+    }
+}
+
+/// The smallest eigenvalue of an information matrix given by its upper triangle, if it is negative beyond the digits of a
+/// printed file ([`Definiteness::Indefinite`]); NaN if a term is not finite or there are too few.
+///
+/// A factorisation settles the usual case, a positive definite matrix; eigenvalues are computed for the rest alone.
+/// Takes O(DOF^3).
+pub fn negative_eigenvalue<const DOF: usize>(upper_triangle: &[f64]) -> Option<f64> {
+    if has_cholesky_factor::<DOF>(upper_triangle) {
+        return None;
+    }
+    let Ok(matrix) = unpack_upper_triangle::<DOF>(upper_triangle) else { return Some(f64::NAN) };
+    match definiteness(&matrix) {
+        Definiteness::PositiveDefinite | Definiteness::Semidefinite { .. } => None,
+        Definiteness::Indefinite { smallest, .. } => Some(smallest),
+        Definiteness::NotFinite => Some(f64::NAN),
+    }
+}
+
+/// Whether all pivots are positive and finite. Entries whose products overflow have no factor here, and are left to the
+/// scaled eigenvalues.
+fn has_cholesky_factor<const DOF: usize>(upper_triangle: &[f64]) -> bool {
+    if upper_triangle.len() != packed_length(DOF) {
+        return false;
+    }
+    let mut factor = [[0.0_f64; DOF]; DOF];
+    let mut next = 0;
+    for row in 0..DOF {
+        for column in row..DOF {
+            let mut value = upper_triangle[next];
+            next += 1;
+            for above in factor.iter().take(row) {
+                value -= above[row] * above[column];
+            }
+            if column == row {
+                if !(value > 0.0 && value.is_finite()) {
+                    return false;
+                }
+                factor[row][row] = value.sqrt();
+            } else {
+                factor[row][column] = value / factor[row][row];
+            }
+        }
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn definite_and_printed_semidefinite_matrices_pass() {
+        assert_eq!(negative_eigenvalue::<3>(&[2.0, 0.5, 0.1, 3.0, 0.2, 1.0]), None);
+        assert_eq!(negative_eigenvalue::<3>(&[1.0, 1.0, 0.0, 1.0, 0.0, 1.0]), None);
+        assert_eq!(negative_eigenvalue::<3>(&[0.0; 6]), None);
+        assert_eq!(negative_eigenvalue::<3>(&[1.0, 1.0, 0.0, 1.0 - 1e-10, 0.0, 1.0]), None);
+        assert_eq!(negative_eigenvalue::<3>(&[1e308, 0.0, 0.0, 1e308, 0.0, 1e308]), None);
+    }
+
+    #[test]
+    fn indefinite_matrices_are_named_by_their_smallest_eigenvalue() {
+        let smallest = negative_eigenvalue::<3>(&[1.0, 2.0, 0.0, 1.0, 0.0, 1.0]).unwrap();
+        assert!((smallest + 1.0).abs() < 1e-12, "eigenvalues of [[1,2],[2,1]] are 3 and -1, got {smallest}");
+        assert!(negative_eigenvalue::<3>(&[f64::NAN; 6]).unwrap().is_nan());
+        assert!(negative_eigenvalue::<3>(&[1.0; 5]).unwrap().is_nan());
+    }
+
+    /// The products of such entries overflow to NaN, which is not below zero: the factorisation must not pass it.
+    #[test]
+    fn indefinite_matrices_of_huge_entries_are_indefinite() {
+        let huge = 1e200;
+        let smallest =
+            negative_eigenvalue::<3>(&[huge, 2.0 * huge, 1e-200, huge, -2.0 * huge, huge]).unwrap();
+        assert!(smallest < -0.9 * huge, "{smallest:e}");
+        let mut terms = [0.0; 21];
+        for place in [0, 6, 11, 15, 18, 20] {
+            terms[place] = 1e-300;
+        }
+        (terms[1], terms[2], terms[7]) = (1e300, 1e300, 1e300);
+        assert!(negative_eigenvalue::<6>(&terms).unwrap() < 0.0);
     }
 }

@@ -1,0 +1,116 @@
+//! A program that is ended while it writes leaves the old file, and nothing half.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![cfg(unix)]
+
+use std::fmt::Write as _;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use posecut_contract::{program, samples};
+
+/// Stages from graph to graph, which write large files.
+const STAGES: &[&str] = &["oracle", "pcm", "multicut", "optimize"];
+
+/// Times that a program may end before it was caught writing.
+const TRIES: usize = 5;
+
+/// The sample with ballast that every stage passes through: computing takes no longer, compressing it does.
+fn heavy_graph(folder: &Path) -> String {
+    let mut text = String::from_utf8(samples().bytes("graph.jsonl")).unwrap();
+    let mut state = 1_u64;
+    for _ in 0..150_000 {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let _ = writeln!(text, "{{\"kind\":\"ballast\",\"a\":{state},\"b\":{}}}", state.rotate_left(29));
+    }
+    let path = folder.join("heavy.jsonl");
+    std::fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+fn temporary_files(folder: &Path) -> Vec<std::path::PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap().flatten().map(|entry| entry.path());
+    entries.filter(|path| path.file_name().unwrap().to_string_lossy().starts_with(".posecut-")).collect()
+}
+
+/// Whether something was written into a file or directory.
+fn has_content(path: &Path) -> bool {
+    match std::fs::read_dir(path) {
+        Ok(mut entries) => entries.next().is_some(),
+        Err(_) => std::fs::metadata(path).is_ok_and(|metadata| metadata.len() > 0),
+    }
+}
+
+fn start(name: &str, arguments: &[&str]) -> Child {
+    Command::new(program(name))
+        .args(arguments)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap()
+}
+
+/// Ends a program as soon as it writes; whether it was caught at it.
+fn end_while_writing(child: &mut Child, folder: &Path, signal: &str) -> bool {
+    let limit = Instant::now() + Duration::from_mins(2);
+    while child.try_wait().unwrap().is_none() && Instant::now() < limit {
+        if temporary_files(folder).iter().any(|path| has_content(path)) {
+            let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
+            let status = child.wait().unwrap();
+            return sent.success() && !status.success();
+        }
+        std::thread::sleep(Duration::from_micros(200));
+    }
+    child.wait().unwrap();
+    false
+}
+
+#[test]
+fn a_stage_ended_while_it_writes_leaves_the_old_file() {
+    let inputs = tempfile::tempdir().unwrap();
+    let graph = heavy_graph(inputs.path());
+    for name in STAGES {
+        for signal in ["-TERM", "-INT", "-KILL"] {
+            let caught = (0..TRIES).any(|_| {
+                let folder = tempfile::tempdir().unwrap();
+                let (out, stats) = (folder.path().join("out.jsonl.gz"), folder.path().join("stats.json"));
+                std::fs::write(&out, "precious").unwrap();
+                let arguments = [&graph, "-o", out.to_str().unwrap(), "--stats", stats.to_str().unwrap()];
+                let caught = end_while_writing(&mut start(name, &arguments), folder.path(), signal);
+                if caught {
+                    assert_eq!(std::fs::read(&out).unwrap(), b"precious", "{name} {signal}");
+                    assert!(!stats.exists(), "{name} {signal}: a summary of what did not happen");
+                    // Nobody can tidy up after KILL; what is left is recognised by its name and not the output.
+                    let left = temporary_files(folder.path());
+                    assert!(signal == "-KILL" || left.is_empty(), "{name} {signal} left {left:?}");
+                }
+                caught
+            });
+            assert!(
+                caught,
+                "{name} {signal}: it always ended before it was seen writing, so nothing was tested"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_directory_ended_while_it_is_filled_does_not_appear() {
+    for signal in ["-TERM", "-KILL"] {
+        let caught = (0..TRIES).any(|_| {
+            let folder = tempfile::tempdir().unwrap();
+            let out = folder.path().join("2012-01-22");
+            let arguments = ["--length", "3000", "--rate", "50", "-o", out.to_str().unwrap()];
+            let caught = end_while_writing(&mut start("simulate", &arguments), folder.path(), signal);
+            if caught {
+                assert!(!out.exists(), "{signal}: half a session");
+                let left = temporary_files(folder.path());
+                assert!(signal == "-KILL" || left.is_empty(), "{signal} left {left:?}");
+            }
+            caught
+        });
+        assert!(caught, "{signal}: it always ended before it was seen writing, so nothing was tested");
+    }
+}

@@ -1,0 +1,143 @@
+//! What is fuzzed, and the laws it must keep.
+
+mod readers;
+mod session;
+mod stages;
+
+use std::cell::OnceCell;
+use std::path::PathBuf;
+
+use crate::seeds;
+
+/// What a target made of an input.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// It was taken; in few words what for.
+    Read(String),
+    /// It was refused, with this sentence.
+    Refused(String),
+}
+
+impl Outcome {
+    fn refused(error: impl std::fmt::Display) -> Self {
+        Self::Refused(format!("{error:#}"))
+    }
+}
+
+/// A reader or a stage.
+pub struct Target {
+    /// Its name: the folder of its corpus, and the stream of its random numbers.
+    pub name: &'static str,
+    /// Words that mean something to it.
+    pub words: &'static [&'static str],
+    /// Gives it an input; panics where a law is broken.
+    pub read: fn(&[u8]) -> Outcome,
+    seeds: fn() -> Vec<Vec<u8>>,
+}
+
+impl Target {
+    /// Sound inputs, then those kept in the corpus.
+    pub fn seeds(&self) -> Vec<Vec<u8>> {
+        let mut all = (self.seeds)();
+        all.extend(seeds::kept(self.name));
+        all
+    }
+}
+
+const JSON: &[&str] = &[
+    "kind",
+    "header",
+    "node",
+    "odometry",
+    "landmark",
+    "id",
+    "from",
+    "to",
+    "measurement",
+    "information",
+    "noise",
+    "truth",
+    "pose",
+    "correct",
+    "rejected_by",
+    "cost",
+    "score",
+    "session",
+    "frame",
+    "utime",
+    "format",
+    "version",
+    "dimension",
+    "provenance",
+    "noise_models",
+    "null",
+    "true",
+    "false",
+    "posecut",
+];
+
+const CSV: &[&str] =
+    &["nan", "frame_i", "frame_j", "score", "session_i", "session_j", "wheels.csv", "kvh.csv"];
+
+/// Everything that is fuzzed.
+pub const TARGETS: &[Target] = &[
+    Target { name: "jsonl", words: JSON, read: readers::jsonl, seeds: seeds::graphs },
+    Target { name: "schema", words: JSON, read: readers::schema, seeds: seeds::graphs },
+    Target {
+        name: "g2o",
+        words: &["VERTEX_SE2", "EDGE_SE2", "VERTEX_SE3:QUAT", "EDGE_SE3:QUAT", "FIX", "VERTEX_XY"],
+        read: readers::g2o,
+        seeds: seeds::g2o,
+    },
+    Target {
+        name: "toro",
+        words: &["VERTEX2", "EDGE2", "VERTEX3", "EDGE3"],
+        read: readers::toro,
+        seeds: seeds::toro,
+    },
+    Target { name: "tum", words: &["nan"], read: readers::tum, seeds: seeds::tum },
+    Target { name: "kitti", words: &["nan"], read: readers::kitti, seeds: seeds::kitti },
+    Target { name: "mc", words: &["MULTICUT", "nan"], read: readers::mc, seeds: seeds::instances },
+    Target {
+        name: "certificate",
+        words: &["labels", "component", "end", "cycle", "path", "fix", "join", "cut", "blocks", "branch"],
+        read: readers::certificate,
+        seeds: seeds::certificates,
+    },
+    Target { name: "matches", words: CSV, read: readers::matches, seeds: seeds::matches },
+    Target { name: "result", words: JSON, read: readers::result, seeds: seeds::results },
+    Target {
+        name: "published",
+        words: &["source", "rmse", "pcm"],
+        read: readers::published,
+        seeds: seeds::published,
+    },
+    Target {
+        name: "gzip",
+        words: &[],
+        read: readers::gzip,
+        seeds: || vec![seeds::compressed(&seeds::graphs()[3])],
+    },
+    Target { name: "session", words: CSV, read: session::directory, seeds: seeds::sessions },
+    Target { name: "archive", words: CSV, read: session::archive, seeds: seeds::archives },
+    Target { name: "pcm", words: JSON, read: stages::pcm, seeds: seeds::graphs },
+    Target { name: "multicut", words: JSON, read: stages::multicut, seeds: seeds::graphs },
+    Target { name: "optimize", words: JSON, read: stages::optimize, seeds: seeds::graphs },
+    Target { name: "oracle", words: JSON, read: stages::oracle, seeds: seeds::graphs },
+    Target { name: "evaluate", words: JSON, read: stages::evaluate, seeds: seeds::graphs },
+    Target { name: "construct", words: JSON, read: stages::construct, seeds: seeds::graphs },
+];
+
+thread_local! {
+    static SCRATCH: OnceCell<tempfile::TempDir> = const { OnceCell::new() };
+}
+
+/// A path for readers that open files themselves; in memory where the system offers that.
+fn scratch(name: &str) -> PathBuf {
+    SCRATCH.with(|folder| {
+        let folder = folder.get_or_init(|| {
+            tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).expect("a temporary folder")
+        });
+        folder.path().join(name)
+    })
+}

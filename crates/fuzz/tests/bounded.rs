@@ -1,0 +1,56 @@
+//! A fixed number of hostile inputs for every target, the same on every machine.
+
+use posecut_fuzz::{Campaign, TARGETS};
+
+/// Inputs a target: some seconds in all.
+const INPUTS: u64 = 1_500;
+
+#[test]
+fn no_target_panics_or_breaks_its_laws() {
+    for target in TARGETS {
+        let mut campaign = Campaign::new(target, 1);
+        for _ in 0..INPUTS {
+            let input = campaign.input();
+            if let Err(finding) = campaign.step(input) {
+                panic!(
+                    "{}, seed 1, input {}: {}\n{}",
+                    target.name,
+                    finding.number,
+                    finding.message,
+                    String::from_utf8_lossy(&finding.input)
+                );
+            }
+        }
+        assert!(
+            campaign.outcomes() > 2,
+            "{}: the inputs all end the same way, and test nothing",
+            target.name
+        );
+    }
+}
+
+#[test]
+fn a_campaign_is_fixed_by_its_seed() {
+    let inputs = |seed| {
+        let mut campaign = Campaign::new(&TARGETS[0], seed);
+        (0..50)
+            .map(|_| {
+                let input = campaign.input();
+                drop(campaign.step(input.clone()));
+                input
+            })
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(inputs(1), inputs(1));
+    assert_ne!(inputs(1), inputs(2));
+}
+
+#[test]
+fn seeds_are_sound() {
+    for target in TARGETS {
+        let seeds = target.seeds();
+        assert!(!seeds.is_empty(), "{}", target.name);
+        let outcome = (target.read)(&seeds[0]);
+        assert!(matches!(outcome, posecut_fuzz::Outcome::Read(_)), "{}: {outcome:?}", target.name);
+    }
+}

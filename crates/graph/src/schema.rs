@@ -1,0 +1,147 @@
+//! The format as a JSON Schema.
+
+use serde_json::{Value, json};
+
+use crate::{Dimension, FORMAT, VERSION};
+
+/// The JSON Schema (draft 2020-12) of one line of a pose graph.
+///
+/// `$defs/plane` and `$defs/space` describe the lines of a file of dimension 2 and 3; the whole schema takes either. It
+/// takes everything that the reader takes. What a schema of single lines cannot say, the reader refuses in addition: ids
+/// that stand twice, edges to missing nodes, unknown noise models, quaternions whose norm is not 1, information that is
+/// not positive semidefinite, fields that stand twice, and whole numbers written with a fraction or an exponent.
+pub fn schema() -> Value {
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": format!("{FORMAT} pose graph, version {VERSION}: one line"),
+        "description": "JSON Lines: a header, then nodes, then edges, one object a line. Metres, radians, microseconds UTC.",
+        "anyOf": [{"$ref": "#/$defs/plane"}, {"$ref": "#/$defs/space"}],
+        "$defs": {
+            "plane": record(Dimension::Two),
+            "space": record(Dimension::Three),
+            "id": {"type": "integer", "minimum": 0, "maximum": u64::MAX},
+            "whole": {"type": ["integer", "null"], "minimum": i64::MIN, "maximum": i64::MAX},
+            "text": {"type": ["string", "null"]},
+            "number": {"type": ["number", "null"]},
+        }
+    })
+}
+
+/// Any record of a file of that dimension. Records of other kinds may hold anything.
+fn record(dimension: Dimension) -> Value {
+    let kinds = [
+        ("header", header(dimension)),
+        ("node", node(dimension)),
+        ("odometry", edge(dimension, true)),
+        ("landmark", edge(dimension, false)),
+    ];
+    let cases: Vec<Value> = kinds
+        .into_iter()
+        .map(|(kind, schema)| json!({"if": {"properties": {"kind": {"const": kind}}}, "then": schema}))
+        .collect();
+    json!({
+        "type": "object",
+        "required": ["kind"],
+        "properties": {"kind": {"type": "string"}},
+        "allOf": cases
+    })
+}
+
+fn header(dimension: Dimension) -> Value {
+    json!({
+        "description": "The first line, once.",
+        "required": ["format", "version", "dimension"],
+        "properties": {
+            "format": {"const": FORMAT},
+            "version": {"const": VERSION},
+            "dimension": {"const": dimension.number()},
+            "noise_models": {
+                "description": "Information matrices that edges share by name.",
+                "type": ["object", "null"],
+                "additionalProperties": {
+                    "type": "object",
+                    "required": ["information"],
+                    "properties": {"information": information(dimension)}
+                }
+            },
+            "provenance": {"description": "What each stage did, oldest first.", "type": ["array", "null"]}
+        }
+    })
+}
+
+fn node(dimension: Dimension) -> Value {
+    json!({
+        "description": "A viewpoint (keyframe).",
+        "required": ["id"],
+        "properties": {
+            "id": {"$ref": "#/$defs/id"},
+            "session": {"$ref": "#/$defs/text"},
+            "frame": {"$ref": "#/$defs/whole"},
+            "utime": {"description": "Microseconds since 1970, UTC.", "$ref": "#/$defs/whole"},
+            "pose": optional(&pose(dimension)),
+            "landmark": {"anyOf": [{"$ref": "#/$defs/id"}, {"type": "null"}]},
+            "truth": {"type": ["object", "null"], "properties": {"pose": optional(&pose(dimension))}}
+        }
+    })
+}
+
+fn edge(dimension: Dimension, odometry: bool) -> Value {
+    let mut required = vec!["id", "from", "to"];
+    let mut conditions = vec![
+        json!({"not": {"allOf": [present("information"), present("noise")]}}),
+        json!({"if": present("measurement"), "then": {"anyOf": [present("information"), present("noise")]}}),
+    ];
+    if odometry {
+        required.push("measurement");
+        conditions.push(present("measurement"));
+    }
+    json!({
+        "description": if odometry {
+            "Motion between successive nodes of a session."
+        } else {
+            "A recognised place: a loop closure, right or wrong."
+        },
+        "required": required,
+        "properties": {
+            "id": {"$ref": "#/$defs/id"},
+            "from": {"$ref": "#/$defs/id"},
+            "to": {"$ref": "#/$defs/id"},
+            "measurement": {"description": "The pose of \"to\" in the frame of \"from\".", "anyOf": optional(&pose(dimension))["anyOf"]},
+            "information": {"description": "Upper triangle, row by row.", "anyOf": optional(&information(dimension))["anyOf"]},
+            "noise": {"description": "A noise model of the header.", "$ref": "#/$defs/text"},
+            "truth": {"type": ["object", "null"], "properties": {"correct": {"type": ["boolean", "null"]}}},
+            "rejected_by": {"description": "The stage that rejected it; absent while it is in use.", "$ref": "#/$defs/text"},
+            "cost": {"$ref": "#/$defs/number"},
+            "score": {"$ref": "#/$defs/number"}
+        },
+        "allOf": conditions
+    })
+}
+
+fn pose(dimension: Dimension) -> Value {
+    let count = dimension.pose_components();
+    let mut schema = json!({
+        "description": format!("A pose of dimension {dimension}: {}.", dimension.pose_layout()),
+        "type": "array", "items": {"type": "number"}, "minItems": count, "maxItems": count
+    });
+    if dimension == Dimension::Three {
+        let (any, unit) =
+            (json!({"type": "number"}), json!({"type": "number", "minimum": -1.001, "maximum": 1.001}));
+        schema["prefixItems"] = [vec![any; 3], vec![unit; 4]].concat().into();
+    }
+    schema
+}
+
+fn information(dimension: Dimension) -> Value {
+    let count = dimension.information_terms();
+    json!({"type": "array", "items": {"type": "number"}, "minItems": count, "maxItems": count})
+}
+
+/// `null` counts as absent.
+fn optional(schema: &Value) -> Value {
+    json!({"anyOf": [schema, {"type": "null"}]})
+}
+
+fn present(field: &str) -> Value {
+    json!({"required": [field], "properties": {field: {"not": {"type": "null"}}}})
+}

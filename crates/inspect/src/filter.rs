@@ -1,0 +1,200 @@
+//! A part of a pose graph that is a sound pose graph itself.
+
+use std::str::FromStr;
+
+use posecut_graph::{Edge, EdgeKind, Node, PoseGraph};
+use serde::Serialize;
+
+use crate::parts::parts;
+
+/// What is kept: all that passes every option given. Ids, marks and unknown records stay as they are.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, clap::Args)]
+pub struct Options {
+    /// Keep the nodes of these sessions; 2012-01-22 means its experiences /a and /b too
+    #[arg(long, value_name = "NAME", help_heading = "Nodes")]
+    pub session: Vec<String>,
+
+    /// Keep the nodes with ids from FIRST to LAST; either may be left out
+    #[arg(long, value_name = "FIRST..LAST", help_heading = "Nodes")]
+    pub nodes: Option<Range>,
+
+    /// Keep the nodes with frames from FIRST to LAST
+    #[arg(long, value_name = "FIRST..LAST", allow_hyphen_values = true, help_heading = "Nodes")]
+    pub frames: Option<Range>,
+
+    /// Keep the nodes with times from FIRST to LAST, microseconds UTC
+    #[arg(long, value_name = "FIRST..LAST", allow_hyphen_values = true, help_heading = "Nodes")]
+    pub times: Option<Range>,
+
+    /// Keep the N-th largest of the parts that the edges in use hold together, counted from 1
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "Nodes")]
+    pub component: Option<u64>,
+
+    /// Keep the edges of this kind
+    #[arg(long, value_enum, help_heading = "Edges")]
+    pub kind: Option<Kind>,
+
+    /// Keep rejected landmark edges, or those in use
+    #[arg(long, value_enum, help_heading = "Edges")]
+    pub rejected: Option<Rejected>,
+
+    /// Keep the landmark edges that the truth calls correct or incorrect, or that it does not know
+    #[arg(long, value_enum, help_heading = "Edges")]
+    pub truth: Option<Truth>,
+
+    /// Take the truth out of nodes and edges
+    #[arg(long, help_heading = "Edges")]
+    pub strip_truth: bool,
+}
+
+/// A kind of edges.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// Motion
+    Odometry,
+    /// Recognised places
+    Landmark,
+}
+
+/// Whether a landmark edge is rejected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rejected {
+    /// Some stage has rejected it
+    Yes,
+    /// It is in use
+    No,
+}
+
+/// What the truth says of a landmark edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Truth {
+    /// Both nodes see the same place
+    Correct,
+    /// They do not
+    Incorrect,
+    /// Nobody knows
+    Unknown,
+}
+
+/// Whole numbers from the first to the last, both included; either may be open.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Range {
+    /// The smallest.
+    pub first: Option<i128>,
+    /// The largest.
+    pub last: Option<i128>,
+}
+
+impl Range {
+    fn contains(self, value: i128) -> bool {
+        self.first.is_none_or(|first| first <= value) && self.last.is_none_or(|last| value <= last)
+    }
+}
+
+impl FromStr for Range {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected =
+            || format!("\"{text}\" is no range; say FIRST..LAST, FIRST.. or ..LAST, both included");
+        let (first, last) = text.split_once("..").ok_or_else(expected)?;
+        let end = |text: &str| {
+            // Ids and times fit into 64 bits; more digits are a slip.
+            let number = |value: i128| (-(1 << 63)..=u64::MAX.into()).contains(&value).then_some(value);
+            match text {
+                "" => Ok(None),
+                digits => digits.parse().ok().and_then(number).map(Some).ok_or_else(expected),
+            }
+        };
+        let range = Self { first: end(first)?, last: end(last)? };
+        if let (Some(first), Some(last)) = (range.first, range.last)
+            && first > last
+        {
+            return Err(format!("the range {text} is empty; name the smaller number first"));
+        }
+        Ok(range)
+    }
+}
+
+/// Counts of what was left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Left {
+    /// Nodes left out.
+    pub nodes: usize,
+    /// Edges left out by their own properties.
+    pub edges: usize,
+    /// Edges left out because one of their nodes was.
+    pub edges_without_nodes: usize,
+}
+
+/// Leaves out of a graph what the options do not keep. An edge whose node is left out goes with it, so that the rest is
+/// sound. O(size), with a logarithm where ids do not count from 0.
+pub fn filter(graph: &mut PoseGraph, options: &Options) -> Left {
+    let mut kept: Vec<bool> = graph.nodes.iter().map(|node| options.keeps_node(node)).collect();
+    if let Some(number) = options.component {
+        let mut parts = parts(graph);
+        // Largest first; of the same size, the one with the smallest node first: the sort is stable.
+        parts.sort_by_key(|part| std::cmp::Reverse(part.nodes.len()));
+        let part = parts.get(number as usize - 1);
+        let mut inside = vec![false; graph.nodes.len()];
+        part.into_iter().flat_map(|part| &part.nodes).for_each(|&node| inside[node] = true);
+        kept.iter_mut().zip(inside).for_each(|(kept, inside)| *kept &= inside);
+    }
+    let mut left = Left { nodes: kept.iter().filter(|kept| !**kept).count(), ..Left::default() };
+    let mut edges = std::mem::take(&mut graph.edges);
+    edges.retain(|edge| {
+        let there = |id| graph.node_index(id).is_some_and(|index| kept[index]);
+        let whole = there(edge.from) && there(edge.to);
+        let wanted = options.keeps_edge(edge);
+        left.edges_without_nodes += usize::from(!whole);
+        left.edges += usize::from(whole && !wanted);
+        whole && wanted
+    });
+    graph.edges = edges;
+    let mut place = kept.into_iter();
+    graph.nodes.retain(|_| place.next().unwrap_or(true));
+    if options.strip_truth {
+        graph.nodes.iter_mut().for_each(|node| node.truth = None);
+        graph.edges.iter_mut().for_each(|edge| edge.truth = None);
+    }
+    left
+}
+
+impl Options {
+    fn keeps_node(&self, node: &Node) -> bool {
+        let session = node.session.as_deref().unwrap_or_default();
+        let named = |name: &String| {
+            session.strip_prefix(name.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+        };
+        let within = |range: Option<Range>, value: Option<i64>| {
+            range.is_none_or(|range| value.is_some_and(|value| range.contains(value.into())))
+        };
+        (self.session.is_empty() || self.session.iter().any(named))
+            && self.nodes.is_none_or(|range| range.contains(node.id.into()))
+            && within(self.frames, node.frame)
+            && within(self.times, node.utime)
+    }
+
+    fn keeps_edge(&self, edge: &Edge) -> bool {
+        let kind = match self.kind {
+            None => true,
+            Some(Kind::Odometry) => edge.kind == EdgeKind::Odometry,
+            Some(Kind::Landmark) => edge.kind == EdgeKind::Landmark,
+        };
+        let rejected = match self.rejected {
+            None => true,
+            Some(Rejected::Yes) => !edge.in_use(),
+            Some(Rejected::No) => edge.in_use(),
+        };
+        let truth = match self.truth {
+            None => true,
+            Some(Truth::Correct) => edge.truth_correct() == Some(true),
+            Some(Truth::Incorrect) => edge.truth_correct() == Some(false),
+            Some(Truth::Unknown) => edge.truth_correct().is_none(),
+        };
+        kind && (edge.kind == EdgeKind::Odometry || (rejected && truth))
+    }
+}

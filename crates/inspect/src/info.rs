@@ -1,0 +1,295 @@
+//! What is in a pose graph.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use posecut_evaluate::edges::{EdgeScores, score};
+use posecut_graph::{Edge, EdgeKind, PoseGraph};
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::parts::parts;
+
+/// Most sessions, noise models and parts that the text lists; the JSON has them all.
+const LISTED: usize = 20;
+
+/// The facts about a graph, as `--stats` has them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Info {
+    /// 2 or 3.
+    pub dimension: u64,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Nodes with an estimate.
+    pub posed_nodes: usize,
+    /// Nodes with a true pose.
+    pub true_poses: usize,
+    /// Sessions in the order of their first node.
+    pub sessions: Vec<Session>,
+    /// Corners of the estimates, metres; absent without estimates.
+    pub bounding_box: Option<Bounds>,
+    /// Odometry edges.
+    pub odometry: Edges,
+    /// Landmark edges.
+    pub landmark: Edges,
+    /// Marked edges by the stage that marked them.
+    pub rejected_by: BTreeMap<String, usize>,
+    /// Noise models of the header: how many edges use each.
+    pub noise_models: BTreeMap<String, usize>,
+    /// Parts that the edges in use hold together.
+    pub components: Components,
+    /// Precision and recall of the landmark edges in use; absent if no edge's truth is known.
+    pub edges: Option<EdgeScores>,
+    /// What made the file, oldest first.
+    pub provenance: Vec<String>,
+    /// Records of unknown kind.
+    pub unknown_records: usize,
+    /// Fields that the format does not know, and how many records have them.
+    pub unknown_fields: BTreeMap<String, usize>,
+}
+
+/// One session.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Session {
+    /// Its name; empty for nodes that name none.
+    pub name: String,
+    /// Its nodes.
+    pub nodes: usize,
+    /// First and last frame.
+    pub frames: Option<(i64, i64)>,
+    /// First and last time, microseconds UTC.
+    pub times: Option<(i64, i64)>,
+}
+
+/// The corners of a box, metres.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Bounds {
+    /// Smallest coordinates.
+    pub smallest: Vec<f64>,
+    /// Largest coordinates.
+    pub largest: Vec<f64>,
+}
+
+/// Edges of one kind.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Edges {
+    /// All of them.
+    pub count: usize,
+    /// Those that no stage has rejected.
+    pub in_use: usize,
+    /// Those without a measurement.
+    pub unmeasured: usize,
+    /// Those between two sessions.
+    pub between_sessions: usize,
+}
+
+/// Connected parts.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Components {
+    /// How many.
+    pub count: usize,
+    /// Nodes of each, largest first.
+    pub sizes: Vec<usize>,
+}
+
+impl Info {
+    /// Gathers the facts. Takes O(size), with a logarithm where ids do not count from 0.
+    pub fn of(graph: &PoseGraph) -> Self {
+        let mut rejected_by = BTreeMap::new();
+        let mut noise_models: BTreeMap<String, usize> =
+            graph.header.noise_models.iter().map(|(name, _)| (name.clone(), 0)).collect();
+        for edge in &graph.edges {
+            if let Some(stage) = &edge.rejected_by {
+                *rejected_by.entry(stage.clone()).or_default() += 1;
+            }
+            if let Some(noise) = &edge.noise {
+                *noise_models.entry(noise.clone()).or_default() += 1;
+            }
+        }
+        let mut sizes: Vec<usize> = parts(graph).iter().map(|part| part.nodes.len()).collect();
+        sizes.sort_unstable_by(|a, b| b.cmp(a));
+        Self {
+            dimension: graph.header.dimension.number(),
+            nodes: graph.nodes.len(),
+            posed_nodes: graph.nodes.iter().filter(|node| node.pose.is_some()).count(),
+            true_poses: graph
+                .nodes
+                .iter()
+                .filter(|node| node.truth.as_ref().is_some_and(|t| t.pose.is_some()))
+                .count(),
+            sessions: sessions(graph),
+            bounding_box: bounding_box(graph),
+            odometry: edges(graph, EdgeKind::Odometry),
+            landmark: edges(graph, EdgeKind::Landmark),
+            rejected_by,
+            noise_models,
+            components: Components { count: sizes.len(), sizes },
+            edges: score(graph),
+            provenance: graph.header.provenance.iter().map(provenance_line).collect(),
+            unknown_records: graph.unknown.len(),
+            unknown_fields: unknown_fields(graph),
+        }
+    }
+}
+
+fn sessions(graph: &PoseGraph) -> Vec<Session> {
+    let mut places: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut sessions: Vec<Session> = Vec::new();
+    let widen = |range: &mut Option<(i64, i64)>, value: Option<i64>| {
+        if let Some(value) = value {
+            let (first, last) = range.unwrap_or((value, value));
+            *range = Some((first.min(value), last.max(value)));
+        }
+    };
+    for node in &graph.nodes {
+        let name = node.session.as_deref().unwrap_or_default();
+        let place = *places.entry(name).or_insert_with(|| {
+            sessions.push(Session { name: name.to_owned(), nodes: 0, frames: None, times: None });
+            sessions.len() - 1
+        });
+        sessions[place].nodes += 1;
+        widen(&mut sessions[place].frames, node.frame);
+        widen(&mut sessions[place].times, node.utime);
+    }
+    sessions
+}
+
+fn bounding_box(graph: &PoseGraph) -> Option<Bounds> {
+    let axes = graph.header.dimension.number() as usize;
+    let mut poses = graph.nodes.iter().filter_map(|node| node.pose.as_ref());
+    let first = poses.next()?[..axes].to_vec();
+    let mut bounds = Bounds { smallest: first.clone(), largest: first };
+    for pose in poses {
+        for axis in 0..axes {
+            bounds.smallest[axis] = bounds.smallest[axis].min(pose[axis]);
+            bounds.largest[axis] = bounds.largest[axis].max(pose[axis]);
+        }
+    }
+    Some(bounds)
+}
+
+fn edges(graph: &PoseGraph, kind: EdgeKind) -> Edges {
+    let session = |id| graph.node_index(id).and_then(|index| graph.nodes[index].session.as_deref());
+    let mut edges = Edges::default();
+    for edge in graph.edges_of(kind) {
+        edges.count += 1;
+        edges.in_use += usize::from(edge.in_use());
+        edges.unmeasured += usize::from(edge.measurement.is_none());
+        edges.between_sessions += usize::from(session(edge.from) != session(edge.to));
+    }
+    edges
+}
+
+fn unknown_fields(graph: &PoseGraph) -> BTreeMap<String, usize> {
+    let mut fields = BTreeMap::new();
+    let mut count = |kind: &str, extra: &posecut_graph::Extra| {
+        for name in extra.keys() {
+            *fields.entry(format!("{kind}.{name}")).or_default() += 1;
+        }
+    };
+    count("header", &graph.header.extra);
+    for node in &graph.nodes {
+        count("node", &node.extra);
+        node.truth.iter().for_each(|truth| count("node.truth", &truth.extra));
+    }
+    for edge in &graph.edges {
+        count(edge.kind.name(), &edge.extra);
+        let truth = |edge: &Edge| format!("{}.truth", edge.kind.name());
+        edge.truth.iter().for_each(|known| count(&truth(edge), &known.extra));
+    }
+    fields
+}
+
+/// An entry of the history in one line: the stage, its version, and the arguments that are not null.
+pub fn provenance_line(entry: &Value) -> String {
+    let text = |value: &Value| match value {
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    };
+    let Some(stage) = entry.get("stage") else { return format!("unknown layout: {entry}") };
+    let mut line = text(stage);
+    if let Some(version) = entry.get("version") {
+        line = format!("{line} {}", text(version));
+    }
+    if let Some(Value::Object(arguments)) = entry.get("arguments") {
+        for (name, value) in arguments.iter().filter(|(_, value)| !value.is_null()) {
+            line = format!("{line} {name}={}", text(value));
+        }
+    }
+    line
+}
+
+impl fmt::Display for Info {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(out, "dimension    {}", self.dimension)?;
+        writeln!(
+            out,
+            "nodes        {} ({} with pose, {} with true pose)",
+            self.nodes, self.posed_nodes, self.true_poses
+        )?;
+        for session in self.sessions.iter().take(LISTED) {
+            let name = if session.name.is_empty() { "(no session)" } else { &session.name };
+            write!(out, "session      {name}: {} nodes", session.nodes)?;
+            if let Some((first, last)) = session.frames {
+                write!(out, ", frames {first} to {last}")?;
+            }
+            if let Some((first, last)) = session.times {
+                write!(out, ", {:.1} s", (last as f64 - first as f64) * 1e-6)?;
+            }
+            writeln!(out)?;
+        }
+        more(out, self.sessions.len(), "sessions")?;
+        if let Some(bounds) = &self.bounding_box {
+            write!(out, "bounding box")?;
+            for (name, (low, high)) in ["x", "y", "z"].iter().zip(bounds.smallest.iter().zip(&bounds.largest))
+            {
+                write!(out, " {name} {low:.3} to {high:.3} m")?;
+            }
+            writeln!(out)?;
+        }
+        for (name, edges) in [("odometry", &self.odometry), ("landmark", &self.landmark)] {
+            writeln!(
+                out,
+                "{name:12} {} edges ({} in use, {} without measurement, {} between sessions)",
+                edges.count, edges.in_use, edges.unmeasured, edges.between_sessions
+            )?;
+        }
+        for (stage, count) in &self.rejected_by {
+            writeln!(out, "rejected     {count} by {stage}")?;
+        }
+        if let Some(scores) = &self.edges {
+            let share = |share: Option<f64>| share.map_or("none".to_owned(), |share| format!("{share:.4}"));
+            writeln!(
+                out,
+                "truth        precision {}, recall {} ({} correct in use, {} incorrect in use, {} correct rejected, {} incorrect rejected)",
+                share(scores.precision),
+                share(scores.recall),
+                scores.true_positive,
+                scores.false_positive,
+                scores.false_negative,
+                scores.true_negative
+            )?;
+        }
+        for (name, count) in self.noise_models.iter().take(LISTED) {
+            writeln!(out, "noise model  {name}: {count} edges")?;
+        }
+        more(out, self.noise_models.len(), "noise models")?;
+        let sizes: Vec<String> = self.components.sizes.iter().take(LISTED).map(ToString::to_string).collect();
+        let rest = if self.components.count > LISTED { ", …" } else { "" };
+        writeln!(out, "components   {} (nodes: {}{rest})", self.components.count, sizes.join(", "))?;
+        for (name, count) in &self.unknown_fields {
+            writeln!(out, "unknown      field {name} in {count} records")?;
+        }
+        if self.unknown_records > 0 {
+            writeln!(out, "unknown      {} records of other kinds", self.unknown_records)?;
+        }
+        for (place, line) in self.provenance.iter().enumerate() {
+            writeln!(out, "made by      {}. {line}", place + 1)?;
+        }
+        Ok(())
+    }
+}
+
+fn more(out: &mut fmt::Formatter<'_>, count: usize, what: &str) -> fmt::Result {
+    if count > LISTED { writeln!(out, "             and {} further {what}", count - LISTED) } else { Ok(()) }
+}

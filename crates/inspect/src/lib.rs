@@ -1,0 +1,19 @@
+//! What is in a pose graph ([`info`]), is it sound ([`validate`]), what changed between two ([`difference`]), and a part
+//! of one ([`filter`]).
+//!
+//! ```
+//! use posecut_graph::PoseGraph;
+//! let text = r#"{"kind":"header","format":"posecut","version":1,"dimension":2}
+//! {"kind":"node","id":0,"pose":[0,0,0]}
+//! {"kind":"node","id":1,"pose":[4,3,0]}
+//! "#;
+//! let graph = PoseGraph::read("example", text.as_bytes()).unwrap();
+//! let info = posecut_inspect::info::Info::of(&graph);
+//! assert_eq!((info.nodes, info.components.count), (2, 2));
+//! ```
+
+pub mod difference;
+pub mod filter;
+pub mod info;
+pub mod parts;
+pub mod validate;

@@ -1,0 +1,164 @@
+//! `posecut-inspect`: what is in a pose graph, is it sound, what changed between two, and a part of one.
+
+use std::process::ExitCode;
+
+use anyhow::bail;
+use clap::{Parser, Subcommand};
+use posecut_inspect::difference::Difference;
+use posecut_inspect::filter::{self, filter};
+use posecut_inspect::info::Info;
+use posecut_inspect::validate::{Severity, validate};
+use posecut_stage::{CommonArguments, Context, Identity, Outcome, Source, counted, info, open, run};
+
+#[derive(Parser)]
+struct Command {
+    #[command(subcommand)]
+    task: Task,
+
+    #[command(flatten)]
+    common: CommonArguments,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// What is in a graph: sessions, counts, bounding box, marks, parts, history
+    Info {
+        /// The pose graph to read (may be compressed); `-` is standard input
+        #[arg(value_name = "INPUT", default_value = "-")]
+        input: Source,
+    },
+    /// Whether a graph is sound: all faults and warnings; exit status 1 if there is a fault
+    Validate {
+        /// The pose graph to read (may be compressed); `-` is standard input
+        #[arg(value_name = "INPUT", default_value = "-")]
+        input: Source,
+
+        /// Exit status 1 for warnings too
+        #[arg(long)]
+        strict: bool,
+
+        /// Findings listed; the rest is counted
+        #[arg(long, value_name = "N", default_value_t = 100)]
+        most: usize,
+    },
+    /// What changed between two graphs; exit status 1 if anything but the history did
+    Diff {
+        /// The graph before; `-` is standard input
+        #[arg(value_name = "BEFORE")]
+        before: Source,
+
+        /// The graph after; `-` is standard input
+        #[arg(value_name = "AFTER")]
+        after: Source,
+
+        /// Numbers that differ by at most this are the same
+        #[arg(long, value_name = "SIZE", default_value_t = 0.0)]
+        tolerance: f64,
+    },
+    /// A part of a graph, sound by itself
+    Filter {
+        /// The pose graph to read (may be compressed); `-` is standard input
+        #[arg(value_name = "INPUT", default_value = "-")]
+        input: Source,
+
+        #[command(flatten)]
+        options: filter::Options,
+
+        /// Leave rejected edges out of the output instead of marking them
+        #[arg(long, help_heading = "Output")]
+        drop_rejected: bool,
+    },
+}
+
+fn main() -> ExitCode {
+    let identity = Identity {
+        name: "inspect",
+        version: env!("CARGO_PKG_VERSION"),
+        about: "Tell what is in a pose graph, whether it is sound, what changed between two, and take a part of one",
+    };
+    run::<Command>(
+        identity,
+        |command| &command.common,
+        |command, context| match &command.task {
+            Task::Info { input } => show(input, context),
+            Task::Validate { input, strict, most } => check(input, *strict, *most, context),
+            Task::Diff { before, after, tolerance } => compare(before, after, *tolerance, context),
+            Task::Filter { input, options, drop_rejected } => {
+                let mut graph = context.read_graph(input, "graph")?;
+                let left = filter(&mut graph, options);
+                if *drop_rejected {
+                    graph.drop_rejected();
+                }
+                info!(
+                    "{} and {} kept; left out: {}, {}, and {} that lost a node",
+                    counted(graph.nodes.len(), "node"),
+                    counted(graph.edges.len(), "edge"),
+                    counted(left.nodes, "node"),
+                    counted(left.edges, "edge"),
+                    left.edges_without_nodes
+                );
+                context.statistics.note("nodes", graph.nodes.len());
+                context.statistics.note("edges", graph.edges.len());
+                context.statistics.note("left_out", left);
+                context.record_provenance(&mut graph, options, None)?;
+                context.write_graph(&graph)?;
+                Ok(Outcome::Done)
+            }
+        },
+    )
+}
+
+fn show(input: &Source, context: &mut Context) -> anyhow::Result<Outcome> {
+    let info = Info::of(&context.read_graph(input, "graph")?);
+    note_all(&info, context)?;
+    context.write_bytes(info.to_string().as_bytes())?;
+    Ok(Outcome::Done)
+}
+
+fn check(input: &Source, strict: bool, most: usize, context: &mut Context) -> anyhow::Result<Outcome> {
+    let mut opened = open(input)?;
+    let name = opened.name.clone();
+    let findings = validate(&name, &mut opened)?;
+    let faults = findings.iter().filter(|finding| finding.severity == Severity::Fault).count();
+    let warnings = findings.len() - faults;
+    let mut text: String = findings.iter().take(most).map(|finding| format!("{finding}\n")).collect();
+    if findings.len() > most {
+        text += &format!("and {} further findings; --most lists more\n", findings.len() - most);
+    }
+    text += &format!("{name}: {}, {}\n", counted(faults, "fault"), counted(warnings, "warning"));
+    context.statistics.note("faults", faults);
+    context.statistics.note("warnings", warnings);
+    context.statistics.note("findings", &findings);
+    context.write_bytes(text.as_bytes())?;
+    Ok(if faults > 0 || (strict && warnings > 0) { Outcome::CheckFailed } else { Outcome::Done })
+}
+
+fn compare(
+    before: &Source,
+    after: &Source,
+    tolerance: f64,
+    context: &mut Context,
+) -> anyhow::Result<Outcome> {
+    if *before == Source::Standard && *after == Source::Standard {
+        bail!("standard input can be one of the two graphs; name a file for the other");
+    }
+    if !(tolerance >= 0.0) {
+        bail!("--tolerance is {tolerance}, and must be zero or a positive number");
+    }
+    let before = context.read_graph(before, "before")?;
+    let after = context.read_graph(after, "after")?;
+    let difference = Difference::between(&before, &after, tolerance)?;
+    note_all(&difference, context)?;
+    context.write_bytes(difference.to_string().as_bytes())?;
+    Ok(if difference.same { Outcome::Done } else { Outcome::CheckFailed })
+}
+
+/// Every field of a summary becomes a figure of its own.
+fn note_all(summary: &impl serde::Serialize, context: &mut Context) -> anyhow::Result<()> {
+    if let serde_json::Value::Object(fields) = serde_json::to_value(summary)? {
+        for (name, value) in fields {
+            context.statistics.note(&name, value);
+        }
+    }
+    Ok(())
+}

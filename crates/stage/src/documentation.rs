@@ -1,0 +1,193 @@
+//! What a program says of itself for manuals and shells, from the same description that reads its command line:
+//! `posecut-STAGE --generate WHAT`. It stands alone on the command line and in no help, since it is for those who install
+//! programs and remake documents.
+
+use std::ffi::OsString;
+use std::fmt::Write as _;
+use std::io::{self, Write as _};
+use std::process::ExitCode;
+
+use clap::{Arg, ArgAction, Command, ValueEnum as _};
+use clap_complete::Shell;
+
+/// The heading of the options that every program has.
+const COMMON_HEADING: &str = "Output";
+
+/// What can be generated, for the message that refuses anything else.
+const KNOWN: &str = "man, bash, elvish, fish, powershell, zsh, reference, options or common";
+
+/// What is asked for, if the command line is `--generate WHAT` and nothing else.
+pub(crate) fn requested(mut arguments: impl Iterator<Item = OsString>) -> Option<String> {
+    arguments.next();
+    if arguments.next()? != "--generate" {
+        return None;
+    }
+    let what = arguments.next().unwrap_or_default();
+    arguments.next().is_none().then(|| what.to_string_lossy().into_owned())
+}
+
+pub(crate) fn print(mut command: Command, what: &str) -> ExitCode {
+    command.build();
+    let text = match what {
+        "man" => manual(&command),
+        "reference" => reference(&command).into_bytes(),
+        "options" => table_of(&command, |argument| !is_common(argument)).into_bytes(),
+        "common" => table(command.get_arguments().filter(|argument| is_common(argument))).into_bytes(),
+        shell => {
+            let Ok(shell) = Shell::from_str(shell, false) else {
+                let name = command.get_name();
+                let _ =
+                    writeln!(io::stderr(), "{name}: error: --generate \"{what}\" is unknown; say {KNOWN}");
+                return ExitCode::from(2);
+            };
+            let name = command.get_name().to_owned();
+            let mut bytes = Vec::new();
+            clap_complete::generate(shell, &mut command, name, &mut bytes);
+            bytes
+        }
+    };
+    // A closed pipe is no error here either.
+    let _ = io::stdout().write_all(&text);
+    ExitCode::SUCCESS
+}
+
+/// The manual page, with the options of each subcommand in a section of its own.
+fn manual(command: &Command) -> Vec<u8> {
+    let mut page = Vec::new();
+    // Writing to memory cannot fail.
+    let _ = clap_mangen::Man::new(command.clone()).render(&mut page);
+    for subcommand in tasks(command) {
+        let mut section = Vec::new();
+        let man = clap_mangen::Man::new(subcommand.clone().disable_help_flag(true));
+        let _ = man.render_description_section(&mut section);
+        let _ = man.render_options_section(&mut section);
+        let name = subcommand.get_name().to_uppercase();
+        let text = String::from_utf8_lossy(&section)
+            .replace(".SH DESCRIPTION", &format!(".SH \"{name}\""))
+            .replace(".SH OPTIONS", &format!(".SH \"{name}: OPTIONS\""));
+        page.extend(text.as_bytes());
+    }
+    page
+}
+
+fn tasks(command: &Command) -> impl Iterator<Item = &Command> {
+    command.get_subcommands().filter(|subcommand| subcommand.get_name() != "help")
+}
+
+/// A section of the reference of all programs.
+fn reference(command: &Command) -> String {
+    let about = command.get_about().map(ToString::to_string).unwrap_or_default();
+    let mut text = format!("## {}\n\n{about}.\n\n", command.get_name());
+    for usage in usages(command) {
+        let _ = writeln!(text, "    {usage}");
+    }
+    text.push('\n');
+    text.push_str(&table_of(command, |argument| !is_common(argument)));
+    text
+}
+
+fn usages(command: &Command) -> Vec<String> {
+    let usage = |command: &Command| {
+        let text = command.clone().render_usage().to_string();
+        text.trim_start_matches("Usage: ").split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    if command.has_subcommands() { tasks(command).map(usage).collect() } else { vec![usage(command)] }
+}
+
+/// The table of a program's arguments, or one table for each of its subcommands.
+fn table_of(command: &Command, keep: impl Fn(&Arg) -> bool) -> String {
+    let mut text = table(command.get_arguments().filter(|argument| keep(argument)));
+    for subcommand in tasks(command) {
+        let about = subcommand.get_about().map(ToString::to_string).unwrap_or_default();
+        if !text.is_empty() {
+            text.push('\n');
+        }
+        let _ = write!(text, "`{}`: {about}.\n\n", subcommand.get_name());
+        text.push_str(&table(subcommand.get_arguments().filter(|argument| keep(argument))));
+    }
+    if text.is_empty() { "None but those of every program.\n".to_owned() } else { text }
+}
+
+fn is_common(argument: &Arg) -> bool {
+    argument.get_help_heading() == Some(COMMON_HEADING)
+        || matches!(
+            argument.get_action(),
+            ArgAction::Help | ArgAction::HelpShort | ArgAction::HelpLong | ArgAction::Version
+        )
+}
+
+fn table<'a>(arguments: impl Iterator<Item = &'a Arg>) -> String {
+    let mut text = String::new();
+    for argument in arguments.filter(|argument| !argument.is_hide_set()) {
+        if text.is_empty() {
+            text.push_str("| argument | default | meaning |\n|---|---|---|\n");
+        }
+        let _ = writeln!(text, "| {} | {} | {} |", names(argument), default(argument), meaning(argument));
+    }
+    text
+}
+
+fn names(argument: &Arg) -> String {
+    let mut values = String::new();
+    if argument.get_action().takes_values() {
+        let names = argument.get_value_names().unwrap_or_default();
+        values = names.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
+    }
+    let many = matches!(argument.get_action(), ArgAction::Append)
+        || argument.get_num_args().is_some_and(|count| count.max_values() > 1);
+    let more = if many { " …" } else { "" };
+    if argument.is_positional() {
+        return format!("`{values}{more}`");
+    }
+    let short = argument.get_short().map(|short| format!("`-{short}`, ")).unwrap_or_default();
+    let long = argument.get_long().unwrap_or_default();
+    let gap = if values.is_empty() { "" } else { " " };
+    format!("{short}`--{long}{gap}{values}{more}`")
+}
+
+fn default(argument: &Arg) -> String {
+    if argument.is_required_set() {
+        return "needed".to_owned();
+    }
+    if !argument.get_action().takes_values() {
+        return String::new();
+    }
+    let values: Vec<String> =
+        argument.get_default_values().iter().map(|value| format!("`{}`", value.to_string_lossy())).collect();
+    if values.is_empty() { "none".to_owned() } else { values.join(" ") }
+}
+
+fn meaning(argument: &Arg) -> String {
+    let help = argument.get_long_help().or(argument.get_help()).map(ToString::to_string).unwrap_or_default();
+    let mut text = help.split_whitespace().collect::<Vec<_>>().join(" ");
+    let values: Vec<String> = argument
+        .get_possible_values()
+        .iter()
+        .filter(|value| !value.is_hide_set() && argument.get_action().takes_values())
+        .map(|value| {
+            let help = value.get_help().map(|help| format!(" ({help})")).unwrap_or_default();
+            format!("`{}`{help}", value.get_name())
+        })
+        .collect();
+    if !values.is_empty() {
+        let _ = write!(text, ": {}", values.join(", "));
+    }
+    text.replace('|', "\\|")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn asked(line: &[&str]) -> Option<String> {
+        requested(line.iter().map(OsString::from))
+    }
+
+    #[test]
+    fn only_the_whole_command_line_asks() {
+        assert_eq!(asked(&["posecut-pcm", "--generate", "man"]), Some("man".to_owned()));
+        assert_eq!(asked(&["posecut-pcm", "--generate", "man", "x"]), None);
+        assert_eq!(asked(&["posecut-pcm", "x", "--generate", "man"]), None);
+        assert_eq!(asked(&["posecut-pcm"]), None);
+    }
+}

@@ -1,0 +1,112 @@
+#!/usr/bin/env python3
+"""Writes docs/dependencies.md: every crate that the programs are built from, with its version and licence.
+
+With --check, writes nothing and fails if the page is out of date. Either way it fails if a licence is not among those
+that may be linked into a program under MIT or Apache 2.0, or if a crate does not come from the registry.
+"""
+
+import json
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+PAGE = ROOT / "docs" / "dependencies.md"
+
+# Licences that ask for no more than their text and a notice. MPL-2.0 covers the files of the crate alone.
+ALLOWED = {
+    "0BSD", "Apache-2.0", "Apache-2.0 WITH LLVM-exception", "BSD-1-Clause", "BSD-2-Clause", "BSD-3-Clause", "BSL-1.0",
+    "CC0-1.0", "ISC", "MIT", "MIT-0", "MPL-2.0", "OFL-1.1", "Ubuntu-font-1.0", "Unicode-3.0", "Unicode-DFS-2016",
+    "Unlicense", "Zlib",
+}
+
+
+def allowed(expression):
+    """Whether an SPDX expression can be met: any of an OR, all of an AND."""
+    tokens = re.findall(r"\(|\)|[^\s()/]+|/", expression)
+
+    def alternatives(position):
+        value, position = conjunction(position)
+        while position < len(tokens) and tokens[position] in ("OR", "/"):
+            other, position = conjunction(position + 1)
+            value = value or other
+        return value, position
+
+    def conjunction(position):
+        value, position = licence(position)
+        while position < len(tokens) and tokens[position] == "AND":
+            other, position = licence(position + 1)
+            value = value and other
+        return value, position
+
+    def licence(position):
+        if tokens[position] == "(":
+            value, position = alternatives(position + 1)
+            return value, position + 1
+        name = tokens[position]
+        position += 1
+        if position < len(tokens) and tokens[position] == "WITH":
+            name = f"{name} WITH {tokens[position + 1]}"
+            position += 2
+        return name in ALLOWED, position
+
+    return alternatives(0)[0]
+
+
+def metadata():
+    command = ["cargo", "metadata", "--format-version", "1", "--locked"]
+    return json.loads(subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE).stdout)
+
+
+def linked(data):
+    """The packages that programs are built from: reached without development dependencies."""
+    nodes = {node["id"]: node for node in data["resolve"]["nodes"]}
+    ours = set(data["workspace_members"])
+    # Crates that are not published hold tests.
+    published = [package["id"] for package in data["packages"] if package["id"] in ours and package["publish"] != []]
+    open_ids, seen = published, set()
+    while open_ids:
+        identity = open_ids.pop()
+        if identity in seen:
+            continue
+        seen.add(identity)
+        for dependency in nodes[identity]["deps"]:
+            if any(kind["kind"] != "dev" for kind in dependency["dep_kinds"]):
+                open_ids.append(dependency["pkg"])
+    return seen
+
+
+def main():
+    data = metadata()
+    ours = set(data["workspace_members"])
+    programs = linked(data)
+    problems, rows = [], []
+    for package in sorted(data["packages"], key=lambda package: (package["name"], package["version"])):
+        if package["id"] in ours:
+            continue
+        name, version, expression = package["name"], package["version"], package["license"] or ""
+        if not expression or not allowed(expression):
+            problems.append(f"{name} {version}: its licence \"{expression}\" is not among those allowed")
+        if not (package["source"] or "").startswith("registry+"):
+            problems.append(f"{name} {version}: comes from {package['source']}, not from the registry")
+        use = "programs" if package["id"] in programs else "tests"
+        rows.append(f"| {name} | {version} | {expression} | {use} |")
+    text = (
+        "# Dependencies and their licences\n\n"
+        "Made by `scripts/dependencies.py` from Cargo.lock, for all platforms; it fails where a licence could not be met.\n"
+        "Crates of the second kind are linked into tests and benches alone. Advisories need a data base that is fetched:\n"
+        "`cargo install cargo-deny && cargo deny check advisories` reads the same Cargo.lock.\n\n"
+        f"{len(rows)} crates.\n\n| crate | version | licence | used by |\n|---|---|---|---|\n" + "\n".join(rows) + "\n"
+    )
+    if "--check" not in sys.argv[1:]:
+        PAGE.write_text(text, encoding="utf-8")
+    elif not PAGE.exists() or PAGE.read_text(encoding="utf-8") != text:
+        problems.append("docs/dependencies.md is out of date; run scripts/dependencies.py and commit the result")
+    for problem in problems:
+        print(f"dependencies: {problem}", file=sys.stderr)
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
