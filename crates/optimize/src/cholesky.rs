@@ -5,7 +5,7 @@
 //! equations", 1983), so that all arithmetic is dense. [`Symbolic`] is made once per graph and serves every block size;
 //! [`Factor`] owns all memory of the numeric phase and allocates none while it works.
 
-mod dense;
+pub(crate) mod dense;
 mod elimination;
 mod factor;
 mod inverse_column;

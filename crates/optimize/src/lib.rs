@@ -28,9 +28,11 @@
 mod certificate;
 pub mod cholesky;
 mod chordal_cost;
+pub mod command;
 pub mod components;
 mod dogleg;
 mod graduated;
+pub mod incremental;
 pub mod initialisation;
 mod kernel;
 mod kernel_name;

@@ -171,12 +171,12 @@ impl<G: LieGroup<DOF>, const DOF: usize> Problem<G, DOF> {
     }
 }
 
-fn is_finite<G: LieGroup<DOF>, const DOF: usize>(pose: &G) -> bool {
+pub(crate) fn is_finite<G: LieGroup<DOF>, const DOF: usize>(pose: &G) -> bool {
     pose.components().iter().all(|component| component.is_finite())
 }
 
 /// Whether the information matrix is only semidefinite, or what is wrong with the edge.
-fn check_edge<G: LieGroup<DOF>, const DOF: usize>(
+pub(crate) fn check_edge<G: LieGroup<DOF>, const DOF: usize>(
     index: usize,
     edge: &Edge<G, DOF>,
     nodes: usize,

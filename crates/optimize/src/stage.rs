@@ -191,25 +191,38 @@ pub struct Measured<G, const DOF: usize> {
 pub fn edges<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Result<Measured<G, DOF>> {
     let mut found = Measured { edges: Vec::new(), places: Vec::new(), unmeasured: 0 };
     for (place, edge) in graph.edges.iter().enumerate().filter(|(_, edge)| edge.in_use()) {
-        let (Some(measurement), Some(packed)) = (&edge.measurement, graph.information(edge)) else {
-            found.unmeasured += 1;
-            continue;
-        };
         let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to)) else {
             continue;
         };
-        let measurement = G::from_components(measurement)
-            .with_context(|| format!("{}: its measurement cannot be used", edge.name()))?;
-        let information: SMatrix<f64, DOF, DOF> = unpack_upper_triangle(packed)
-            .with_context(|| format!("{}: its information cannot be used", edge.name()))?;
-        let kind = match edge.kind {
-            posecut_graph::EdgeKind::Odometry => EdgeKind::Odometry,
-            posecut_graph::EdgeKind::Landmark => EdgeKind::Landmark,
+        let Some(measured) = measured_edge(graph, edge, from, to)? else {
+            found.unmeasured += 1;
+            continue;
         };
-        found.edges.push(Edge::new(from, to, measurement, information, kind));
+        found.edges.push(measured);
         found.places.push(place);
     }
     Ok(found)
+}
+
+/// An edge as the library takes it, without kernel, between these places; `None` if it measures nothing.
+pub(crate) fn measured_edge<G: LieGroup<DOF>, const DOF: usize>(
+    graph: &PoseGraph,
+    edge: &posecut_graph::Edge,
+    from: usize,
+    to: usize,
+) -> anyhow::Result<Option<Edge<G, DOF>>> {
+    let (Some(measurement), Some(packed)) = (&edge.measurement, graph.information(edge)) else {
+        return Ok(None);
+    };
+    let measurement = G::from_components(measurement)
+        .with_context(|| format!("{}: its measurement cannot be used", edge.name()))?;
+    let information: SMatrix<f64, DOF, DOF> = unpack_upper_triangle(packed)
+        .with_context(|| format!("{}: its information cannot be used", edge.name()))?;
+    let kind = match edge.kind {
+        posecut_graph::EdgeKind::Odometry => EdgeKind::Odometry,
+        posecut_graph::EdgeKind::Landmark => EdgeKind::Landmark,
+    };
+    Ok(Some(Edge::new(from, to, measurement, information, kind)))
 }
 
 fn tell<G>(graph: &PoseGraph, solution: &Solution<G>, unmeasured: usize) {

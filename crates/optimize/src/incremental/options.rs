@@ -1,0 +1,71 @@
+//! What the caller may choose.
+
+use super::IncrementalError;
+
+/// Settings of [`IncrementalSolver`](super::IncrementalSolver).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IncrementalOptions {
+    /// A variable is relinearised when a component of the translation of its linear update exceeds this, metres.
+    pub relinearise_translation: f64,
+    /// The same for components of the rotation, radians.
+    pub relinearise_rotation: f64,
+    /// Relinearisation is considered in every so many updates.
+    pub relinearise_every: usize,
+    /// A subtree is solved again when a component of the linear update of a variable on its separator has changed by more
+    /// than this since the last time (metres, radians). Zero solves wherever something changed at all.
+    pub propagate: f64,
+    /// Most linear solutions in one update: above 1, relinearisation and solution are repeated while variables exceed
+    /// the thresholds.
+    pub iterations: usize,
+}
+
+impl Default for IncrementalOptions {
+    /// Relinearisation beyond 0.05 m or 0.01 rad, considered in every update; propagation of changes beyond 1e-4; two solutions.
+    fn default() -> Self {
+        Self {
+            relinearise_translation: 0.05,
+            relinearise_rotation: 0.01,
+            relinearise_every: 1,
+            propagate: 1e-4,
+            iterations: 2,
+        }
+    }
+}
+
+impl IncrementalOptions {
+    /// Refuses what makes no sense.
+    pub(super) fn check(&self) -> Result<(), IncrementalError> {
+        for (name, value) in [
+            ("translation threshold of relinearisation", self.relinearise_translation),
+            ("rotation threshold of relinearisation", self.relinearise_rotation),
+            ("threshold of propagation", self.propagate),
+        ] {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(IncrementalError::Threshold { name, value });
+            }
+        }
+        for (name, value) in [
+            ("updates from one relinearisation to the next", self.relinearise_every),
+            ("linear solutions in an update", self.iterations),
+        ] {
+            if value == 0 {
+                return Err(IncrementalError::Zero { name });
+            }
+        }
+        Ok(())
+    }
+
+    /// Threshold for a component of a tangent vector of so many degrees of freedom: translations come first.
+    pub(super) fn relinearise(&self, component: usize, degrees_of_freedom: usize) -> f64 {
+        if component < translations(degrees_of_freedom) {
+            self.relinearise_translation
+        } else {
+            self.relinearise_rotation
+        }
+    }
+}
+
+/// Components of the translation in a tangent vector of so many degrees of freedom.
+pub(super) fn translations(degrees_of_freedom: usize) -> usize {
+    if degrees_of_freedom == 6 { 3 } else { 2 }
+}

@@ -1,0 +1,127 @@
+//! The order in which the records of a file come.
+//!
+//! A *stream* has its records in the order of time: a pose, then the edges that end at it, and so on. A file in canonical
+//! form has all nodes first; it is replayed as a session: nodes by id, each with the edges of which it is the later end.
+
+use std::collections::HashMap;
+use std::io::BufRead;
+
+use anyhow::Context as _;
+use posecut_graph::{PoseGraph, Record, RecordReader};
+use serde::Deserialize;
+
+use super::session::Arrival;
+
+/// A record that concerns the session, and its line.
+#[derive(Clone, Debug)]
+pub(super) struct Located {
+    pub(super) line: u64,
+    pub(super) arrival: Arrival,
+}
+
+/// A record of the kinds that only the incremental mode knows.
+#[derive(Deserialize)]
+struct Decision {
+    edge: u64,
+}
+
+/// Reads records and hands them on in the order of time; records of unknown kind go to `unknown`.
+///
+/// Until the second stretch of nodes begins it is open whether this is a stream, so that the records up to there are held
+/// back.
+pub(super) fn for_each<R: BufRead>(
+    source: &str,
+    reader: RecordReader<R>,
+    unknown: &mut Vec<String>,
+    mut take: impl FnMut(Located) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let mut reader = reader;
+    let mut held: Option<Vec<Located>> = Some(Vec::new());
+    let mut edges_began = false;
+    while let Some(record) = reader.next().transpose()? {
+        let line = reader.line();
+        let Some(arrival) = arrival(record, unknown).with_context(|| format!("{source}, line {line}"))?
+        else {
+            continue;
+        };
+        let is_node = matches!(arrival, Arrival::Node(_));
+        let located = Located { line, arrival };
+        if is_node && edges_began {
+            for earlier in held.take().into_iter().flatten() {
+                take(earlier)?;
+            }
+        }
+        edges_began |= !is_node;
+        match &mut held {
+            Some(held) => held.push(located),
+            None => take(located)?,
+        }
+    }
+    canonical(held.unwrap_or_default()).into_iter().try_for_each(take)
+}
+
+fn arrival(record: Record, unknown: &mut Vec<String>) -> anyhow::Result<Option<Arrival>> {
+    Ok(match record {
+        Record::Header(_) => None,
+        Record::Node(node) => Some(Arrival::Node(node)),
+        Record::Edge(edge) => Some(Arrival::Edge(edge)),
+        Record::Unknown(text) => {
+            #[derive(Deserialize)]
+            struct Kind {
+                kind: String,
+            }
+            let Kind { kind } = serde_json::from_str(&text)?;
+            let decision = || {
+                serde_json::from_str::<Decision>(&text)
+                    .map(|decision| decision.edge)
+                    .with_context(|| format!("{kind}: expected the id of an edge in the field \"edge\""))
+            };
+            match kind.as_str() {
+                "retract" => Some(Arrival::Retract(decision()?)),
+                "readmit" => Some(Arrival::Readmit(decision()?)),
+                _ => {
+                    unknown.push(text);
+                    None
+                }
+            }
+        }
+    })
+}
+
+/// Nodes by id, each with the edges of which it is the later end, by id; decisions at the end. An edge to a pose that is not
+/// there comes last, where it is refused.
+fn canonical(mut records: Vec<Located>) -> Vec<Located> {
+    let key = |located: &Located| match &located.arrival {
+        Arrival::Node(node) => node.id,
+        Arrival::Edge(edge) => edge.id,
+        Arrival::Retract(_) | Arrival::Readmit(_) => 0,
+    };
+    let rank = |located: &Located| match &located.arrival {
+        Arrival::Node(_) => 0,
+        Arrival::Edge(_) => 1,
+        Arrival::Retract(_) | Arrival::Readmit(_) => 2,
+    };
+    records.sort_by_key(|located| (rank(located), key(located)));
+    let mut places = HashMap::new();
+    for located in &records {
+        if let Arrival::Node(node) = &located.arrival {
+            let place = places.len();
+            places.entry(node.id).or_insert(place);
+        }
+    }
+    let step = |located: &Located| match &located.arrival {
+        Arrival::Node(node) => places[&node.id],
+        Arrival::Edge(edge) => {
+            let place = |id: u64| places.get(&id).copied().unwrap_or(usize::MAX);
+            place(edge.from).max(place(edge.to))
+        }
+        Arrival::Retract(_) | Arrival::Readmit(_) => usize::MAX,
+    };
+    records.sort_by_key(|located| (step(located), rank(located)));
+    records
+}
+
+/// A graph with this header and nothing else.
+pub(super) fn empty<R: BufRead>(reader: &RecordReader<R>) -> PoseGraph {
+    PoseGraph::new(reader.header().clone())
+}
