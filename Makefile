@@ -37,6 +37,7 @@ help:
 	@echo '  make check-results [NCLT=DIR]  hold the table to pipelines/expected.toml'
 	@echo '  make accept-results [NCLT=DIR] record the table there, and show what changes'
 	@echo '  make stages                    the stage programs and their versions'
+	@echo '  make online [NCLT=DIR]         online rejection: decisions taken back while the map grows, SVG'
 	@echo '  make test                      all tests'
 	@echo '  make check                     formatting, lints, documentation'
 	@echo '  make documentation             remake what is made from the programs: docs/cli.md, option tables, schema'
@@ -158,6 +159,8 @@ report: run $(REPORT)
 	@$(REPORT) html --quiet $(table_arguments) $(foreach file,$(regimes_found),--regimes $(file)) \
 	  --title 'posecut: $(if $(NCLT),NCLT sessions,simulated sessions)' -o $(RESULTS)/report$(suffix).html
 	@echo 'The page: $(RESULTS)/report$(suffix).html'
+
+include pipelines/online.mk
 
 # ---- development ------------------------------------------------------------------------------------------
 # The programs first: the contract tests run them. Optimised, because tests run real experiments, and because
