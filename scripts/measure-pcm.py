@@ -60,11 +60,11 @@ def run(command, **more):
     return done.stdout
 
 
-def converted(lines, folder):
+def converted(lines, folder, *options):
     """A g2o graph as JSON records; edges keep the order of the file by their ids."""
     path = folder / "graph.g2o"
     path.write_text("".join(lines))
-    text = run([TARGET / "posecut-convert", "-q", path, "--to", "jsonl"])
+    text = run([TARGET / "posecut-convert", "-q", path, "--to", "jsonl", *options])
     return [json.loads(line) for line in text.splitlines()]
 
 
@@ -175,7 +175,8 @@ def robots(folder):
                 if line.strip() and line not in seen:
                     seen.add(line)
                     lines.append(line if line.endswith("\n") else line + "\n")
-        yield "/".join(example.parts[-3:]), converted(lines, folder)
+        # One of the spoiled files has the end of a line a second time, as a line of its own.
+        yield "/".join(example.parts[-3:]), converted(lines, folder, "--skip-unknown")
 
 
 def robot_rows(folder):
@@ -185,7 +186,7 @@ def robot_rows(folder):
         key = {edge["id"]: (edge["from"], edge["to"], tuple(edge["measurement"])) for edge in edges}
         if name.startswith("clean"):
             truth = set(key.values())
-        comparable = name.endswith("example_2robots") and truth is not None
+        comparable = truth is not None and any(edge in truth for edge in key.values())
         graph, out, stats = folder / "graph.jsonl", folder / "out.jsonl", folder / "stats.json"
         graph.write_text("".join(json.dumps(record) + "\n" for record in records))
         cells = []

@@ -79,7 +79,7 @@ pub fn write(
         ("estimate.tum", trajectory(&timed, &aligned)),
     ];
     archive(&files).map_err(|error| {
-        ConvertError::graph(&format!("the archive cannot be made: {error}"), "name another format")
+        ConvertError::graph(format!("the archive cannot be made: {error}"), "name another format")
     })
 }
 

@@ -98,7 +98,7 @@ fn signature(outcome: &Outcome) -> String {
             quoted = !quoted;
         }
         let digit = character.is_ascii_digit();
-        if !quoted && !(digit && signature.ends_with('#')) {
+        if !(quoted || (digit && signature.ends_with('#'))) {
             signature.push(if digit { '#' } else { character });
         }
     }

@@ -22,7 +22,7 @@ fn no_target_panics_or_breaks_its_laws() {
             }
         }
         assert!(
-            campaign.outcomes() > 2,
+            campaign.outcomes() > 1,
             "{}: the inputs all end the same way, and test nothing",
             target.name
         );

@@ -304,14 +304,13 @@ fn duplicates<'a, T>(
     id: impl Fn(&T) -> u64 + 'a,
     name: impl Fn(&T) -> String + 'a,
 ) -> impl Iterator<Item = (Problem, u64)> + 'a {
-    records.windows(2).zip(lines.windows(2)).filter_map(move |(pair, lines)| {
-        (id(&pair[0]) == id(&pair[1])).then(|| {
-            let problem = Problem::new(
-                format!("its id stands already in line {} ({})", lines[0], name(&pair[0])),
-                "ids are unique among nodes, and among edges of all kinds; number them anew",
-            );
-            (problem.record(name(&pair[1])).field("id"), lines[1])
-        })
+    let again = move |(pair, _): &(&[T], &[u64])| id(&pair[0]) == id(&pair[1]);
+    records.windows(2).zip(lines.windows(2)).filter(again).map(move |(pair, lines)| {
+        let problem = Problem::new(
+            format!("its id stands already in line {} ({})", lines[0], name(&pair[0])),
+            "ids are unique among nodes, and among edges of all kinds; number them anew",
+        );
+        (problem.record(name(&pair[1])).field("id"), lines[1])
     })
 }
 

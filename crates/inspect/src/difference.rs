@@ -257,7 +257,9 @@ fn both_whole(a: &Value, b: &Value) -> bool {
 
 fn only_in(these: &[String], those: &[String]) -> usize {
     let mut left: BTreeMap<&str, usize> = BTreeMap::new();
-    those.iter().for_each(|line| *left.entry(line).or_default() += 1);
+    for line in those {
+        *left.entry(line).or_default() += 1;
+    }
     let missing = |line: &&String| match left.get_mut(line.as_str()).filter(|count| **count > 0) {
         Some(count) => {
             *count -= 1;

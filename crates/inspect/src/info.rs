@@ -160,9 +160,10 @@ fn bounding_box(graph: &PoseGraph) -> Option<Bounds> {
     let first = poses.next()?[..axes].to_vec();
     let mut bounds = Bounds { smallest: first.clone(), largest: first };
     for pose in poses {
-        for axis in 0..axes {
-            bounds.smallest[axis] = bounds.smallest[axis].min(pose[axis]);
-            bounds.largest[axis] = bounds.largest[axis].max(pose[axis]);
+        let sides = bounds.smallest.iter_mut().zip(&mut bounds.largest);
+        for ((smallest, largest), &coordinate) in sides.zip(pose) {
+            *smallest = smallest.min(coordinate);
+            *largest = largest.max(coordinate);
         }
     }
     Some(bounds)

@@ -20,6 +20,7 @@ struct Command {
 }
 
 #[derive(Subcommand)]
+#[allow(clippy::large_enum_variant, reason = "there is one, once a run")]
 enum Task {
     /// What is in a graph: sessions, counts, bounding box, marks, parts, history
     Info {
@@ -121,7 +122,10 @@ fn check(input: &Source, strict: bool, most: usize, context: &mut Context) -> an
     let findings = validate(&name, &mut opened)?;
     let faults = findings.iter().filter(|finding| finding.severity == Severity::Fault).count();
     let warnings = findings.len() - faults;
-    let mut text: String = findings.iter().take(most).map(|finding| format!("{finding}\n")).collect();
+    let mut text = String::new();
+    for finding in findings.iter().take(most) {
+        text += &format!("{finding}\n");
+    }
     if findings.len() > most {
         text += &format!("and {} further findings; --most lists more\n", findings.len() - most);
     }

@@ -20,16 +20,16 @@ use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use nalgebra::Vector3;
 use posecut_evaluate::alignment::{Alignment, Freedom};
-use posecut_geometry::{LieGroup, SE2, SE3};
+use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 use posecut_multicut::support::support_counts;
 use posecut_optimize::incremental::{EdgeId, IncrementalOptions, IncrementalSolver};
 use posecut_optimize::{Edge, Options, PoseGroup, Problem, optimize, stage};
 use posecut_pcm::candidate::group;
 use posecut_pcm::chain::Chains;
-use posecut_pcm::clique::maximum_clique;
+use posecut_pcm::clique::{Limits, maximum_clique};
 use posecut_pcm::consistency::consistency_graph;
-use posecut_pcm::{Gate, Test};
+use posecut_pcm::{Gate, Spatial, Test};
 
 /// A decision and what the map was like after it.
 struct Row {
@@ -43,9 +43,8 @@ struct Row {
 
 fn main() -> anyhow::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let (input, figure, series) = match arguments.as_slice() {
-        [input, figure, series] | [input, figure, series, _] => (input, figure, series),
-        _ => anyhow::bail!("usage: online_rejection GRAPH.jsonl FIGURE.svg SERIES.csv [K]"),
+    let ([input, figure, series] | [input, figure, series, _]) = arguments.as_slice() else {
+        anyhow::bail!("usage: online_rejection GRAPH.jsonl FIGURE.svg SERIES.csv [K]")
     };
     let every: usize = arguments.get(3).map_or(Ok(20), |word| word.parse())?;
     anyhow::ensure!(every > 0, "K is 0, and must be a positive number of poses");
@@ -73,7 +72,10 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-fn follow<G: PoseGroup<DOF>, const DOF: usize>(graph: &PoseGraph, every: usize) -> anyhow::Result<Vec<Row>> {
+fn follow<G: PoseGroup<DOF> + Spatial<DOF>, const DOF: usize>(
+    graph: &PoseGraph,
+    every: usize,
+) -> anyhow::Result<Vec<Row>> {
     let mut all = graph.clone();
     for edge in &mut all.edges {
         edge.rejected_by = None;
@@ -147,13 +149,13 @@ fn prefix(all: &PoseGraph, last: usize) -> PoseGraph {
 }
 
 /// The places of the landmark edges that PCM and then the multicut keep, with the paper's costs.
-fn decide<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Result<Vec<usize>> {
+fn decide<G: Spatial<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Result<Vec<usize>> {
     let mut graph = graph.clone();
     let gate = Gate::new(Test::Mahalanobis, 0.99, DOF)?;
     let chains = Chains::<G, DOF>::of(&graph)?;
     for group in &group(&graph, &chains)?.groups {
         let consistency = consistency_graph(&chains, group, gate);
-        let clique = maximum_clique(&consistency.graph, 20_000_000);
+        let clique = maximum_clique(&consistency.graph, Limits::work(20_000_000));
         for (vertex, candidate) in group.candidates.iter().enumerate() {
             if clique.vertices.binary_search(&vertex).is_err() {
                 graph.edges[candidate.edge].reject("pcm");
@@ -174,7 +176,7 @@ fn decide<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Resu
 }
 
 /// Root mean square distance of positions after the best rigid motion; the reference may have more poses.
-fn error<G: LieGroup<DOF>, const DOF: usize>(poses: &[G], reference: &[G]) -> f64 {
+fn error<G: Spatial<DOF>, const DOF: usize>(poses: &[G], reference: &[G]) -> f64 {
     let points = |poses: &[G]| poses.iter().map(|pose| Vector3::from(pose.translation())).collect::<Vec<_>>();
     let (from, to) = (points(poses), points(&reference[..poses.len()]));
     let freedom = if DOF == 3 { Freedom::Se2 } else { Freedom::Se3 };

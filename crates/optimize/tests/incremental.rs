@@ -387,7 +387,7 @@ fn a_false_edge_leaves_no_trace() {
         let node = world.grow();
         solver.add_pose(SE2::identity()).unwrap();
         solver.add_edge(world.measure(node - 1, node, EdgeKind::Odometry)).unwrap();
-        if node % 7 == 0 {
+        if node.is_multiple_of(7) {
             let earlier = world.any(node - 1);
             solver.add_edge(world.measure(earlier, node, EdgeKind::Landmark)).unwrap();
         }

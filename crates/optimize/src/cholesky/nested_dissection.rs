@@ -21,12 +21,12 @@ const SEPARATOR: u8 = 2;
 /// The order of elimination, `order[position] = variable`. Every pair is given once. Depends on the pattern alone.
 pub(crate) fn nested_dissection(variables: usize, pairs: &[(usize, usize)]) -> Vec<usize> {
     let mut order = Vec::with_capacity(variables);
-    dissect((0..variables).collect(), pairs, &mut order);
+    dissect(&(0..variables).collect::<Vec<_>>(), pairs, &mut order);
     order
 }
 
 /// Orders a part: `names` are the variables of its vertices, `pairs` their neighbourhood by place in `names`.
-fn dissect(names: Vec<usize>, pairs: &[(usize, usize)], order: &mut Vec<usize>) {
+fn dissect(names: &[usize], pairs: &[(usize, usize)], order: &mut Vec<usize>) {
     if names.len() <= SMALL {
         order.extend(approximate_minimum_degree(names.len(), pairs).into_iter().map(|vertex| names[vertex]));
         return;
@@ -47,7 +47,7 @@ fn dissect(names: Vec<usize>, pairs: &[(usize, usize)], order: &mut Vec<usize>) 
         let inside = |&&(a, b): &&(usize, usize)| side[a] == wanted && side[b] == wanted;
         // Places keep the order of the vertices, so that pairs keep theirs.
         let own: Vec<_> = pairs.iter().filter(inside).map(|&(a, b)| (place[a], place[b])).collect();
-        dissect(part, &own, order);
+        dissect(&part, &own, order);
     }
     order.extend((0..names.len()).filter(|&vertex| side[vertex] == SEPARATOR).map(|vertex| names[vertex]));
 }
@@ -226,7 +226,7 @@ mod tests {
                 assert!(cut.side[a] == cut.side[b] || cut.side[a] == SEPARATOR || cut.side[b] == SEPARATOR);
             }
             for side in 0..3_u8 {
-                let count = cut.side.iter().filter(|&&other| other == side).count();
+                let count = cut.side.iter().map(|&other| usize::from(other == side)).sum::<usize>();
                 assert_eq!(count, cut.sizes[usize::from(side)]);
             }
         }

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use posecut_evaluate::alignment::{Alignment, Freedom};
 use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 
-use super::{Dash, Frame, Panel, Polyline, colours};
+use super::{Dash, Frame, Marks, Panel, Polyline, Shape, colours};
 
 /// An estimate in the frame of its reference.
 pub struct Estimate {
@@ -140,7 +140,16 @@ pub fn panel(title: &str, estimate: &PoseGraph, reference: Option<&PoseGraph>, f
         Dash::Solid,
         "incorrect, in use",
     );
-    Panel { title: title.to_owned(), axes: frame.axes(), lines, marks: Vec::new() }
+    // The two ends of a false edge in use are pulled together: discs keep it visible.
+    let kept = edges.iter().filter(|edge| edge.in_use && edge.correct == Some(false));
+    let ends = Marks {
+        points: kept.flat_map(|edge| edge.ends).collect(),
+        colour: colours::INCORRECT,
+        shape: Shape::Disc,
+        size: 4.5,
+        legend: None,
+    };
+    Panel { title: title.to_owned(), axes: frame.axes(), lines, marks: vec![ends] }
 }
 
 /// The number and name of an experience, and the points it passes.

@@ -190,8 +190,11 @@ fn brief(value: f64) -> String {
 }
 
 fn brief_signed(value: f64) -> String {
-    let text = signed(value);
-    if value.abs() < 100.0 { text } else { text.split('.').next().unwrap_or_default().to_owned() }
+    match value {
+        _ if value.abs() < 100.0 => signed(value),
+        _ if value < 0.0 => format!("−{:.0}", -value),
+        _ => format!("+{value:.0}"),
+    }
 }
 
 fn told(value: Option<f64>) -> Option<(f64, String)> {
@@ -231,6 +234,6 @@ mod tests {
         assert_eq!([0.3, 1.0, 4.1, 5.1, 246.0].map(round_up), [0.5, 1.0, 5.0, 10.0, 500.0]);
         assert_eq!(nearest(&[0.3, 1.0, 10.0], 3.0), 1);
         assert_eq!(brief(99.96), "100.0");
-        assert_eq!((brief_signed(-157.3), brief_signed(2.0)), ("−157".to_owned(), "+2.00".to_owned()));
+        assert_eq!([-157.6, 2.0, 230.4].map(brief_signed), ["−158", "+2.00", "+230"]);
     }
 }
