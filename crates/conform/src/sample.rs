@@ -22,7 +22,7 @@ const UNKNOWN: [&str; 2] = [
     r#"{"kind":"note","text":"é, \"quoted\", kept as it stands","number":1.5}"#,
 ];
 
-/// Two laps of a circle in the plane: see [`graph`].
+/// Two laps of a circle in the plane, every node with its truth.
 pub fn plane() -> PoseGraph {
     graph::<SE2, 3>(Dimension::Two, 1)
 }

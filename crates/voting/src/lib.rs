@@ -2,7 +2,7 @@
 //! 32(14), 2013): landmark edges are clustered by the frames they join, and clusters are kept if the graph optimised with them
 //! passes chi-square tests, each by itself and then all together.
 //!
-//! - [`vote`]: the tests, on anything that can be optimised over a choice of landmark edges.
+//! - [`mod@vote`]: the tests, on anything that can be optimised over a choice of landmark edges.
 //! - [`fit`]: the optimisation of a pose graph over its odometry and chosen landmark edges.
 //! - [`stage`]: both on a pose graph.
 //!
