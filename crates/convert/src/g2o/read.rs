@@ -59,7 +59,7 @@ struct Reader<'a> {
     vertices: BTreeMap<u64, Vec<f64>>,
     edges: Vec<Edge>,
     /// What a comment says of the next edge.
-    kind: Option<EdgeKind>,
+    kind: Option<(u64, u64, EdgeKind)>,
     /// Pairs of successive vertices that have their odometry.
     successive: HashSet<u64>,
     fixed: BTreeSet<u64>,
@@ -255,7 +255,10 @@ impl Reader<'_> {
             })?;
             self.summary.repaired += 1;
         }
-        let kind = self.kind.take().unwrap_or_else(|| inferred_kind(&mut self.successive, from, to));
+        let kind = match self.kind.take() {
+            Some((first, second, kind)) if (first, second) == (from, to) => kind,
+            _ => inferred_kind(&mut self.successive, from, to),
+        };
         let mut edge = Edge::new(kind, self.edges.len() as u64, from, to);
         edge.measurement = Some(self.pose(dimension, numbers)?);
         edge.information = Some(information);

@@ -50,7 +50,7 @@ pub fn write(graph: &PoseGraph, keep_rejected: bool) -> (Vec<u8>, WriteSummary) 
         // What the reader will call it: a comment corrects that where it is wrong, and then the rule has not been used.
         let inferred = inferred_kind(&mut successive, edge.from, edge.to);
         if inferred != edge.kind {
-            line(&mut text, &comment_of_kind(edge.kind).join(" "), &[], &[]);
+            line(&mut text, &comment_of_kind(edge.from, edge.to, edge.kind), &[], &[]);
             if inferred == EdgeKind::Odometry {
                 successive.remove(&edge.from.min(edge.to));
             }
