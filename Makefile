@@ -30,7 +30,7 @@ help:
 	@echo '       SESSIONS="2012-01-22 …"   which sessions      SEEDS=n       how many seeds'
 	@echo '       PIPELINES="paper …"       which regimes       METHODS="…"   none pcm gc pcm+gc oracle,'
 	@echo '                                 and to compare: ransac islands densest voting gnc dcs, each +gc too'
-	@echo '  make figures [NCLT=DIR]        trajectories and optimised graphs, SVG and PNG'
+	@echo '  make figures [NCLT=DIR]        trajectories, graphs, consistency, components, errors, regimes; SVG and PNG'
 	@echo '  make report [NCLT=DIR]         one HTML page: tables, maps, matrices, errors over time, regimes'
 	@echo '  make sweep EXPERIMENT=NAME     any experiment declared in pipelines/NAME.toml'
 	@echo '  make regimes [NCLT=DIR]        the map of where graph cuts help (long; resumes where it stopped)'
@@ -134,29 +134,50 @@ stages: $(binaries)
 	@$(EXPERIMENTS) stages --programs $(BIN)
 
 # ---- figures ----------------------------------------------------------------------------------------------
+# FIGURES="svg png pdf"; PDF where posecut-report is built with the feature of that name.
+FIGURES       ?= svg png
+of_a_session   = graphs consistency components error
+maps_found     = $(wildcard $(RESULTS)/regimes*/results.jsonl)
 figure_names  := $(foreach experiment,$(experiments),$(RESULTS)/$(experiment)/trajectories \
-                 $(foreach session,$(present),$(RESULTS)/$(experiment)/$(session)/1/graphs))
-figures: $(addsuffix .svg,$(figure_names)) $(addsuffix .png,$(figure_names))
-	@echo 'Figures under $(RESULTS)/: trajectories.svg, SESSION/1/graphs.svg (and .png)'
+                 $(foreach session,$(present),$(addprefix $(RESULTS)/$(experiment)/$(session)/1/,$(of_a_session)))) \
+                 $(foreach map,$(dir $(maps_found)),$(addprefix $(map),map differences curves))
+figures: $(foreach format,$(FIGURES),$(addsuffix .$(format),$(figure_names)))
+	@echo 'Figures under $(RESULTS)/ ($(FIGURES)): trajectories; SESSION/1/: $(of_a_session)$(if $(maps_found),; regimes: map differences curves)'
 
-$(RESULTS)/%/trajectories.svg $(RESULTS)/%/trajectories.png: run $(REPORT)
-	$(call said,report)
-	@$(REPORT) trajectories --quiet $(foreach session,$(present),$(@D)/$(session)/session.jsonl) -o $(@D)/trajectories.svg
-	@$(REPORT) trajectories --quiet $(foreach session,$(present),$(@D)/$(session)/session.jsonl) -o $(@D)/trajectories.png
+# A rule for each format, since each is drawn by itself.
+define figures_as
+$$(RESULTS)/%/trajectories.$(1): run $$(REPORT)
+	@$$(REPORT) trajectories --quiet $$(foreach session,$$(present),$$(@D)/$$(session)/session.jsonl) -o $$@
 
-%/graphs.svg %/graphs.png: run $(REPORT)
-	$(call said,report)
-	@$(REPORT) graphs --quiet "PCM=$*/pcm.optimized.jsonl" "PCM+GC=$*/pcm+gc.optimized.jsonl" \
-	  --reference $*/oracle.optimized.jsonl -o $*/graphs.svg
-	@$(REPORT) graphs --quiet "PCM=$*/pcm.optimized.jsonl" "PCM+GC=$*/pcm+gc.optimized.jsonl" \
-	  --reference $*/oracle.optimized.jsonl -o $*/graphs.png
+%/graphs.$(1): run $$(REPORT)
+	@$$(REPORT) graphs --quiet "PCM=$$*/pcm.optimized.jsonl" "PCM+GC=$$*/pcm+gc.optimized.jsonl" \
+	  --reference $$*/oracle.optimized.jsonl -o $$@
+
+%/consistency.$(1): run $$(REPORT)
+	@$$(REPORT) consistency --quiet "PCM=$$*/pcm.jsonl" -o $$@
+
+%/components.$(1): run $$(REPORT)
+	@$$(REPORT) components --quiet "PCM+GC=$$*/pcm+gc.jsonl" -o $$@
+
+%/error.$(1): run $$(REPORT)
+	@$$(REPORT) error --quiet "PCM=$$*/pcm.optimized.jsonl" "PCM+GC=$$*/pcm+gc.optimized.jsonl" \
+	  --reference $$*/oracle.optimized.jsonl -o $$@
+
+%/map.$(1): %/results.jsonl $$(REPORT)
+	@$$(REPORT) regimes --quiet $$< -o $$@
+
+%/differences.$(1): %/results.jsonl $$(REPORT)
+	@$$(REPORT) regimes --quiet --show differences $$< -o $$@
+
+%/curves.$(1): %/results.jsonl $$(REPORT)
+	@$$(REPORT) regimes --quiet --show curves $$< -o $$@
+endef
+$(foreach format,$(FIGURES),$(eval $(call figures_as,$(format))))
 
 # ---- one page -----------------------------------------------------------------------------------------------
 # Regimes are put in where `make regimes` has left results.
-regimes_found  = $(wildcard $(RESULTS)/regimes*/results.jsonl)
-
 report: run $(REPORT)
-	@$(REPORT) html --quiet $(table_arguments) $(foreach file,$(regimes_found),--regimes $(file)) \
+	@$(REPORT) html --quiet $(table_arguments) $(foreach file,$(maps_found),--regimes $(file)) \
 	  --title 'posecut: $(if $(NCLT),NCLT sessions,simulated sessions)' -o $(RESULTS)/report$(suffix).html
 	@echo 'The page: $(RESULTS)/report$(suffix).html'
 

@@ -15,4 +15,4 @@ if [ "${1:-}" = simulated ]; then
 fi
 # Names without spaces.
 # shellcheck disable=SC2086
-"${CARGO_TARGET_DIR:-target}/release/posecut-experiment" regimes $results --document docs/regimes.md
+"${CARGO_TARGET_DIR:-target}/release/posecut-report" regimes $results --methods none,pcm,pcm-root,pcm-calibrated,gc,pcm+gc --document docs/regimes.md

@@ -5,10 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use clap::{Parser, Subcommand, ValueEnum};
 use posecut_experiment::check::{accept, check};
-use posecut_experiment::regimes::{Samples, Section, section};
-use posecut_experiment::{
-    Expected, Programs, RunOptions, Selection, collect, junit, make_rules, run, splice,
-};
+use posecut_experiment::{Expected, Programs, RunOptions, Selection, collect, junit, make_rules, run};
 use posecut_stage::{CommonArguments, Context, Outcome, counted, info, write_atomically};
 
 #[derive(Parser)]
@@ -70,20 +67,6 @@ enum Task {
         /// The expectations
         #[arg(long, value_name = "FILE", default_value = "pipelines/expected.toml")]
         expected: PathBuf,
-    },
-    /// Tables of a sweep over covariance scale, share and kind of incorrect edges
-    Regimes {
-        /// Collected results (JSON Lines)
-        #[arg(required = true, value_name = "FILE")]
-        results: Vec<PathBuf>,
-
-        /// Only this table; all unless given
-        #[arg(long, value_enum)]
-        section: Option<Section>,
-
-        /// Put the tables between the markers of this document instead
-        #[arg(long, value_name = "FILE", conflicts_with = "section")]
-        document: Option<PathBuf>,
     },
     /// List the stage programs and what their version commands say; exit status 1 if one is not there
     Stages {
@@ -168,22 +151,6 @@ pub(crate) fn execute(command: &Command, context: &mut Context) -> anyhow::Resul
             let text = after.write()?;
             write_atomically(expected, |writer| Ok(writer.write_all(text.as_bytes())?))?;
             context.write_bytes(changes.as_bytes())?;
-            Ok(Outcome::Done)
-        }
-        Task::Regimes { results, section: only, document } => {
-            let samples = Samples::read(results)?;
-            let wanted = Section::ALL.iter().filter(|(_, section)| only.is_none_or(|only| only == *section));
-            let tables = wanted.map(|(name, table)| (*name, section(&samples, *table)));
-            if let Some(document) = document {
-                let place = || format!("{}: cannot be used", document.display());
-                let mut text = std::fs::read_to_string(document).with_context(place)?;
-                for (name, table) in tables {
-                    text = splice(&text, name, &table).with_context(place)?;
-                }
-                write_atomically(document, |writer| Ok(writer.write_all(text.as_bytes())?))?;
-            } else {
-                context.write_bytes(tables.map(|(_, table)| table).collect::<String>().as_bytes())?;
-            }
             Ok(Outcome::Done)
         }
         Task::Stages { stages, programs } => list_stages(stages, programs.as_ref(), context),

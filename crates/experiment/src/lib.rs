@@ -22,11 +22,9 @@ mod parameters;
 mod plan;
 mod planner;
 mod programs;
-pub mod regimes;
 mod run;
 mod schedule;
 mod selection;
-mod splice;
 
 pub use collect::collect;
 pub use declaration::{Experiment, Grid, Keep, Step};
@@ -41,4 +39,3 @@ pub use planner::{Source, plan};
 pub use programs::Programs;
 pub use run::{RunOptions, Summary, run};
 pub use selection::Selection;
-pub use splice::splice;

@@ -4,7 +4,9 @@
 //! - [`statistics`]: confidence intervals and tests over seeds.
 //! - [`map`]: means and intervals of every cell, and the effect of the graph cut on every cell.
 //! - [`table`]: the same as Markdown and CSV.
+//! - [`document`]: the tables of docs/regimes.md.
 
+pub mod document;
 pub mod map;
 pub mod statistics;
 pub mod table;

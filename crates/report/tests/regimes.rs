@@ -5,6 +5,8 @@
 use std::fmt::Write as _;
 use std::fs;
 
+use posecut_report::regimes::document::{sections, splice};
+use posecut_report::regimes::table::signed;
 use posecut_report::regimes::{Map, Verdict, table};
 use posecut_report::results::{RunResult, read_all};
 
@@ -149,4 +151,36 @@ fn heat_maps_and_curves_say_what_the_map_says() {
     assert!((lines[1].lines[0].points[2].1 - 100.95).abs() < 1e-9, "over scales, without the graph cut");
     assert!(lines[1].lines[0].band[2].0 < 100.95 && lines[1].lines[0].band[2].1 > 100.95);
     assert!(charts(&lines, 2).unwrap().write("png").unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn the_tables_of_the_document_stand_between_their_markers_and_say_what_the_map_says() {
+    let map = Map::new(&sample(), &[]).unwrap();
+    let document = "before\n<!-- begin: a -->\nold\n<!-- end: a -->\nafter\n";
+    let once = splice(document, "a", "| new |\n").unwrap();
+    assert_eq!(once, "before\n<!-- begin: a -->\n\n| new |\n\n<!-- end: a -->\nafter\n");
+    assert_eq!(splice(&once, "a", "| new |\n").unwrap(), once);
+    assert!(splice(document, "b", "").unwrap_err().to_string().contains("<!-- begin: b -->"));
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/regimes.md");
+    let page = std::fs::read_to_string(path).unwrap();
+    let tables = sections(&map);
+    for (name, text) in &tables {
+        splice(&page, name, text).unwrap();
+    }
+    let effect = map.comparisons.iter().find_map(|comparison| comparison.cells[0]).unwrap();
+    assert!(tables[0].1.contains(&signed(effect.difference)), "{}", tables[0].1);
+}
+
+/// A real and a simulated session may be of the same date.
+#[test]
+fn real_and_simulated_sessions_are_never_taken_together() {
+    let real = line("2012-01-22", "pcm", "1", "0.1", 1, 2.0);
+    let simulated = real.replacen("\"labels\":{", "\"labels\":{\"pipeline\":\"regimes-simulated\",", 1);
+    let map = Map::new(&results(&format!("{real}\n{simulated}\n")).unwrap(), &[]).unwrap();
+    assert_eq!(map.sessions, ["2012-01-22", "2012-01-22 (simulated)"]);
+    let other = |text: &str| text.replace("2012-01-22", "2012-08-04");
+    let lines = [real.clone(), simulated.clone(), other(&real), other(&simulated)].join("\n");
+    let map = Map::new(&results(&lines).unwrap(), &[]).unwrap();
+    assert_eq!(map.sessions[..2], ["real sessions", "simulated sessions"]);
+    assert_eq!(map.singles().count(), 4);
 }

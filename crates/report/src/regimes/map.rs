@@ -12,8 +12,14 @@ use crate::results::RunResult;
 /// Below this adjusted p-value an effect is told from none.
 pub const SIGNIFICANCE: f64 = 0.05;
 
-/// The name of the map over all sessions.
+/// The name of the map over all sessions, where all are real or all are simulated.
 pub const ALL_SESSIONS: &str = "all sessions";
+
+/// The names of the maps over sessions where there are both: real, simulated.
+pub const BY_SOURCE: [&str; 2] = ["real sessions", "simulated sessions"];
+
+/// What the names of simulated sessions end with: a real one may have the same date.
+const SIMULATED: &str = " (simulated)";
 
 /// Seed of resampling; fixed, so that the same results give the same intervals.
 const SEED: u64 = 1;
@@ -21,7 +27,7 @@ const SEED: u64 = 1;
 /// All cells of an experiment over regimes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Map {
-    /// Sessions, sorted; with several, [`ALL_SESSIONS`] comes first.
+    /// Sessions, sorted; before them, where there are several, [`ALL_SESSIONS`] or [`BY_SOURCE`].
     pub sessions: Vec<String>,
     /// Kinds of false edges, sorted.
     pub kinds: Vec<String>,
@@ -159,7 +165,7 @@ impl Map {
                 axis.iter().position(|known| *known == value).context("every value stands on its axis")
             };
             let place = (
-                result.label("session"),
+                session(result),
                 kind(result),
                 result.label("method"),
                 at(&rates, "incorrect_rate")?,
@@ -214,6 +220,12 @@ impl Map {
         self.maps.iter().find(|map| map.session == session && map.kind == kind && map.method == method)
     }
 
+    /// Sessions by themselves, without those taken together.
+    pub fn singles(&self) -> impl Iterator<Item = &String> {
+        let together = |name: &str| name == ALL_SESSIONS || BY_SOURCE.contains(&name);
+        self.sessions.iter().filter(move |name| !together(name))
+    }
+
     /// The comparisons on a session and kind of false edges.
     pub fn compared<'a>(
         &'a self,
@@ -226,12 +238,7 @@ impl Map {
     }
 
     fn fill(&mut self, runs: &BTreeMap<Place, Seeds>) {
-        let single = self.sessions.clone();
-        let mut groups: Vec<(String, Vec<String>)> =
-            single.iter().map(|session| (session.clone(), vec![session.clone()])).collect();
-        if single.len() > 1 {
-            groups.insert(0, (ALL_SESSIONS.to_owned(), single));
-        }
+        let groups = groups(&self.sessions);
         for (name, members) in &groups {
             for kind in &self.kinds {
                 for method in &self.methods {
@@ -268,6 +275,16 @@ impl Map {
             .map(|index| of(index / self.scales.len(), index % self.scales.len()))
             .collect()
     }
+}
+
+/// The maps to be made, by name, with their sessions.
+fn groups(singles: &[String]) -> Vec<(String, Vec<String>)> {
+    let (simulated, real): (Vec<String>, Vec<String>) =
+        singles.iter().cloned().partition(|session| session.ends_with(SIMULATED));
+    let names = if real.is_empty() || simulated.is_empty() { [ALL_SESSIONS; 2] } else { BY_SOURCE };
+    let together = names.into_iter().zip([real, simulated]).filter(|(_, members)| members.len() > 1);
+    let each = singles.iter().map(|session| (session.clone(), vec![session.clone()]));
+    together.map(|(name, members)| (name.to_owned(), members)).chain(each).collect()
 }
 
 /// Methods with the graph cut and their counterparts: `gc` and `none`, `x+gc` and `x`.
@@ -347,6 +364,12 @@ fn judged(mut cells: Vec<Option<Effect>>) -> Vec<Option<Effect>> {
         };
     }
     cells
+}
+
+/// A simulated session is told by its pipeline.
+fn session(result: &RunResult) -> String {
+    let suffix = if result.label("pipeline").ends_with("-simulated") { SIMULATED } else { "" };
+    format!("{}{suffix}", result.label("session"))
 }
 
 fn kind(result: &RunResult) -> String {

@@ -1,14 +1,15 @@
 //! `posecut-report regimes`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use anyhow::bail;
+use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
 use posecut_report::figure::plotting::{charts, grids};
 use posecut_report::figure::regimes::{Quantity, curves, differences, heat_maps, nearest};
+use posecut_report::regimes::document::{sections, splice};
 use posecut_report::regimes::{Map, table};
 use posecut_report::results;
-use posecut_stage::CommonArguments;
+use posecut_stage::{CommonArguments, write_atomically};
 
 use super::figures::extension;
 
@@ -26,6 +27,10 @@ pub(crate) struct Regimes {
     /// Write a table instead of a figure
     #[arg(long, value_enum)]
     table: Option<Format>,
+
+    /// Put all tables between the markers of this document (docs/regimes.md) instead
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["show", "table", "sessions", "kinds"])]
+    document: Option<PathBuf>,
 
     /// Sessions; `all sessions` is the mean over them. A figure shows the first, a table all named, or all there are
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
@@ -73,6 +78,9 @@ enum Format {
 impl Regimes {
     pub(crate) fn write(&self, common: &CommonArguments) -> anyhow::Result<Vec<u8>> {
         let map = Map::new(&results::read_all(&self.results)?, &self.methods)?;
+        if let Some(document) = &self.document {
+            return Self::splice(document, &map);
+        }
         let sessions = chosen(&self.sessions, &map.sessions, "session")?;
         let kinds = chosen(&self.kinds, &map.kinds, "kind of false edges")?;
         if let Some(format) = self.table {
@@ -100,6 +108,19 @@ impl Regimes {
         let (panels, ramp) = heat_maps(&map, session, kind, quantity);
         let columns = if panels.len() == 4 { 2 } else { 3 };
         grids(&format!("{session}, {kind} false edges"), &panels, &ramp, columns)?.write(&extension)
+    }
+}
+
+impl Regimes {
+    /// Nothing is left to be written elsewhere.
+    fn splice(document: &Path, map: &Map) -> anyhow::Result<Vec<u8>> {
+        let place = || format!("{}: cannot be used", document.display());
+        let mut text = std::fs::read_to_string(document).with_context(place)?;
+        for (name, table) in sections(map) {
+            text = splice(&text, name, &table).with_context(place)?;
+        }
+        write_atomically(document, |writer| Ok(writer.write_all(text.as_bytes())?))?;
+        Ok(Vec::new())
     }
 }
 
