@@ -116,9 +116,9 @@ collected      = $(RESULTS)/$(EXPERIMENT)$(suffix)/results.jsonl
 
 sweep: $(EXPERIMENTS)
 	@$(if $(EXPERIMENT),,echo 'Name an experiment: make sweep EXPERIMENT=regimes'; exit 1)
-	@$(EXPERIMENTS) run $(sweep_of) --threads $(threads)
-	@$(EXPERIMENTS) collect $(sweep_of) -o $(collected)
-	@echo '  results in $(collected)'
+	@# What could not be run is said, and fails in the end; what there is, is collected.
+	@status=0; $(EXPERIMENTS) run $(sweep_of) --threads $(threads) || status=$$?; \
+	  $(EXPERIMENTS) collect $(sweep_of) -o $(collected) && echo '  results in $(collected)' && exit $$status
 
 regimes:
 	@$(MAKE) --no-print-directory sweep EXPERIMENT=regimes
