@@ -18,11 +18,10 @@ draw=${CARGO_TARGET_DIR:-target}/release/examples/draw
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-cp testdata/graph.jsonl "$work/testdata.jsonl"
 for dimension in 2 3; do
   for falsehood in uniform grouped near-miss; do
     for outliers in 0.5 0.9; do
-      "$draw" 150 $outliers $falsehood $dimension 1 > "$work/$falsehood-$outliers-${dimension}d.jsonl"
+      "$draw" 100 $outliers $falsehood $dimension 1 > "$work/$falsehood-$outliers-${dimension}d.jsonl"
     done
   done
 done
