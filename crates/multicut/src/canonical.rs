@@ -33,6 +33,23 @@ fn refine(graph: &SignedGraph, colours: &mut Vec<u64>) {
         .collect();
 }
 
+/// Whether exchanging two nodes changes nothing: their other neighbours and costs are the same.
+fn are_twins(graph: &SignedGraph, first: u32, second: u32) -> bool {
+    let others = |node: u32, twin: u32| graph.arcs(node).iter().filter(move |arc| arc.node != twin);
+    graph.arcs(first).len() == graph.arcs(second).len() && others(first, second).eq(others(second, first))
+}
+
+/// The first node, by colour and then by number, that shares its colour with one that is not its twin. Twins may go
+/// by number: the answer is the same up to their exchange.
+fn undistinguished(graph: &SignedGraph, colours: &[u64]) -> Option<u32> {
+    let mut order: Vec<u32> = graph.nodes().collect();
+    order.sort_unstable_by_key(|&node| (colours[node as usize], node));
+    let mut classes = order.chunk_by(|&a, &b| colours[a as usize] == colours[b as usize]);
+    classes
+        .find(|class| class[1..].iter().any(|&node| !are_twins(graph, class[0], node)))
+        .map(|class| class[0])
+}
+
 fn count_classes(colours: &[u64], sorted: &mut Vec<u64>) -> usize {
     sorted.clear();
     sorted.extend_from_slice(colours);
@@ -70,12 +87,8 @@ pub(crate) fn canonical_order(graph: &SignedGraph) -> Vec<u32> {
     let mut work = WORK;
     let mut classes = refine_fully(graph, &mut colours, &mut sorted, &mut work);
     while classes < node_count && work >= node_count {
-        // The smallest colour that several nodes share; the sort left equal colours side by side.
-        let Some(shared) = sorted.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0]) else {
-            break;
-        };
-        let Some(chosen) = colours.iter().position(|&colour| colour == shared) else { break };
-        colours[chosen] = mix(shared ^ 0x5bd1_e995);
+        let Some(chosen) = undistinguished(graph, &colours) else { break };
+        colours[chosen as usize] = mix(colours[chosen as usize] ^ 0x5bd1_e995);
         let finer = refine_fully(graph, &mut colours, &mut sorted, &mut work);
         if finer <= classes {
             break;
@@ -103,6 +116,20 @@ mod tests {
         let mapped: Vec<u32> = first.iter().map(|&node| renumbering[node as usize]).collect();
         assert_eq!(mapped, second);
         assert_ne!(first, second);
+    }
+
+    #[test]
+    fn only_exchangeable_nodes_go_by_number() {
+        // Leaves 1 and 2 of node 0 are twins, and so are 3 and 4, which also hold to each other; 5 and 6 cost unlike.
+        let star =
+            [(0, 1, 1.0), (0, 2, 1.0), (0, 3, 2.0), (0, 4, 2.0), (3, 4, 1.0), (0, 5, 3.0), (0, 6, 4.0)];
+        let graph = SignedGraph::new(7, star.into_iter());
+        assert!(are_twins(&graph, 1, 2) && are_twins(&graph, 3, 4));
+        assert!(!are_twins(&graph, 5, 6) && !are_twins(&graph, 1, 3));
+        // Two edges apart: all four nodes look alike, but 0 and 2 cannot be exchanged alone.
+        let pairs = SignedGraph::new(4, [(0, 1, 1.0), (2, 3, 1.0)].into_iter());
+        assert_eq!(undistinguished(&pairs, &[7; 4]), Some(0));
+        assert_eq!(undistinguished(&graph, &[9, 1, 1, 2, 2, 3, 4]), None);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use crate::budget::Budget;
+use crate::cluster_graph::ClusterGraph;
 use crate::contraction_queue::ContractionQueue;
 use crate::node_moves::move_nodes;
 use crate::signed_graph::SignedGraph;
@@ -22,13 +23,19 @@ pub(crate) enum Preference {
     Balance,
 }
 
+/// Rounds a positive number down to one of four in every power of two, so that clusters that grew a little keep their
+/// place in the queue.
+fn coarse(value: f64) -> f64 {
+    f64::from_bits(value.to_bits() & (u64::MAX << 50))
+}
+
 /// Greedy additive edge contraction (Keuper et al., ICCV 2015, algorithm 2, "GAEC"): joins two clusters with
 /// a positive total cost between them, until there are none.
 ///
 /// Outdated entries stay in the queue; `O(m log m)` steps of the queue plus the merging of adjacency vectors, smaller into
 /// larger.
 pub(crate) fn additive_edge_contraction(
-    mut graph: SignedGraph,
+    graph: &SignedGraph,
     preference: Preference,
     budget: &mut Budget,
 ) -> Vec<u32> {
@@ -38,22 +45,25 @@ pub(crate) fn additive_edge_contraction(
         return joined.labels();
     }
     let mut sizes = vec![1u32; if preference == Preference::Balance { node_count } else { 0 }];
-    let integral = preference != Preference::Balance && graph.edges().all(|edge| edge.2.fract() == 0.0);
-    let mut queue = ContractionQueue::new(integral);
-    let priority = |graph: &SignedGraph, sizes: &[u32], tail: u32, head: u32, cost: f64| match preference {
+    // Coarse balances are few as well.
+    let few = preference == Preference::Balance || graph.edges().all(|edge| edge.2.fract() == 0.0);
+    let mut queue = ContractionQueue::new(few);
+    let mut clusters = ClusterGraph::new(graph);
+    let priority = |clusters: &ClusterGraph, sizes: &[u32], tail: u32, head: u32, cost: f64| match preference
+    {
         Preference::Degree => {
-            let degree = graph.arcs(tail).len().min(graph.arcs(head).len());
+            let degree = clusters.degree(tail).min(clusters.degree(head));
             (cost, u32::MAX - degree as u32)
         }
         Preference::Age => (cost, 0),
-        Preference::Balance => (cost / f64::from(sizes[tail as usize] + sizes[head as usize]), 0),
+        Preference::Balance => (coarse(cost / f64::from(sizes[tail as usize] + sizes[head as usize])), 0),
     };
     for (tail, head, cost) in graph.edges().filter(|edge| edge.2 > 0.0) {
-        queue.push(priority(&graph, &sizes, tail, head, cost), tail, head);
+        queue.push(priority(&clusters, &sizes, tail, head, cost), tail, head);
     }
     while let Some(((stated, _), tail, head)) = queue.pop() {
-        let cost = graph.cost(tail, head);
-        let now = priority(&graph, &sizes, tail, head, cost);
+        let cost = clusters.cost(tail, head);
+        let now = priority(&clusters, &sizes, tail, head, cost);
         if cost <= 0.0 || now.0 > stated {
             continue;
         }
@@ -64,15 +74,14 @@ pub(crate) fn additive_edge_contraction(
             }
             continue;
         }
-        let (kept, gone, arcs) = graph.contract(tail, head);
+        let (kept, gone, arcs) = clusters.contract(tail, head);
         joined.union(kept, gone);
         if preference == Preference::Balance {
             sizes[kept as usize] += sizes[gone as usize];
         }
         for arc in &arcs {
-            let cost = graph.cost(kept, arc.node);
-            if cost > 0.0 {
-                queue.push(priority(&graph, &sizes, kept, arc.node, cost), kept, arc.node);
+            if arc.cost > 0.0 {
+                queue.push(priority(&clusters, &sizes, kept, arc.node, arc.cost), kept, arc.node);
             }
         }
         if !budget.spend(1 + arcs.len() as u64) {
@@ -82,15 +91,19 @@ pub(crate) fn additive_edge_contraction(
     joined.labels()
 }
 
-/// What [`additive_edge_contraction`] finds with each preference, and joining everything, after moves of single nodes;
-/// the best first.
-pub(crate) fn contractions(graph: &SignedGraph, budget: &mut Budget) -> Vec<Vec<u32>> {
+/// What [`additive_edge_contraction`] finds with some of the preferences, and joining everything, after moves of single
+/// nodes; the best first.
+pub(crate) fn contractions(
+    graph: &SignedGraph,
+    preferences: &[Preference],
+    budget: &mut Budget,
+) -> Vec<Vec<u32>> {
     let mut found = vec![(0.0, vec![0; graph.node_count()])];
-    for preference in [Preference::Degree, Preference::Balance, Preference::Age] {
+    for &preference in preferences {
         if budget.is_over() {
             break;
         }
-        let mut labels = additive_edge_contraction(graph.clone(), preference, budget);
+        let mut labels = additive_edge_contraction(graph, preference, budget);
         move_nodes(graph, &mut labels, budget);
         found.push((graph.objective(&labels), labels));
     }
@@ -107,8 +120,8 @@ fn key(cost: f64) -> u64 {
 /// A pair of clusters in a heap: the largest cost on top, then the smallest degrees and numbers.
 type Entry = (u64, Reverse<((u32, u32), u32, u32)>);
 
-fn entry(graph: &SignedGraph, tail: u32, head: u32, cost: f64) -> Entry {
-    let (first, second) = (graph.arcs(tail).len() as u32, graph.arcs(head).len() as u32);
+fn entry(clusters: &ClusterGraph, tail: u32, head: u32, cost: f64) -> Entry {
+    let (first, second) = (clusters.degree(tail) as u32, clusters.degree(head) as u32);
     (key(cost), Reverse(((first.min(second), first.max(second)), tail.min(head), tail.max(head))))
 }
 
@@ -116,14 +129,15 @@ fn entry(graph: &SignedGraph, tail: u32, head: u32, cost: f64) -> Entry {
 /// cost between them, attractive pairs by joining them, repulsive ones by keeping them apart for good.
 ///
 /// Costs as much as [`additive_edge_contraction`], with every edge in the heap.
-pub(crate) fn greedy_fixation(mut graph: SignedGraph, budget: &mut Budget) -> Vec<u32> {
+pub(crate) fn greedy_fixation(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
     let mut joined = UnionFind::new(graph.node_count());
+    let mut clusters = ClusterGraph::new(graph);
     // No sum with this cost is ever positive: what carries it stays apart.
     let apart = -2.0 * (1.0 + graph.edges().map(|(_, _, cost)| cost.abs()).sum::<f64>());
     let mut heap: BinaryHeap<_> =
-        graph.edges().map(|(tail, head, cost)| entry(&graph, tail, head, cost.abs())).collect();
+        graph.edges().map(|(tail, head, cost)| entry(&clusters, tail, head, cost.abs())).collect();
     while let Some((cost, Reverse((_, tail, head)))) = heap.pop() {
-        let current = graph.cost(tail, head);
+        let current = clusters.cost(tail, head);
         if current == 0.0 || key(current.abs()) != cost {
             continue;
         }
@@ -132,17 +146,16 @@ pub(crate) fn greedy_fixation(mut graph: SignedGraph, budget: &mut Budget) -> Ve
         }
         if current < 0.0 {
             if current > apart / 2.0 {
-                graph.add_cost(tail, head, apart);
+                clusters.add_cost(tail, head, apart);
             }
             continue;
         }
-        let (kept, gone, arcs) = graph.contract(tail, head);
+        let (kept, gone, arcs) = clusters.contract(tail, head);
         joined.union(kept, gone);
         budget.spend(arcs.len() as u64);
         for arc in &arcs {
-            let cost = graph.cost(kept, arc.node);
-            if cost > apart / 2.0 && cost != 0.0 {
-                heap.push(entry(&graph, kept, arc.node, cost.abs()));
+            if arc.cost > apart / 2.0 && arc.cost != 0.0 {
+                heap.push(entry(&clusters, kept, arc.node, arc.cost.abs()));
             }
         }
     }
@@ -157,7 +170,7 @@ mod tests {
     fn takes_the_largest_cost_first() {
         let list = [(0, 1, 2.0), (1, 2, 3.0), (0, 2, -4.0)];
         let graph = SignedGraph::new(3, list.into_iter());
-        let labels = additive_edge_contraction(graph, Preference::Degree, &mut Budget::new(None, None));
+        let labels = additive_edge_contraction(&graph, Preference::Degree, &mut Budget::new(None, None));
         assert_eq!(labels, [0, 1, 1]);
     }
 
@@ -166,7 +179,7 @@ mod tests {
         // A path 2 - 0 - 1 - 3, all tied: its ends join their neighbours before the middle joins.
         let list = [(0, 2, 1.0), (0, 1, 1.0), (1, 3, 1.0), (0, 4, -1.0), (1, 4, -1.0), (2, 3, -1.5)];
         let graph = SignedGraph::new(5, list.into_iter());
-        let labels = additive_edge_contraction(graph, Preference::Degree, &mut Budget::new(None, None));
+        let labels = additive_edge_contraction(&graph, Preference::Degree, &mut Budget::new(None, None));
         assert_eq!(labels, [0, 1, 0, 1, 2]);
     }
 
@@ -176,7 +189,7 @@ mod tests {
         let list = [(0, 3, -6.0), (0, 1, 5.0), (0, 2, 5.0), (1, 3, 4.0), (2, 3, 4.0)];
         let graph = SignedGraph::new(4, list.into_iter());
         let budget = &mut Budget::new(None, None);
-        assert_eq!(additive_edge_contraction(graph.clone(), Preference::Degree, budget), [0, 0, 0, 0]);
-        assert_eq!(greedy_fixation(graph, budget), [0, 0, 0, 1]);
+        assert_eq!(additive_edge_contraction(&graph, Preference::Degree, budget), [0, 0, 0, 0]);
+        assert_eq!(greedy_fixation(&graph, budget), [0, 0, 0, 1]);
     }
 }

@@ -20,6 +20,7 @@ mod blocks;
 mod budget;
 mod canonical;
 mod clique_matrix;
+mod cluster_graph;
 pub mod command;
 mod contraction_queue;
 mod decomposition;

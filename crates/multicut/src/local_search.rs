@@ -37,9 +37,9 @@ pub(crate) fn fuse_proposals(
         let noisy = SignedGraph::new(graph.node_count(), noisy.into_iter());
         // Every other proposal looks at repulsion first.
         let mut proposal = if round % 2 == 0 {
-            additive_edge_contraction(noisy, Preference::Degree, budget)
+            additive_edge_contraction(&noisy, Preference::Degree, budget)
         } else {
-            greedy_fixation(noisy, budget)
+            greedy_fixation(&noisy, budget)
         };
         kernighan_lin_with_joins(graph, &mut proposal, budget);
         if budget.is_over() {
@@ -87,7 +87,7 @@ pub(crate) fn solve_contracted(
         .kernels
         .iter()
         .map(|piece| {
-            let mut labels = additive_edge_contraction(piece.graph.clone(), Preference::Degree, budget);
+            let mut labels = additive_edge_contraction(&piece.graph, Preference::Degree, budget);
             kernighan_lin_with_joins(&piece.graph, &mut labels, budget);
             labels
         })

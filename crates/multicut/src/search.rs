@@ -66,23 +66,39 @@ impl State {
     }
 }
 
+/// Edges from which on a kernel is contracted in one way alone where time counts most.
+const LARGE: usize = 100_000;
+
+/// Edges up to which Kernighan-Lin also starts from one cluster, which it has to split again and again.
+const SMALL: usize = 10_000;
+
+const PREFERENCES: [Preference; 3] = [Preference::Age, Preference::Degree, Preference::Balance];
+
 /// A solution of a kernel by contraction; no worse than joining everything, wherever a limit ends it.
 pub(crate) fn contract(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
-    contractions(graph, budget).swap_remove(0)
+    let large = graph.edges().count() > LARGE;
+    contractions(graph, if large { &PREFERENCES[..1] } else { &PREFERENCES }, budget).swap_remove(0)
 }
 
-/// Work for each edge, and besides, after which [`contract_and_move`] starts nothing new.
+/// Work for each edge, and besides, after which [`contract_and_move`] starts nothing new: large kernels
+/// would take long, and gain little from more than the best two.
 const MOVING: (u64, u64) = (200, 1_000_000);
+const MOVING_IN_LARGE: u64 = 40;
 
 /// A solution of a kernel by contractions, Kernighan-Lin with joins from each, and fusions of the best with the
 /// others: the best contraction first, and as many others as limited work allows.
 pub(crate) fn contract_and_move(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
-    let starts = contractions(graph, budget);
-    let end = budget.spent() + MOVING.0 * graph.edges().count() as u64 + MOVING.1;
+    let edges = graph.edges().count();
+    let starts = contractions(graph, &PREFERENCES, budget);
+    let each = if edges > LARGE { MOVING_IN_LARGE } else { MOVING.0 };
+    let end = budget.spent() + each * edges as u64 + MOVING.1;
     let mut best: Option<(f64, Vec<u32>)> = None;
     for mut labels in starts {
         if best.is_some() && (budget.spent() >= end || budget.is_over()) {
             break;
+        }
+        if best.is_some() && edges > SMALL && labels.iter().all(|&label| label == 0) {
+            continue;
         }
         kernighan_lin_with_joins(graph, &mut labels, budget);
         let mut candidates = vec![labels];
@@ -109,7 +125,8 @@ fn packing_effort(solver: Solver, edges: usize) -> u64 {
     besides + each * edges as u64
 }
 
-/// What is known of a kernel with a solution at hand: its objective and the packing bound.
+/// What is known of a kernel with a solution at hand: its objective and the packing bound. Where costs are no whole
+/// numbers, what capacity the packing leaves tells so much about an optimum that Kernighan-Lin takes it up at once.
 pub(crate) fn survey(
     graph: &SignedGraph,
     labels: Vec<u32>,
@@ -123,7 +140,12 @@ pub(crate) fn survey(
     let objective = graph.objective(&labels);
     let tolerance = TOLERANCE * magnitude(graph);
     let proof = record.then(|| Proof::Packing(packing.cycles.clone()));
-    State { labels, objective, bound: kernel.rounded(packing.bound), tolerance, packing, proof }
+    let mut state =
+        State { labels, objective, bound: kernel.rounded(packing.bound), tolerance, packing, proof };
+    if solver == Solver::Klj && !kernel.integral && !state.is_closed() {
+        improve(graph, &mut state, 0, 0, budget);
+    }
+    state
 }
 
 /// Improves the solution of a kernel by local search.
@@ -320,8 +342,8 @@ fn round(
         }
     }
     state.offer(graph, uncut.labels());
-    let mut labels =
-        additive_edge_contraction(SignedGraph::new(graph.node_count(), scaled), Preference::Degree, budget);
+    let scaled = SignedGraph::new(graph.node_count(), scaled);
+    let mut labels = additive_edge_contraction(&scaled, Preference::Degree, budget);
     kernighan_lin_with_joins(graph, &mut labels, budget);
     state.offer(graph, labels);
 }
