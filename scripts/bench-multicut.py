@@ -170,6 +170,7 @@ def main():
                         print(json.dumps(known[name]), file=file)
             if name in known:
                 results.append(known[name])
+    missing = [job[0] for job in jobs if arguments.only in job[0] and job[0] not in known]
     exact = [exact_row(found) for found in results]
     peers = [row for found in results for row in peer_rows(found, arguments.peer_limit)]
     pairs = [pair for found in results for pair in found["peer"].values() if None not in pair]
@@ -192,6 +193,7 @@ def main():
                 + ", ".join(f"{words.count(word)} {word}" for word in ("better", "equal", "worse"))
                 + f"; whole process faster in {faster}; solving alone, with our bound and without, faster in {faster_alone}."
                 if pairs else ""),
+            *(["", "Not measured: " + ", ".join(missing) + "."] if missing else []),
             "", "## Growth", "",
             "CPU seconds, peak memory, share of edges that survive the reductions, gap relative to the objective.", "",
             *growth(results),

@@ -52,6 +52,15 @@ pub(crate) fn decompose(graph: SignedGraph, record: bool, budget: &mut Budget) -
     let mut place = vec![u32::MAX; node_count];
     let mut work = vec![(Piece { names: (0..node_count as u32).collect(), graph }, None)];
     while let Some((mut piece, parent)) = work.pop() {
+        if budget.is_over() {
+            // No time to look into it: whatever it is, it is left as it is.
+            if let Some(trace) = &mut trace {
+                let (names, kernel) = (piece.names.clone(), Some(kernels.len()));
+                trace.push(Trace { parent, names, steps: Vec::new(), kernel, packed: None });
+            }
+            kernels.push(piece);
+            continue;
+        }
         let mut left = 0.0;
         let index = trace.as_ref().map_or(0, Vec::len);
         if let Some(cycles) = pack_completely(&piece.graph, budget) {

@@ -29,6 +29,22 @@ fn coarse(value: f64) -> f64 {
     f64::from_bits(value.to_bits() & (u64::MAX << 50))
 }
 
+/// All numbers below `count`, each far from the one before (by the golden section): nodes are numbered along bands, and
+/// equal pairs taken in that order would let one cluster eat its way from end to end.
+fn scattered(count: usize) -> impl Iterator<Item = u32> {
+    let coprime = |step: usize| {
+        let (mut a, mut b) = (step, count);
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a == 1
+    };
+    let golden = (count as f64 * 0.618_033_988_749_894_8) as usize;
+    // Of `count` numbers in a row one has no common divisor with it.
+    let step = (golden.max(1)..=golden + count).find(|&step| coprime(step)).unwrap_or(1);
+    (0..count).map(move |index| (index * step % count) as u32)
+}
+
 /// Greedy additive edge contraction (Keuper et al., ICCV 2015, algorithm 2, "GAEC"): joins two clusters with
 /// a positive total cost between them, until there are none.
 ///
@@ -58,8 +74,10 @@ pub(crate) fn additive_edge_contraction(
         Preference::Age => (cost, 0),
         Preference::Balance => (coarse(cost / f64::from(sizes[tail as usize] + sizes[head as usize])), 0),
     };
-    for (tail, head, cost) in graph.edges().filter(|edge| edge.2 > 0.0) {
-        queue.push(priority(&clusters, &sizes, tail, head, cost), tail, head);
+    for tail in scattered(node_count) {
+        for arc in graph.arcs(tail).iter().filter(|arc| arc.node > tail && arc.cost > 0.0) {
+            queue.push(priority(&clusters, &sizes, tail, arc.node, arc.cost), tail, arc.node);
+        }
     }
     while let Some(((stated, _), tail, head)) = queue.pop() {
         let cost = clusters.cost(tail, head);
@@ -165,6 +183,16 @@ pub(crate) fn greedy_fixation(graph: &SignedGraph, budget: &mut Budget) -> Vec<u
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_scattered_order_leaves_nothing_out() {
+        for count in [0, 1, 2, 3, 8, 55, 1000] {
+            let mut order: Vec<u32> = scattered(count).collect();
+            assert!(count < 8 || order.windows(2).all(|pair| pair[0].abs_diff(pair[1]) > 1));
+            order.sort_unstable();
+            assert!(order.into_iter().eq(0..count as u32));
+        }
+    }
 
     #[test]
     fn takes_the_largest_cost_first() {

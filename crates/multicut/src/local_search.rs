@@ -45,7 +45,7 @@ pub(crate) fn fuse_proposals(
         if budget.is_over() {
             return;
         }
-        let fused = fuse(graph, labels, &proposal, budget);
+        let fused = fuse(graph, labels, &proposal, kernighan_lin_with_joins, budget);
         for candidate in [proposal, fused] {
             let value = graph.objective(&candidate);
             if value < objective {
@@ -57,16 +57,27 @@ pub(crate) fn fuse_proposals(
 }
 
 /// A good combination of two labellings: nodes that both join stay joined.
-pub(crate) fn fuse(graph: &SignedGraph, first: &[u32], second: &[u32], budget: &mut Budget) -> Vec<u32> {
+pub(crate) fn fuse(
+    graph: &SignedGraph,
+    first: &[u32],
+    second: &[u32],
+    polish: Polish,
+    budget: &mut Budget,
+) -> Vec<u32> {
     let together = |labels: &[u32], tail: u32, head: u32| labels[tail as usize] == labels[head as usize];
-    solve_contracted(graph, |tail, head| together(first, tail, head) && together(second, tail, head), budget)
+    let keep = |tail, head| together(first, tail, head) && together(second, tail, head);
+    solve_contracted(graph, keep, polish, budget)
 }
 
+/// What improves a labelling: Kernighan-Lin with joins, or moves of single nodes.
+pub(crate) type Polish = fn(&SignedGraph, &mut Vec<u32>, &mut Budget);
+
 /// A good labelling that joins the ends of the edges for which `keep` holds: the contracted graph is reduced, its
-/// kernels are solved heuristically, and Kernighan-Lin on the whole has the last word.
+/// kernels are contracted greedily and polished, and polishing the whole has the last word.
 pub(crate) fn solve_contracted(
     graph: &SignedGraph,
     keep: impl Fn(u32, u32) -> bool,
+    polish: Polish,
     budget: &mut Budget,
 ) -> Vec<u32> {
     let mut sets = UnionFind::new(graph.node_count());
@@ -88,13 +99,13 @@ pub(crate) fn solve_contracted(
         .iter()
         .map(|piece| {
             let mut labels = additive_edge_contraction(&piece.graph, Preference::Degree, budget);
-            kernighan_lin_with_joins(&piece.graph, &mut labels, budget);
+            polish(&piece.graph, &mut labels, budget);
             labels
         })
         .collect();
     let joined = decomposition.assemble(solved.iter().map(Vec::as_slice));
     let mut labels: Vec<u32> = classes.iter().map(|&class| joined[class as usize]).collect();
-    kernighan_lin_with_joins(graph, &mut labels, budget);
+    polish(graph, &mut labels, budget);
     labels
 }
 
@@ -108,7 +119,8 @@ mod tests {
         let triangle = |at: u32| [(at, at + 1, 2.0), (at + 1, at + 2, 1.0), (at, at + 2, -3.0)];
         let edges: Vec<_> = triangle(0).into_iter().chain(triangle(3)).chain([(2, 3, 0.1)]).collect();
         let graph = SignedGraph::new(6, edges.into_iter());
-        let fused = fuse(&graph, &[0, 0, 1, 2, 2, 2], &[0, 0, 0, 2, 2, 3], &mut Budget::new(None, None));
+        let budget = &mut Budget::new(None, None);
+        let fused = fuse(&graph, &[0, 0, 1, 2, 2, 2], &[0, 0, 0, 2, 2, 3], kernighan_lin_with_joins, budget);
         assert!((graph.objective(&fused) - -4.0).abs() < 1e-12, "{fused:?}");
     }
 }

@@ -6,6 +6,7 @@ use crate::greedy::{Preference, additive_edge_contraction, contractions};
 use crate::kernel::Kernel;
 use crate::kernighan_lin::kernighan_lin_with_joins;
 use crate::local_search::{fuse, fuse_proposals, solve_contracted};
+use crate::node_moves::move_nodes;
 use crate::options::Solver;
 use crate::packing::Packing;
 use crate::proof::{Proof, Reduced};
@@ -47,6 +48,21 @@ impl State {
         self.bound >= self.objective - self.tolerance
     }
 
+    /// A solution, and the least that can be said of the optimum.
+    fn unknown(graph: &SignedGraph, labels: Vec<u32>, record: bool) -> Self {
+        let (objective, packing) = (graph.objective(&labels), Packing::default());
+        let bound = graph.edges().map(|(_, _, cost)| cost.min(0.0)).sum();
+        let tolerance = TOLERANCE * magnitude(graph);
+        State {
+            labels,
+            objective,
+            bound,
+            tolerance,
+            packing,
+            proof: record.then(|| Proof::Packing(Vec::new())),
+        }
+    }
+
     /// Takes over a better bound.
     fn raise(&mut self, bound: f64, proof: impl FnOnce() -> Option<Proof>) {
         if bound > self.bound {
@@ -67,17 +83,32 @@ impl State {
 }
 
 /// Edges from which on a kernel is contracted in one way alone where time counts most.
-const LARGE: usize = 100_000;
+const LARGE: usize = 200_000;
 
 /// Edges up to which Kernighan-Lin also starts from one cluster, which it has to split again and again.
 const SMALL: usize = 10_000;
 
 const PREFERENCES: [Preference; 3] = [Preference::Age, Preference::Degree, Preference::Balance];
 
-/// A solution of a kernel by contraction; no worse than joining everything, wherever a limit ends it.
+/// A solution of a kernel by contraction; no worse than joining everything, wherever a limit ends it. In kernels that are
+/// not large, the best of several contractions, fused with the others by contraction again.
 pub(crate) fn contract(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
     let large = graph.edges().count() > LARGE;
-    contractions(graph, if large { &PREFERENCES[..1] } else { &PREFERENCES }, budget).swap_remove(0)
+    let found = contractions(graph, if large { &PREFERENCES[..1] } else { &PREFERENCES }, budget);
+    let mut found = found.into_iter();
+    let mut best = found.next().unwrap_or_default();
+    let mut objective = graph.objective(&best);
+    for other in found {
+        if budget.is_over() || other.iter().all(|&label| label == 0) {
+            continue;
+        }
+        let fused = fuse(graph, &best, &other, move_nodes, budget);
+        let value = graph.objective(&fused);
+        if value < objective {
+            (best, objective) = (fused, value);
+        }
+    }
+    best
 }
 
 /// Work for each edge, and besides, after which [`contract_and_move`] starts nothing new: large kernels
@@ -103,7 +134,7 @@ pub(crate) fn contract_and_move(graph: &SignedGraph, budget: &mut Budget) -> Vec
         kernighan_lin_with_joins(graph, &mut labels, budget);
         let mut candidates = vec![labels];
         if let Some((_, best)) = &best {
-            candidates.push(fuse(graph, best, &candidates[0], budget));
+            candidates.push(fuse(graph, best, &candidates[0], kernighan_lin_with_joins, budget));
         }
         for labels in candidates {
             let objective = graph.objective(&labels);
@@ -134,6 +165,9 @@ pub(crate) fn survey(
     record: bool,
     budget: &mut Budget,
 ) -> State {
+    if budget.is_over() {
+        return State::unknown(graph, labels, record);
+    }
     let kernel = Kernel::new(graph);
     let mut packing = Packing::new(&kernel);
     packing.extend(&kernel, packing_effort(solver, kernel.edge_count()), budget);
@@ -159,7 +193,7 @@ pub(crate) fn improve(graph: &SignedGraph, state: &mut State, rounds: usize, see
         let edge = kernel.edge(tail, head).map_or(0, |edge| edge as usize);
         kernel.costs[edge] > 0.0 && state.packing.residual[edge] > 1e-6 * kernel.costs[edge]
     };
-    let labels = solve_contracted(graph, left, budget);
+    let labels = solve_contracted(graph, left, kernighan_lin_with_joins, budget);
     state.offer(graph, labels);
     if state.is_closed() {
         return;

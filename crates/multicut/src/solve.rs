@@ -74,9 +74,12 @@ pub fn solve(graph: &Graph, options: &Options) -> Solution {
     let mut bound = Sum::default();
     let mut components = Vec::new();
     for (nodes, local) in conflicted_components(graph, &mut joined, &mut bound) {
-        let order = canonical_order(&local);
-        let nodes: Vec<u32> = order.iter().map(|&node| nodes[node as usize]).collect();
-        let local = local.permuted(&order);
+        let (mut nodes, mut local) = (nodes, local);
+        if budget.spend((local.node_count() + local.edges().count()) as u64) {
+            let order = canonical_order(&local);
+            nodes = order.iter().map(|&node| nodes[node as usize]).collect();
+            local = local.permuted(&order);
+        }
         let decomposition = decompose(local, options.certificate, &mut budget);
         components.push(Component { nodes, decomposition, states: Vec::new() });
     }

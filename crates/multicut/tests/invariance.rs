@@ -127,6 +127,27 @@ fn a_work_limit_stops_at_the_same_place_with_valid_bounds() {
 }
 
 #[test]
+fn a_limit_is_overshot_by_little() {
+    let graph = generate(Family::Follow, 10_000, 0.1, 4).unwrap();
+    let passes = 20 * (graph.node_count() + graph.edges().len()) as u64;
+    let run = |solver, work_limit| {
+        let options =
+            Options { solver, time_limit: None, work_limit: Some(work_limit), ..Options::default() };
+        solve(&graph, &options)
+    };
+    let attractive = graph.edges().iter().filter(|edge| edge.cost > 0.0).count();
+    // Once over, nothing is taken apart, contracted or packed any more.
+    let over = run(Solver::Exact, 0);
+    assert!(over.kernel_edges >= attractive && over.work <= passes, "{} {}", over.kernel_edges, over.work);
+    for solver in [Solver::Gaec, Solver::Klj, Solver::Exact] {
+        for work_limit in [200_000, 1_000_000, 5_000_000, 25_000_000] {
+            let work = run(solver, work_limit).work;
+            assert!(work <= work_limit + work_limit / 10 + passes, "{solver:?} {work_limit} {work}");
+        }
+    }
+}
+
+#[test]
 fn a_spoiled_certificate_is_refuted() {
     let mut random = ChaCha8Rng::seed_from_u64(14);
     let graph = Graph::new(12, sparse(12, 60, 0.6, &mut random)).unwrap();
