@@ -3,7 +3,7 @@
 //!
 //! `POSECUT_SHARED_DATA=... cargo bench -p posecut-optimize --bench incremental [NAME...] [THRESHOLD=VALUE...]`
 //!
-//! Thresholds: `translation`, `rotation`, `propagate`, `every`, `iterations`; `checkpoints=N` says how many, 0 leaves only
+//! Thresholds: `translation`, `rotation`, `propagate`, `error`, `every`, `iterations`; `checkpoints=N` says how many, 0 leaves only
 //! times. Prints one JSON object a graph.
 
 #![allow(clippy::print_stdout, reason = "a bench prints its figures")]
@@ -37,7 +37,7 @@ fn measure<G: PoseGroup<DOF>, const DOF: usize>(
     let arrivals = replay::by_later_end(poses.len(), &edges);
     let mut solver = IncrementalSolver::<G, DOF>::new(options)?;
     let mut times = Times { update: Vec::new(), newest: 0.0, all: 0.0 };
-    let (mut relinearised, mut eliminated, mut solved, mut restarts) = (0, 0, 0, 0);
+    let (mut relinearised, mut linearised, mut eliminated, mut solved, mut restarts) = (0, 0, 0, 0, 0);
     let (mut worst_gap, mut gaps) = (0.0_f64, Vec::new());
     let spacing = if checkpoints == 0 { usize::MAX } else { poses.len().div_ceil(checkpoints) };
     let mut seen: Vec<Edge<G, DOF>> = Vec::new();
@@ -56,6 +56,7 @@ fn measure<G: PoseGroup<DOF>, const DOF: usize>(
         std::hint::black_box(solver.estimates());
         times.all += start.elapsed().as_secs_f64();
         relinearised += report.relinearised;
+        linearised += report.linearised;
         eliminated += report.eliminated;
         solved += report.solved;
         restarts += usize::from(report.restarted);
@@ -83,7 +84,7 @@ fn measure<G: PoseGroup<DOF>, const DOF: usize>(
     println!(
         "{{\"graph\":\"{name}\",\"poses\":{},\"edges\":{},\"translation\":{},\"rotation\":{},\"propagate\":{},\"every\":{},\"iterations\":{},\
          \"total_s\":{:.4},\"newest_s\":{:.4},\"all_s\":{:.4},\"median_ms\":{:.4},\"p95_ms\":{:.4},\"p99_ms\":{:.4},\"max_ms\":{:.3},\
-         \"relinearised\":{relinearised},\"eliminated\":{eliminated},\"solved\":{solved},\"restarts\":{restarts},\"cost\":{cost:.9},\"gap\":{:.2e},\"polish_ms\":{polish:.2},\
+         \"relinearised\":{relinearised},\"linearised\":{linearised},\"eliminated\":{eliminated},\"solved\":{solved},\"restarts\":{restarts},\"cost\":{cost:.9},\"gap\":{:.2e},\"polish_ms\":{polish:.2},\
          \"polished_gap\":{:.2e},\"finished_gap\":{:.2e},\"finish_iterations\":{},\"restarted\":{},\"worst_checkpoint_gap\":{worst_gap:.2e},\"checkpoint_gaps\":[{}],\"megabytes\":{:.1}}}",
         poses.len(),
         edges.len(),
@@ -119,6 +120,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             Some(("translation", value)) => options.relinearise_translation = value.parse()?,
             Some(("rotation", value)) => options.relinearise_rotation = value.parse()?,
             Some(("propagate", value)) => options.propagate = value.parse()?,
+            Some(("error", value)) => options.linearisation_error = value.parse()?,
             Some(("every", value)) => options.relinearise_every = value.parse()?,
             Some(("iterations", value)) => options.iterations = value.parse()?,
             Some(("checkpoints", value)) => checkpoints = value.parse()?,

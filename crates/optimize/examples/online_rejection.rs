@@ -2,13 +2,13 @@
 //! edges so far, and edges go into the map or are taken back.
 //!
 //! `online_rejection GRAPH.jsonl FIGURE.svg SERIES.csv [K]` follows a graph of posecut-construct. The series has, at every
-//! decision, the edges used, added and taken back, and the root mean square distance of positions (after the best rigid
+//! decision, the edges used, added, taken back and readmitted (added after they were taken back), and the root mean square distance of positions (after the best rigid
 //! motion) from the reference, for the map kept online and for a batch solution of the same decisions. The reference is the
 //! whole graph without the edges that the truth calls incorrect; nothing else looks at the truth.
 
 #![allow(clippy::print_stdout, reason = "an example prints what it found")]
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use anyhow::Context as _;
@@ -37,6 +37,7 @@ struct Row {
     used: usize,
     added: usize,
     taken_back: usize,
+    readmitted: usize,
     online: f64,
     batch: f64,
 }
@@ -54,19 +55,20 @@ fn main() -> anyhow::Result<()> {
         Dimension::Two => follow::<SE2, 3>(&graph, every),
         Dimension::Three => follow::<SE3, 6>(&graph, every),
     }?;
-    let mut text = "node,used,added,taken_back,online_m,batch_m\n".to_owned();
+    let mut text = "node,used,added,taken_back,readmitted,online_m,batch_m\n".to_owned();
     for row in &rows {
-        let Row { node, used, added, taken_back, online, batch } = row;
-        writeln!(text, "{node},{used},{added},{taken_back},{online},{batch}")?;
+        let Row { node, used, added, taken_back, readmitted, online, batch } = row;
+        writeln!(text, "{node},{used},{added},{taken_back},{readmitted},{online},{batch}")?;
     }
     std::fs::write(series, text).with_context(|| format!("{series}: cannot be written"))?;
     std::fs::write(figure, draw(&rows)).with_context(|| format!("{figure}: cannot be written"))?;
     let worst = rows.iter().map(|row| (row.online - row.batch).abs()).fold(0.0, f64::max);
     println!(
-        "{} decisions, {} edges added, {} taken back; online and batch differ by at most {worst:.1e} m; last error {:.3} m",
+        "{} decisions, {} edges added, {} taken back, {} of them readmitted later; online and batch differ by at most {worst:.1e} m; last error {:.3} m",
         rows.len(),
         rows.iter().map(|row| row.added).sum::<usize>(),
         rows.iter().map(|row| row.taken_back).sum::<usize>(),
+        rows.iter().map(|row| row.readmitted).sum::<usize>(),
         rows.last().map_or(0.0, |row| row.online),
     );
     Ok(())
@@ -99,6 +101,7 @@ fn follow<G: PoseGroup<DOF> + Spatial<DOF>, const DOF: usize>(
 
     let mut solver = IncrementalSolver::<G, DOF>::new(IncrementalOptions::default())?;
     let mut used: BTreeMap<usize, EdgeId> = BTreeMap::new();
+    let mut returned: BTreeSet<usize> = BTreeSet::new();
     let mut rows = Vec::new();
     for node in 0..given.len() {
         solver.add_pose(given[node])?;
@@ -112,11 +115,13 @@ fn follow<G: PoseGroup<DOF> + Spatial<DOF>, const DOF: usize>(
             continue;
         }
         let kept = decide::<G, DOF>(&prefix(&all, node))?;
-        let mut row = Row { node, used: kept.len(), added: 0, taken_back: 0, online: 0.0, batch: 0.0 };
+        let mut row =
+            Row { node, used: kept.len(), added: 0, taken_back: 0, readmitted: 0, online: 0.0, batch: 0.0 };
         let gone: Vec<usize> = used.keys().copied().filter(|place| !kept.contains(place)).collect();
         for place in gone {
             if let Some(id) = used.remove(&place) {
                 solver.remove_edge(id)?;
+                returned.insert(place);
                 row.taken_back += 1;
             }
         }
@@ -124,6 +129,7 @@ fn follow<G: PoseGroup<DOF> + Spatial<DOF>, const DOF: usize>(
             if let (false, Some(edge)) = (used.contains_key(&place), edges.get(&place)) {
                 used.insert(place, solver.add_edge(*edge)?);
                 row.added += 1;
+                row.readmitted += usize::from(returned.remove(&place));
             }
         }
         solver.update();

@@ -7,6 +7,7 @@
 
 pub(crate) mod dense;
 mod elimination;
+pub(crate) mod extend_add;
 mod factor;
 mod inverse_column;
 mod nested_dissection;

@@ -14,7 +14,11 @@
 //!   `L` of both is the same up to signs.
 //! - The order comes from a minimum-degree algorithm on the quotient graph, in which the remaining subtrees are elements
 //!   from the start; nothing is expanded to pairs.
-//! - Linearised edges are kept until one of their ends is relinearised.
+//! - Linearised edges are kept until one of their ends is relinearised. Thresholds per variable tell which variables may be;
+//!   they are, all at once, when the differences between residuals and linear models add up to more than a share of
+//!   the cost ([`IncrementalOptions::linearisation_error`]). A part that swings rigidly leaves its linear models exact.
+//! - What comes last in the order is not only the ends of the newest edges but half of what is eliminated again, by distance
+//!   from them in the graph: the next edges come there.
 //! - The gauge is not a prior: the first pose of every connected part stays where it is and is no variable. When an edge
 //!   joins two parts, the later one moves rigidly so that the edge fits. Errors are right perturbations, so that
 //!   nothing needs to be linearised again. When a removal splits a part, the one without gauge stays where it is and gets
@@ -47,10 +51,13 @@
 //! ```
 
 mod cliques;
+mod degrees;
 mod edges;
 mod elimination;
 mod error;
+mod estimate;
 mod finish;
+mod linear_model;
 mod options;
 mod order;
 mod parts;
@@ -60,7 +67,10 @@ mod session;
 mod solver;
 mod stage;
 mod substitution;
+mod supervariables;
+mod top;
 mod tree;
+mod update;
 
 pub use error::IncrementalError;
 pub use options::IncrementalOptions;

@@ -108,22 +108,47 @@ impl<const DOF: usize> Linearised<DOF> {
     }
 }
 
-/// Linearises an edge.
+/// The residual of an edge and its derivatives.
 ///
 /// With `X_ij = X_i^-1 X_j` and `E = Z^-1 X_ij`: `J_j = J_r^-1(Log E)`, and since `Exp(-d) X_ij = X_ij Exp(-Ad(X_ij^-1) d)`,
-/// `J_i = -J_j Ad(X_ij^-1)`. All blocks follow from `A = J_j^T w Omega J_j` by the adjoint alone.
+/// `J_i = -J_j Ad(X_ij^-1)`.
+pub(crate) struct Expansion<G, const DOF: usize> {
+    relative: G,
+    /// `Log E`.
+    pub(crate) error: SVector<f64, DOF>,
+    /// `J_j`.
+    pub(crate) to: SMatrix<f64, DOF, DOF>,
+}
+
+impl<G: LieGroup<DOF>, const DOF: usize> Expansion<G, DOF> {
+    /// At these poses of the edge's ends.
+    pub(crate) fn new(edge: &Edge<G, DOF>, from: &G, to: &G) -> Self {
+        let relative = from.between(to);
+        let error = edge.measurement.between(&relative).log();
+        Self { relative, error, to: G::right_jacobian_inverse(&error) }
+    }
+
+    /// `J_i`.
+    pub(crate) fn from(&self) -> SMatrix<f64, DOF, DOF> {
+        -self.to * self.relative.inverse().adjoint()
+    }
+
+    /// The quadratic model and the kernel's weight. All blocks follow from `A = J_j^T w Omega J_j` by the adjoint alone.
+    pub(crate) fn model(&self, edge: &Edge<G, DOF>) -> (Linearised<DOF>, f64) {
+        let weighted = edge.information * self.error;
+        let (cost, weight) = charge(edge.kernel, self.error.dot(&weighted));
+        let to_to = triangular_congruence(&self.to, &edge.information).1 * weight;
+        let to_gradient = self.to.tr_mul(&weighted) * weight;
+        (Linearised::new(&self.relative, to_to, to_gradient, cost), weight)
+    }
+}
+
+/// Linearises an edge.
 pub(crate) fn linearise<G: LieGroup<DOF>, const DOF: usize>(
     edge: &Edge<G, DOF>,
     poses: &[G],
 ) -> Linearised<DOF> {
-    let relative = poses[edge.from].between(&poses[edge.to]);
-    let error = edge.measurement.between(&relative).log();
-    let weighted = edge.information * error;
-    let (cost, weight) = charge(edge.kernel, error.dot(&weighted));
-    let jacobian = G::right_jacobian_inverse(&error);
-    let to_to = triangular_congruence(&jacobian, &edge.information).1 * weight;
-    let to_gradient = jacobian.tr_mul(&weighted) * weight;
-    Linearised::new(&relative, to_to, to_gradient, cost)
+    Expansion::new(edge, &poses[edge.from], &poses[edge.to]).model(edge).0
 }
 
 /// `J^T A` and `J^T A J` for symmetric `A` and `J` an adjoint or a Jacobian of the logarithm: in space both are block-triangular,

@@ -1,120 +1,21 @@
 //! The incremental solver against fresh batch solutions, on small graphs at every step.
 
-#![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "functions of tests may panic, and one prints its figures"
+)]
 
-use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector};
+mod growing;
+
+use growing::{World, distance_from_fresh, planar, spatial};
+use nalgebra::Matrix3;
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_optimize::incremental::{EdgeId, IncrementalError, IncrementalOptions, IncrementalSolver, Split};
 use posecut_optimize::{Edge, EdgeKind, Kernel, Options, PoseGroup, Problem, ProblemError, optimize};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-
-fn planar(random: &mut ChaCha8Rng) -> SE2 {
-    SE2::new(random.random_range(-3.0..3.0), random.random_range(-3.0..3.0), random.random_range(-3.1..3.1))
-}
-
-fn spatial(random: &mut ChaCha8Rng) -> SE3 {
-    let mut draw = |size: f64| random.random_range(-size..size);
-    SE3::from_euler(draw(3.0), draw(3.0), draw(3.0), draw(3.1), draw(1.5), draw(3.1))
-}
-
-/// A trajectory that grows, and noisy measurements in it.
-struct World<G, const DOF: usize> {
-    truth: Vec<G>,
-    random: ChaCha8Rng,
-    step: fn(&mut ChaCha8Rng) -> G,
-    noise: f64,
-}
-
-impl<G: LieGroup<DOF>, const DOF: usize> World<G, DOF> {
-    fn new(seed: u64, noise: f64, step: fn(&mut ChaCha8Rng) -> G) -> Self {
-        Self { truth: vec![G::identity()], random: ChaCha8Rng::seed_from_u64(seed), step, noise }
-    }
-
-    fn grow(&mut self) -> usize {
-        let step = (self.step)(&mut self.random);
-        self.truth.push(self.truth[self.truth.len() - 1].compose(&step));
-        self.truth.len() - 1
-    }
-
-    /// Information matrices differ from edge to edge and are not diagonal.
-    fn measure(&mut self, from: usize, to: usize, kind: EdgeKind) -> Edge<G, DOF> {
-        let noise = self.noise;
-        let random = &mut self.random;
-        let tangent = SVector::<f64, DOF>::from_fn(|_, _| random.random_range(-noise..noise));
-        let root = SMatrix::<f64, DOF, DOF>::from_fn(|_, _| random.random_range(-0.5..0.5));
-        let information = (SMatrix::identity() + root * root.transpose()) / (noise * noise);
-        let measurement = self.truth[from].between(&self.truth[to]).compose(&G::exp(&tangent));
-        Edge::new(from, to, measurement, information, kind)
-    }
-
-    fn any(&mut self, count: usize) -> usize {
-        self.random.random_range(0..count)
-    }
-}
-
-/// Two dense Gauss-Newton steps with the gauges held: the batch solver stops where the cost no longer tells steps apart, at
-/// the root of the unit round-off.
-fn refine<G: LieGroup<DOF>, const DOF: usize>(
-    mut poses: Vec<G>,
-    edges: &[Edge<G, DOF>],
-    gauges: &[usize],
-) -> Vec<G> {
-    for _ in 0..2 {
-        let size = poses.len() * DOF;
-        let (mut matrix, mut vector) = (DMatrix::<f64>::zeros(size, size), DVector::<f64>::zeros(size));
-        for edge in edges {
-            let relative = poses[edge.from].between(&poses[edge.to]);
-            let error = edge.measurement.between(&relative).log();
-            let to = G::right_jacobian_inverse(&error);
-            let from = -to * relative.inverse().adjoint();
-            for (a, left) in [(edge.from, &from), (edge.to, &to)] {
-                let weighted = left.transpose() * edge.information;
-                let mut rows = vector.fixed_rows_mut::<DOF>(a * DOF);
-                rows -= weighted * error;
-                for (b, right) in [(edge.from, &from), (edge.to, &to)] {
-                    let mut block = matrix.fixed_view_mut::<DOF, DOF>(a * DOF, b * DOF);
-                    block += weighted * right;
-                }
-            }
-        }
-        for &gauge in gauges {
-            for index in gauge * DOF..(gauge + 1) * DOF {
-                matrix.row_mut(index).fill(0.0);
-                matrix.column_mut(index).fill(0.0);
-                matrix[(index, index)] = 1.0;
-                vector[index] = 0.0;
-            }
-        }
-        let step = matrix.cholesky().unwrap().solve(&vector);
-        for (node, pose) in poses.iter_mut().enumerate() {
-            *pose = pose.compose(&G::exp(&step.fixed_rows::<DOF>(node * DOF).into_owned()));
-        }
-    }
-    poses
-}
-
-/// Largest distance of a pose from that of a fresh batch solution in which only the gauges are given; and both costs.
-fn distance_from_fresh<G: PoseGroup<DOF>, const DOF: usize>(
-    solver: &IncrementalSolver<G, DOF>,
-) -> (f64, f64, f64) {
-    let edges: Vec<_> = solver.edges().into_iter().map(|(_, edge)| edge).collect();
-    let estimates = solver.estimates();
-    let ends = edges.iter().map(|edge| (edge.from, edge.to));
-    let components = posecut_optimize::components::connected_components(estimates.len(), ends);
-    let mut given = vec![G::identity(); estimates.len()];
-    for component in &components {
-        given[component.nodes[0]] = estimates[component.nodes[0]];
-    }
-    let strict = Options { cost_tolerance: 0.0, step_tolerance: 1e-12, ..Options::default() };
-    let fresh = optimize(&Problem::new(given, edges.clone()).unwrap(), &strict);
-    assert_eq!(components.len(), solver.parts());
-    let gauges: Vec<usize> = components.iter().map(|component| component.nodes[0]).collect();
-    let refined = refine(fresh.poses, &edges, &gauges);
-    let distances = estimates.iter().zip(&refined).map(|(a, b)| a.between(b).log().amax());
-    (distances.fold(0.0, f64::max), solver.cost(), fresh.cost)
-}
 
 /// Every step of a session with landmark edges to random earlier poses.
 fn follow<G: PoseGroup<DOF>, const DOF: usize>(
@@ -159,6 +60,7 @@ fn every_step_is_near_the_batch_optimum() {
         relinearise_translation: 1e-4,
         relinearise_rotation: 1e-4,
         propagate: 0.0,
+        linearisation_error: 0.0,
         iterations: 5,
         ..IncrementalOptions::default()
     };
@@ -422,4 +324,62 @@ fn kernels_weigh_edges_here_too() {
         "{finish:?} {}",
         batch.cost
     );
+}
+
+/// Excursions far off, with loops at their ends that later closures swing as a whole. Returns the largest gap to the
+/// optimum over all steps, as a share, and how many poses were relinearised.
+fn swing(options: IncrementalOptions) -> (f64, usize) {
+    let (mut worst, mut relinearised) = (0.0_f64, 0);
+    for seed in 0..6 {
+        let mut world =
+            World::<SE2, 3>::new(seed, 0.03, |random| SE2::new(1.0, 0.0, random.random_range(-0.6..0.6)));
+        let mut solver = IncrementalSolver::new(options).unwrap();
+        solver.add_pose(SE2::identity()).unwrap();
+        for _ in 0..150 {
+            let node = world.grow();
+            solver.add_pose(SE2::identity()).unwrap();
+            solver.add_edge(world.measure(node - 1, node, EdgeKind::Odometry)).unwrap();
+            if node > 20 && node.is_multiple_of(10) {
+                let earlier = world.any(node - 10);
+                solver.add_edge(world.measure(earlier, node, EdgeKind::Landmark)).unwrap();
+            }
+            relinearised += solver.update().relinearised;
+            let (_, cost, optimum) = distance_from_fresh(&solver);
+            worst = worst.max((cost - optimum) / optimum.max(0.01));
+        }
+    }
+    (worst, relinearised)
+}
+
+/// What is relinearised less costs accuracy: little with the default share, as much as was asked for with a large one.
+#[test]
+fn the_share_of_linearisation_errors_trades_work_for_accuracy() {
+    let with = |linearisation_error| {
+        let (gap, relinearised) =
+            swing(IncrementalOptions { linearisation_error, ..IncrementalOptions::default() });
+        println!("share {linearisation_error}: gap {gap:.1e}, {relinearised} relinearised");
+        (gap, relinearised)
+    };
+    let (thresholds_alone, all) = with(0.0);
+    let (default, fewer) = with(IncrementalOptions::default().linearisation_error);
+    let (loose, few) = with(1e-3);
+    assert!(thresholds_alone < 5e-4 && default < 2.0 * thresholds_alone, "{thresholds_alone:e} {default:e}");
+    assert!(default < loose && loose < 0.1, "{default:e} {loose:e}");
+    assert!(few < fewer && fewer < all, "{few} {fewer} {all}");
+}
+
+/// A part that loses its connection gets a gauge: without one its equations would be singular.
+#[test]
+fn a_part_that_is_split_off_stays_determined() {
+    let (mut solver, ids) = line(30);
+    let loop_edge =
+        Edge::new(12, 25, SE2::new(9.0, 3.0, 1.0), Matrix3::identity() * 100.0, EdgeKind::Landmark);
+    solver.add_edge(loop_edge).unwrap();
+    solver.update();
+    solver.remove_edge(ids[8]).unwrap();
+    let report = solver.update();
+    assert!(report.undetermined.is_empty(), "{report:?}");
+    assert_eq!(report.splits, [Split { gauge: 9, nodes: 21 }]);
+    solver.finish();
+    assert!(distance_from_fresh(&solver).0 < 1e-8);
 }

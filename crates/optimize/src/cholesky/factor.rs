@@ -11,6 +11,7 @@ use nalgebra::{SMatrix, SVector};
 use thiserror::Error;
 
 use super::dense;
+use super::extend_add::{Run, extend_add, push_rows};
 use super::symbolic::{Front, Symbolic};
 
 /// The matrix is not positive definite.
@@ -116,8 +117,15 @@ impl<const D: usize> Factor<D> {
             }
             for &child in &symbolic.children[front.children.clone()] {
                 let child = &symbolic.fronts[child];
-                find_runs::<D>(&symbolic.relative[child.rows.clone()], &mut self.runs);
-                extend_add::<D>(symbolic, child, front, others, &self.runs, panel, update);
+                let places = &symbolic.relative[child.rows.clone()];
+                self.runs.clear();
+                for (index, &place) in places.iter().enumerate() {
+                    push_rows(&mut self.runs, index * D, place * D, D);
+                }
+                let order = places.len() * D;
+                let source = &others[child.update * D * D..][..order * order];
+                let columns = front.columns * D;
+                extend_add(source, order, 0..order, &self.runs, (panel, height, columns), update);
             }
             dense::eliminate::<D>(panel, height, front.columns * D, update, fresh, &mut self.memory)
                 .map_err(|column| Breakdown {
@@ -229,69 +237,6 @@ fn write_block<const D: usize>(
     for (offset, source) in block.as_slice().chunks_exact(D).enumerate() {
         let start = (column * D + offset) * height + row * D;
         panel[start..start + D].copy_from_slice(source);
-    }
-}
-
-/// A stretch of a child's rows that lies together in the parent's front, too. Scalars.
-#[derive(Clone, Copy)]
-struct Run {
-    source: usize,
-    target: usize,
-    length: usize,
-}
-
-/// Splits the child's rows into runs.
-#[inline(always)]
-fn find_runs<const D: usize>(relative: &[usize], runs: &mut Vec<Run>) {
-    runs.clear();
-    for (index, &place) in relative.iter().enumerate() {
-        match runs.last_mut() {
-            Some(run) if run.target + run.length == place * D => run.length += D,
-            _ => runs.push(Run { source: index * D, target: place * D, length: D }),
-        }
-    }
-}
-
-/// Adds the lower triangle of a child's update matrix to its parent's front.
-#[inline(always)]
-fn extend_add<const D: usize>(
-    symbolic: &Symbolic,
-    child: &Front,
-    parent: &Front,
-    stack: &[f64],
-    runs: &[Run],
-    panel: &mut [f64],
-    update: &mut [f64],
-) {
-    let relative = &symbolic.relative[child.rows.clone()];
-    let order = relative.len() * D;
-    let source = &stack[child.update * D * D..][..order * order];
-    let (height, below) = (parent.height() * D, parent.below() * D);
-    let eliminated = parent.columns * D;
-    let mut first_run = 0;
-    for (block_column, &place) in relative.iter().enumerate() {
-        while runs[first_run].source + runs[first_run].length <= block_column * D {
-            first_run += 1;
-        }
-        for component in 0..D {
-            let index = block_column * D + component;
-            let column = &source[index * order..][..order];
-            let (target, skipped) = if place < parent.columns {
-                (&mut panel[(place * D + component) * height..][..height], 0)
-            } else {
-                let start = (place * D - eliminated + component) * below;
-                (&mut update[start..start + below], eliminated)
-            };
-            for run in &runs[first_run..] {
-                // The first run may have begun above the diagonal.
-                let above = index.saturating_sub(run.source);
-                let values = &column[run.source + above..run.source + run.length];
-                let sums = &mut target[run.target + above - skipped..][..values.len()];
-                for (sum, value) in sums.iter_mut().zip(values) {
-                    *sum += value;
-                }
-            }
-        }
     }
 }
 

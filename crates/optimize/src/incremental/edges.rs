@@ -7,13 +7,14 @@
 
 use std::collections::HashMap;
 
-use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
 use super::IncrementalError;
 use super::elimination::Incidence;
+use super::estimate::Estimate;
+use super::linear_model::LinearModel;
 use crate::problem::Edge;
-use crate::residual::{Linearised, linearise};
+use crate::residual::Linearised;
 
 /// An edge as seen from one of its ends.
 #[derive(Clone, Copy, Debug)]
@@ -25,9 +26,29 @@ struct Incident {
 
 struct Slot<G, const DOF: usize> {
     edge: Edge<G, DOF>,
-    model: Linearised<DOF>,
+    model: LinearModel<DOF>,
     /// Whether the model is waiting in the list of those to be made.
     outdated: bool,
+    share: Share,
+    /// The check in which it was last looked at.
+    checked: usize,
+}
+
+/// What an edge adds to sums, as it was when it was last linearised or checked.
+#[derive(Clone, Copy, Debug, Default)]
+struct Share {
+    /// The square by which its model is off.
+    error: f64,
+    cost: f64,
+}
+
+impl Share {
+    /// Replaces a summand.
+    fn exchange(&mut self, old: &mut Self, new: Self) {
+        self.error += new.error - old.error;
+        self.cost += new.cost - old.cost;
+        *old = new;
+    }
 }
 
 /// Edges in slots that are used again, listed at both ends.
@@ -38,6 +59,8 @@ pub(super) struct Edges<G, const DOF: usize> {
     next_id: u64,
     at: Vec<Vec<Incident>>,
     outdated: Vec<usize>,
+    sums: Share,
+    checks: usize,
 }
 
 impl<G, const DOF: usize> std::fmt::Debug for Edges<G, DOF> {
@@ -55,6 +78,8 @@ impl<G: LieGroup<DOF>, const DOF: usize> Edges<G, DOF> {
             next_id: 0,
             at: Vec::new(),
             outdated: Vec::new(),
+            sums: Share::default(),
+            checks: 0,
         }
     }
 
@@ -70,7 +95,8 @@ impl<G: LieGroup<DOF>, const DOF: usize> Edges<G, DOF> {
     pub(super) fn add(&mut self, edge: Edge<G, DOF>) -> u64 {
         let id = self.next_id;
         self.next_id += 1;
-        let slot = Slot { edge, model: no_model(), outdated: true };
+        let slot =
+            Slot { edge, model: LinearModel::none(), outdated: true, share: Share::default(), checked: 0 };
         let index = if let Some(index) = self.free.pop() {
             self.slots[index] = slot;
             index
@@ -98,6 +124,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Edges<G, DOF> {
             self.at[node].retain(|incident| incident.slot != index);
         }
         self.slots[index].outdated = false;
+        self.sums.exchange(&mut self.slots[index].share, Share::default());
         self.free.push(index);
         Ok(edge)
     }
@@ -129,11 +156,47 @@ impl<G: LieGroup<DOF>, const DOF: usize> Edges<G, DOF> {
         for index in self.outdated.drain(..) {
             let slot = &mut self.slots[index];
             if std::mem::replace(&mut slot.outdated, false) {
-                slot.model = linearise(&slot.edge, points);
+                slot.model = LinearModel::new(&slot.edge, points);
+                self.sums.exchange(&mut slot.share, Share { error: 0.0, cost: slot.model.blocks.cost });
                 count += 1;
             }
         }
         count
+    }
+
+    /// Begins to look at how far models are off.
+    pub(super) fn begin_check(&mut self) {
+        self.checks += 1;
+        if !(self.sums.error.is_finite() && self.sums.cost.is_finite()) {
+            self.sums = Share::default();
+            for &slot in self.by_id.values() {
+                let Share { error, cost } = self.slots[slot].share;
+                self.sums.error += error;
+                self.sums.cost += cost;
+            }
+        }
+    }
+
+    /// Looks at the edges of a node. Those that have been looked at since the check began are not looked at again.
+    pub(super) fn check(&mut self, node: usize, estimate: &Estimate<G, DOF>) {
+        let here = estimate.pose(node);
+        for incident in &self.at[node] {
+            let slot = &mut self.slots[incident.slot];
+            if slot.outdated || std::mem::replace(&mut slot.checked, self.checks) == self.checks {
+                continue;
+            }
+            let there = estimate.pose(incident.other);
+            let poses = if incident.is_from { [&here, &there] } else { [&there, &here] };
+            let deltas = [slot.edge.from, slot.edge.to].map(|node| &estimate.deltas[node]);
+            let (error, cost) = slot.model.error(&slot.edge, poses, deltas);
+            self.sums.exchange(&mut slot.share, Share { error, cost });
+        }
+    }
+
+    /// Sums over the edges as they were when last linearised or checked: the squares by which models are off, and costs, but
+    /// of these at least `least` an edge.
+    pub(super) fn error_and_cost(&self, least: f64) -> (f64, f64) {
+        (self.sums.error, self.sums.cost.max(least * self.by_id.len() as f64))
     }
 
     /// Memory held, bytes.
@@ -150,19 +213,7 @@ impl<G, const DOF: usize> Incidence<DOF> for Edges<G, DOF> {
     #[inline(always)]
     fn for_each(&self, node: usize, mut each: impl FnMut(usize, &Linearised<DOF>, bool)) {
         for incident in &self.at[node] {
-            each(incident.other, &self.slots[incident.slot].model, incident.is_from);
+            each(incident.other, &self.slots[incident.slot].model.blocks, incident.is_from);
         }
-    }
-}
-
-/// What stands in a slot until its edge is linearised.
-fn no_model<const DOF: usize>() -> Linearised<DOF> {
-    Linearised {
-        from_from: SMatrix::zeros(),
-        from_to: SMatrix::zeros(),
-        to_to: SMatrix::zeros(),
-        from_gradient: SVector::zeros(),
-        to_gradient: SVector::zeros(),
-        cost: 0.0,
     }
 }

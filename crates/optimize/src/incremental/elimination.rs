@@ -6,10 +6,12 @@
 )]
 
 use faer::dyn_stack::MemBuffer;
+use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::{SMatrix, SVector};
 
 use super::tree::{Clique, Tree};
 use crate::cholesky::dense;
+use crate::cholesky::extend_add::{Run, extend_add, push_rows};
 use crate::residual::Linearised;
 
 /// Share of a diagonal entry that elimination must leave: below it the direction is undetermined.
@@ -33,14 +35,6 @@ pub(super) struct Elimination<const D: usize> {
     diagonal: Vec<f64>,
     held: Vec<bool>,
     runs: Vec<Run>,
-}
-
-/// A stretch of a child's rows that lies together in the parent's front, too. Scalars.
-#[derive(Clone, Copy)]
-struct Run {
-    source: usize,
-    target: usize,
-    length: usize,
 }
 
 impl<const D: usize> std::fmt::Debug for Elimination<D> {
@@ -68,12 +62,30 @@ impl<const D: usize> Elimination<D> {
         self.clique.push(0);
     }
 
+    /// Eliminates cliques, children before parents.
+    pub(super) fn eliminate(
+        &mut self,
+        tree: &mut Tree,
+        cliques: &[usize],
+        edges: &impl Incidence<D>,
+        deltas: &[SVector<f64, D>],
+    ) {
+        // The widest vector instructions of the machine, chosen here once for all loops that are inlined below.
+        Arch::new().dispatch(Eliminate { elimination: self, tree, cliques, edges, deltas });
+    }
+
     /// Assembles a clique of edges and children, and eliminates its frontal variables.
     ///
     /// The front is the lower triangle of `[H, -g; -g^T, .]`. Its diagonal blocks hold all edges of a frontal variable, also
     /// those to variables eliminated before, whose updates take away their part.
     #[inline(always)]
-    pub(super) fn eliminate(&mut self, tree: &mut Tree, index: usize, edges: &impl Incidence<D>) {
+    fn eliminate_clique(
+        &mut self,
+        tree: &mut Tree,
+        index: usize,
+        edges: &impl Incidence<D>,
+        deltas: &[SVector<f64, D>],
+    ) {
         let mut clique = tree.take(index);
         let columns = clique.frontals * D;
         if columns > self.scratch_columns {
@@ -84,10 +96,10 @@ impl<const D: usize> Elimination<D> {
         self.held.resize(columns, false);
         clique.undetermined.clear();
         // Each round holds one more direction; nearly always there is one round.
-        while let Some(column) = self.attempt(tree, &mut clique, edges) {
+        while let Some(column) = self.attempt(tree, &mut clique, edges, deltas) {
             if std::mem::replace(&mut self.held[column], true) {
                 // Numbers have overflowed: nothing can be learnt from this clique.
-                hold_all(&mut clique, columns);
+                hold_all(&mut clique, deltas);
                 break;
             }
             let node = clique.variables[column / D];
@@ -100,7 +112,13 @@ impl<const D: usize> Elimination<D> {
 
     /// Eliminates the front and returns a column whose direction is undetermined, if there is one.
     #[inline(always)]
-    fn attempt(&mut self, tree: &Tree, clique: &mut Clique, edges: &impl Incidence<D>) -> Option<usize> {
+    fn attempt(
+        &mut self,
+        tree: &Tree,
+        clique: &mut Clique,
+        edges: &impl Incidence<D>,
+        deltas: &[SVector<f64, D>],
+    ) -> Option<usize> {
         self.stamp += 1;
         for (place, &node) in clique.variables.iter().enumerate() {
             self.place[node] = place;
@@ -123,6 +141,7 @@ impl<const D: usize> Elimination<D> {
             let stiffness = if largest > 0.0 { largest } else { 1.0 };
             for (column, _) in self.held.iter().enumerate().filter(|&(_, &held)| held) {
                 panel[column * height + column] += stiffness;
+                panel[column * height + height - 1] += stiffness * deltas[variables[column / D]][column % D];
                 self.diagonal[column] += stiffness;
             }
         }
@@ -195,8 +214,6 @@ impl<const D: usize> Elimination<D> {
         update: &mut [f64],
     ) {
         let separator = &child.variables[child.frontals..];
-        let order = separator.len() * D + 1;
-        let below = height - columns;
         let ascends = separator.windows(2).all(|pair| self.place[pair[0]] < self.place[pair[1]]);
         if !ascends {
             self.add_unsorted_child(child, panel, height, columns, update);
@@ -204,40 +221,16 @@ impl<const D: usize> Elimination<D> {
         }
         self.runs.clear();
         for (index, &node) in separator.iter().enumerate() {
-            let target = self.place[node] * D;
-            match self.runs.last_mut() {
-                Some(run) if run.target + run.length == target => run.length += D,
-                _ => self.runs.push(Run { source: index * D, target, length: D }),
-            }
+            push_rows(&mut self.runs, index * D, self.place[node] * D, D);
         }
-        match self.runs.last_mut() {
-            Some(run) if run.target + run.length == height - 1 => run.length += 1,
-            _ => self.runs.push(Run { source: order - 1, target: height - 1, length: 1 }),
-        }
-        let mut first = 0;
-        for (source, values) in child.update.chunks_exact(order).enumerate() {
-            while self.runs[first].source + self.runs[first].length <= source {
-                first += 1;
-            }
-            let run = self.runs[first];
-            let column = run.target + source - run.source;
-            let (target, skipped) = if column < columns {
-                (&mut panel[column * height..][..height], 0)
-            } else {
-                (&mut update[(column - columns) * below..][..below], columns)
-            };
-            for run in &self.runs[first..] {
-                let above = source.saturating_sub(run.source);
-                let values = &values[run.source + above..run.source + run.length];
-                let sums = &mut target[run.target + above - skipped..][..values.len()];
-                for (sum, value) in sums.iter_mut().zip(values) {
-                    *sum += value;
-                }
-            }
-        }
+        // The right-hand side.
+        let order = separator.len() * D + 1;
+        push_rows(&mut self.runs, order - 1, height - 1, 1);
+        extend_add(&child.update, order, 0..order, &self.runs, (panel, height, columns), update);
     }
 
     /// Adds the update of a child whose separator has been put in another order since.
+    #[inline(always)]
     fn add_unsorted_child(
         &self,
         child: &Clique,
@@ -249,31 +242,73 @@ impl<const D: usize> Elimination<D> {
         let separator = &child.variables[child.frontals..];
         let order = separator.len() * D + 1;
         let below = height - columns;
-        let place = |scalar: usize| {
-            separator.get(scalar / D).map_or(height - 1, |&node| self.place[node] * D + scalar % D)
-        };
-        for (source, values) in child.update.chunks_exact(order).enumerate() {
-            let column = place(source);
-            for (row, &value) in values.iter().enumerate().skip(source) {
-                let row = place(row);
-                let (column, row) = (column.min(row), column.max(row));
+        // Block by block, so that the two places are compared once for all of a block's entries.
+        for (block_column, &node) in separator.iter().enumerate() {
+            let column = self.place[node] * D;
+            let values = |component: usize| &child.update[(block_column * D + component) * order..][..order];
+            for (offset, &node) in separator[block_column..].iter().enumerate() {
+                let (source, row) = ((block_column + offset) * D, self.place[node] * D);
+                for component in 0..D {
+                    let block = &values(component)[source..source + D];
+                    // Of a diagonal block, the lower triangle is meant.
+                    let first = if offset == 0 { component } else { 0 };
+                    for (along, value) in block.iter().enumerate().skip(first) {
+                        let (target, below_target) = if row >= column {
+                            (column + component, row + along)
+                        } else {
+                            (row + along, column + component)
+                        };
+                        if target < columns {
+                            panel[target * height + below_target] += value;
+                        } else {
+                            update[(target - columns) * below + below_target - columns] += value;
+                        }
+                    }
+                }
+            }
+            for component in 0..D {
+                let value = values(component)[order - 1];
                 if column < columns {
-                    panel[column * height + row] += value;
+                    panel[(column + component) * height + height - 1] += value;
                 } else {
-                    update[(column - columns) * below + row - columns] += value;
+                    update[(column + component - columns) * below + below - 1] += value;
                 }
             }
         }
     }
 }
 
+/// [`Elimination::eliminate`] for one set of vector instructions. Not a closure: the call of one is not inlined, and what
+/// it calls would be compiled for the least of all machines.
+struct Eliminate<'a, E, const D: usize> {
+    elimination: &'a mut Elimination<D>,
+    tree: &'a mut Tree,
+    cliques: &'a [usize],
+    edges: &'a E,
+    /// Linear updates before.
+    deltas: &'a [SVector<f64, D>],
+}
+
+impl<E: Incidence<D>, const D: usize> WithSimd for Eliminate<'_, E, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for &clique in self.cliques {
+            self.elimination.eliminate_clique(self.tree, clique, self.edges, self.deltas);
+        }
+    }
+}
+
 /// Makes a clique of which all frontal variables stay where they are.
-fn hold_all(clique: &mut Clique, columns: usize) {
+fn hold_all<const D: usize>(clique: &mut Clique, deltas: &[SVector<f64, D>]) {
+    let columns = clique.frontals * D;
     let height = columns + clique.update.len().isqrt();
     clique.panel.fill(0.0);
     clique.update.fill(0.0);
     for column in 0..columns {
         clique.panel[column * height + column] = 1.0;
+        clique.panel[column * height + height - 1] = deltas[clique.variables[column / D]][column % D];
     }
 }
 

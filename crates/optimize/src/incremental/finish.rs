@@ -52,7 +52,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
             let (step, _) = self.relinearise_all();
             let next = self.cost();
             if !(next <= cost * (1.0 + BETTER) + f64::EPSILON) {
-                self.go_to(self.points.clone());
+                self.go_to(self.estimate.points.clone());
                 return;
             }
             report.converged = step <= STEP_TOLERANCE || (step <= ROUNDING && step > 0.5 * last_step);
@@ -82,7 +82,9 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
 
     /// Makes these the estimates and the points of linearisation.
     fn go_to(&mut self, poses: Vec<G>) {
-        self.points = poses;
-        self.deltas.fill(SVector::zeros());
+        for (node, pose) in poses.into_iter().enumerate() {
+            self.estimate.reset(node, pose);
+            self.checked[node] = SVector::zeros();
+        }
     }
 }

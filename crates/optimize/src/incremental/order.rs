@@ -4,6 +4,8 @@
 //! degree ordering algorithm", SIAM J. Matrix Anal. Appl. 17, 1996), with supervariables, and with a group of variables
 //! that come last, as in constrained COLAMD.
 
+use super::degrees::Degrees;
+
 const NONE: usize = usize::MAX;
 
 /// Variables that are eliminated together, and what that leaves connected.
@@ -21,28 +23,24 @@ pub(super) struct Pivot {
 #[derive(Debug, Default)]
 pub(super) struct QuotientGraph {
     /// Variables adjacent by an edge that no element covers.
-    neighbours: Vec<Vec<usize>>,
+    pub(super) neighbours: Vec<Vec<usize>>,
     /// Elements at a variable.
-    elements: Vec<Vec<usize>>,
+    pub(super) elements: Vec<Vec<usize>>,
     /// Principal variables of an element.
     boundaries: Vec<Vec<usize>>,
     /// Number of variables of an element, all members counted.
     sizes: Vec<usize>,
     alive: Vec<bool>,
     /// Members of a supervariable; 0 for a variable that is a member of another.
-    weights: Vec<usize>,
-    members: Vec<Vec<usize>>,
-    degrees: Vec<usize>,
-    last: Vec<bool>,
+    pub(super) weights: Vec<usize>,
+    pub(super) members: Vec<Vec<usize>>,
+    pub(super) degrees: Degrees,
+    pub(super) last: Vec<bool>,
     /// Whether only those that come last are left.
     late: bool,
-    // Lists of variables by degree.
-    heads: Vec<usize>,
-    next: Vec<usize>,
-    previous: Vec<usize>,
     // Marks.
-    mark: Vec<usize>,
-    stamp: usize,
+    pub(super) mark: Vec<usize>,
+    pub(super) stamp: usize,
     /// Per element: the number of its variables outside of the pivot's boundary, and for which pivot.
     outside: Vec<(usize, usize)>,
 }
@@ -56,7 +54,7 @@ fn renew(lists: &mut Vec<Vec<usize>>, count: usize) {
     }
 }
 
-fn refill<T: Clone>(values: &mut Vec<T>, count: usize, value: T) {
+pub(super) fn refill<T: Clone>(values: &mut Vec<T>, count: usize, value: T) {
     values.clear();
     values.resize(count, value);
 }
@@ -69,11 +67,8 @@ impl QuotientGraph {
         renew(&mut self.members, variables);
         renew(&mut self.boundaries, elements);
         refill(&mut self.weights, variables, 1);
-        refill(&mut self.degrees, variables, 0);
+        self.degrees.clear(variables);
         refill(&mut self.last, variables, false);
-        refill(&mut self.next, variables, NONE);
-        refill(&mut self.previous, variables, NONE);
-        refill(&mut self.heads, variables + 1, NONE);
         refill(&mut self.mark, variables, 0);
         refill(&mut self.sizes, elements, 0);
         refill(&mut self.alive, elements, true);
@@ -110,26 +105,19 @@ impl QuotientGraph {
             let (stamp, mark) = (self.stamp, &mut self.mark);
             self.neighbours[variable].retain(|&other| std::mem::replace(&mut mark[other], stamp) != stamp);
             let covered: usize = self.elements[variable].iter().map(|&element| self.sizes[element] - 1).sum();
-            self.degrees[variable] = (self.neighbours[variable].len() + covered).min(variables - 1);
+            self.degrees.of[variable] = (self.neighbours[variable].len() + covered).min(variables - 1);
         }
         for late in [false, true] {
             // Backwards, so that of equals the oldest comes first.
             for variable in (0..variables).rev() {
                 if self.last[variable] == late && self.weights[variable] > 0 {
-                    self.insert(variable);
+                    self.degrees.insert(variable);
                 }
             }
             self.late = late;
             while remaining > 0 {
-                let mut least = 0;
-                while least < variables && self.heads[least] == NONE {
-                    least += 1;
-                }
-                if least >= variables {
-                    break;
-                }
-                let pivot = self.heads[least];
-                if self.degrees[pivot] + self.weights[pivot] >= remaining {
+                let Some(pivot) = self.degrees.least() else { break };
+                if self.degrees.of[pivot] + self.weights[pivot] >= remaining {
                     // Everything left is connected to everything, as far as degrees tell.
                     pivots.push(self.rest());
                     return pivots;
@@ -139,29 +127,6 @@ impl QuotientGraph {
             }
         }
         pivots
-    }
-
-    fn insert(&mut self, variable: usize) {
-        let head = std::mem::replace(&mut self.heads[self.degrees[variable]], variable);
-        self.next[variable] = head;
-        self.previous[variable] = NONE;
-        if head != NONE {
-            self.previous[head] = variable;
-        }
-    }
-
-    fn withdraw(&mut self, variable: usize) {
-        let (previous, next) = (self.previous[variable], self.next[variable]);
-        if previous != NONE {
-            self.next[previous] = next;
-        } else if self.heads[self.degrees[variable]] == variable {
-            self.heads[self.degrees[variable]] = next;
-        }
-        if next != NONE {
-            self.previous[next] = previous;
-        }
-        self.next[variable] = NONE;
-        self.previous[variable] = NONE;
     }
 
     /// One dense pivot of all that is left, those that come last at its end.
@@ -183,7 +148,7 @@ impl QuotientGraph {
     }
 
     fn eliminate_pivot(&mut self, pivot: usize, remaining: usize) -> Pivot {
-        self.withdraw(pivot);
+        self.degrees.withdraw(pivot);
         self.weights[pivot] = 0;
         self.stamp += 1;
         let stamp = self.stamp;
@@ -212,7 +177,7 @@ impl QuotientGraph {
         self.alive.push(true);
         self.outside.push((0, NONE));
         for &variable in &boundary {
-            self.withdraw(variable);
+            self.degrees.withdraw(variable);
         }
         self.prune(element, &boundary);
         self.update_degrees(element, &boundary, size, remaining);
@@ -220,7 +185,7 @@ impl QuotientGraph {
         boundary.retain(|&variable| self.weights[variable] > 0);
         for &variable in &boundary {
             if self.last[variable] == self.late {
-                self.insert(variable);
+                self.degrees.insert(variable);
             }
         }
         if self.boundaries.len() <= element {
@@ -258,64 +223,10 @@ impl QuotientGraph {
                 .filter(|&&other| other != element)
                 .map(|&other| self.outside[other].0)
                 .sum();
-            self.degrees[variable] = (direct + covered + size - weight)
-                .min(self.degrees[variable] + size - weight)
+            self.degrees.of[variable] = (direct + covered + size - weight)
+                .min(self.degrees.of[variable] + size - weight)
                 .min(remaining - weight);
         }
-    }
-
-    /// Merges variables of the boundary with the same neighbours and elements: they stay alike for good.
-    fn merge_alike(&mut self, boundary: &[usize]) {
-        let mut keyed: Vec<(usize, usize)> = boundary
-            .iter()
-            .map(|&variable| {
-                let sum = |list: &[usize]| list.iter().fold(0, |sum: usize, &entry| sum.wrapping_add(entry));
-                let (neighbours, elements) = (&self.neighbours[variable], &self.elements[variable]);
-                let key = sum(neighbours)
-                    .wrapping_mul(31)
-                    .wrapping_add(sum(elements))
-                    .wrapping_mul(31)
-                    .wrapping_add(
-                        neighbours.len() * 1021 + elements.len() * 2 + usize::from(self.last[variable]),
-                    );
-                (key, variable)
-            })
-            .collect();
-        keyed.sort_unstable();
-        for first in 0..keyed.len() {
-            let (key, variable) = keyed[first];
-            if self.weights[variable] == 0 || keyed.get(first + 1).is_none_or(|next| next.0 != key) {
-                continue;
-            }
-            self.stamp += 1;
-            for &other in &self.neighbours[variable] {
-                self.mark[other] = self.stamp;
-            }
-            for &(other_key, other) in &keyed[first + 1..] {
-                if other_key != key {
-                    break;
-                }
-                if self.weights[other] > 0 && self.is_alike(variable, other) {
-                    let weight = std::mem::take(&mut self.weights[other]);
-                    self.weights[variable] += weight;
-                    self.degrees[variable] -= weight;
-                    let mut members = std::mem::take(&mut self.members[other]);
-                    self.members[variable].append(&mut members);
-                    self.neighbours[other].clear();
-                    self.elements[other].clear();
-                }
-            }
-        }
-    }
-
-    /// Whether two variables have the same lists; the neighbours of the first are marked.
-    fn is_alike(&self, variable: usize, other: usize) -> bool {
-        self.last[variable] == self.last[other]
-            && self.neighbours[variable].len() == self.neighbours[other].len()
-            && self.neighbours[other].iter().all(|&neighbour| self.mark[neighbour] == self.stamp)
-            // Elements are appended in the order of their making, so equal sets are equal lists from the second on; given
-            // ones are included in the order of their numbers.
-            && self.elements[variable] == self.elements[other]
     }
 }
 

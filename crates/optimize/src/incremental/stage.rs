@@ -34,6 +34,10 @@ pub struct IncrementalStageOptions {
     #[arg(long, value_name = "SIZE", default_value_t = IncrementalOptions::default().propagate, help_heading = "Incremental (--solver isam2)")]
     pub propagate: f64,
 
+    /// Relinearise once linearisation errors amount to this share of the cost; 0 does in any case
+    #[arg(long, value_name = "SHARE", default_value_t = IncrementalOptions::default().linearisation_error, help_heading = "Incremental (--solver isam2)")]
+    pub linearisation_error: f64,
+
     /// Most linear solutions in a step
     #[arg(long, value_name = "N", default_value_t = IncrementalOptions::default().iterations, help_heading = "Incremental (--solver isam2)")]
     pub solutions: usize,
@@ -59,6 +63,7 @@ struct Arguments<'a> {
     relinearise_rotation: f64,
     relinearise_every: usize,
     propagate: f64,
+    linearisation_error: f64,
     solutions: usize,
     unfinished: bool,
     #[serde(flatten)]
@@ -84,6 +89,7 @@ impl IncrementalStageOptions {
             relinearise_rotation: self.relinearise_rotation,
             relinearise_every: self.relinearise_every,
             propagate: self.propagate,
+            linearisation_error: self.linearisation_error,
             iterations: self.solutions,
         }
     }
@@ -135,6 +141,7 @@ impl IncrementalStageOptions {
             relinearise_rotation: self.relinearise_rotation,
             relinearise_every: self.relinearise_every,
             propagate: self.propagate,
+            linearisation_error: self.linearisation_error,
             solutions: self.solutions,
             unfinished: self.unfinished,
             robust: &batch.robust,

@@ -5,40 +5,118 @@
     reason = "loops take the vector instructions of the caller they are inlined into"
 )]
 
+use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::SVector;
 
 use super::tree::Clique;
+use super::{IncrementalSolver, UpdateReport};
+use crate::PoseGroup;
 
-/// Lanes of a sum: as many as one vector instruction of any machine takes.
-const LANES: usize = 8;
+/// Lanes of a sum: one vector register.
+const LANES: usize = 4;
 
-/// Solves a clique for its frontal variables: `x_1 = L^-T (y - M^T x_2)`. `known` is working memory.
+/// Solves a clique for its frontal variables: `x_1 = L^-T (y - M^T x_2)`.
 #[inline(always)]
-pub(super) fn solve<const D: usize>(clique: &Clique, values: &[SVector<f64, D>], known: &mut Vec<f64>) {
+fn solve<const D: usize>(clique: &Clique, values: &[SVector<f64, D>], known: &mut Vec<f64>) {
     // `known` runs over the rows of a column: first the frontal scalars, then the separator's.
     let rows = clique.variables.len() * D;
-    let (height, columns) = (rows + 1, clique.frontals * D);
+    let height = rows + 1;
     known.clear();
     known.resize(rows, 0.0);
     for (target, &node) in known.chunks_exact_mut(D).zip(&clique.variables).skip(clique.frontals) {
         target.copy_from_slice(values[node].as_slice());
     }
-    for column in (0..columns).rev() {
-        let entries = &clique.panel[column * height..][..height];
-        let sum = dot(&entries[column + 1..rows], &known[column + 1..]);
-        known[column] = (entries[rows] - sum) / entries[column];
+    for (place, block) in clique.panel.chunks_exact(D * height).enumerate().rev() {
+        let start = place * D;
+        let (own, later) = known[start..].split_at_mut(D);
+        let sums = dots::<D>(std::array::from_fn(|column| &block[column * height + start + D..]), later);
+        for column in (0..D).rev() {
+            let entries = &block[column * height..][..height];
+            let mut rest = entries[rows] - sums[column];
+            for other in column + 1..D {
+                rest -= entries[start + other] * own[other];
+            }
+            own[column] = rest / entries[start + column];
+        }
     }
 }
 
+/// The products of `D` columns with a vector. All at a time: one sum alone would wait for its own last addition.
 #[inline(always)]
-fn dot(first: &[f64], second: &[f64]) -> f64 {
-    let mut sums = [0.0; LANES];
-    let (mut left, mut right) = (first.chunks_exact(LANES), second.chunks_exact(LANES));
-    for (a, b) in left.by_ref().zip(right.by_ref()) {
-        for lane in 0..LANES {
-            sums[lane] += a[lane] * b[lane];
+fn dots<const D: usize>(columns: [&[f64]; D], vector: &[f64]) -> [f64; D] {
+    let columns = columns.map(|column| &column[..vector.len()]);
+    let mut sums = [[0.0; LANES]; D];
+    let whole = vector.len() / LANES * LANES;
+    for start in (0..whole).step_by(LANES) {
+        let Some(factors) = vector[start..].first_chunk::<LANES>() else { break };
+        for (sum, column) in sums.iter_mut().zip(&columns) {
+            let Some(entries) = column[start..].first_chunk::<LANES>() else { break };
+            for lane in 0..LANES {
+                sum[lane] = entries[lane].mul_add(factors[lane], sum[lane]);
+            }
         }
     }
-    let rest: f64 = left.remainder().iter().zip(right.remainder()).map(|(a, b)| a * b).sum();
-    sums.iter().sum::<f64>() + rest
+    std::array::from_fn(|index| {
+        let rest: f64 = columns[index][whole..].iter().zip(&vector[whole..]).map(|(a, b)| a * b).sum();
+        sums[index].iter().sum::<f64>() + rest
+    })
+}
+
+impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
+    /// Solves the new cliques, and the subtrees below them as far as their separators change.
+    pub(super) fn substitute(
+        &mut self,
+        made: &[usize],
+        orphans: Vec<usize>,
+        threshold: f64,
+        report: &mut UpdateReport,
+    ) {
+        self.solutions += 1;
+        Arch::new().dispatch(Substitute { solver: self, made, orphans, threshold, report });
+    }
+
+    #[inline(always)]
+    fn solve_clique(&mut self, index: usize, threshold: f64, report: &mut UpdateReport) {
+        let mut known = std::mem::take(&mut self.known);
+        let clique = self.tree.clique(index);
+        solve(clique, &self.estimate.deltas, &mut known);
+        let frontals = clique.frontals;
+        report.solved += frontals;
+        for (place, values) in known.chunks_exact(DOF).take(frontals).enumerate() {
+            let node = self.tree.clique(index).variables[place];
+            self.take_value(node, SVector::from_column_slice(values), threshold);
+        }
+        self.known = known;
+    }
+}
+
+/// Substitution for one set of vector instructions. Not a closure: the call of one is not inlined, and what it calls would
+/// be compiled for the least of all machines.
+struct Substitute<'a, G, const DOF: usize> {
+    solver: &'a mut IncrementalSolver<G, DOF>,
+    made: &'a [usize],
+    orphans: Vec<usize>,
+    threshold: f64,
+    report: &'a mut UpdateReport,
+}
+
+impl<G: PoseGroup<DOF>, const DOF: usize> WithSimd for Substitute<'_, G, DOF> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { solver, made, orphans, threshold, report } = self;
+        for &index in made.iter().rev() {
+            solver.solve_clique(index, threshold, report);
+        }
+        let mut pending = orphans;
+        while let Some(index) = pending.pop() {
+            let clique = solver.tree.clique(index);
+            let mut separator = clique.variables[clique.frontals..].iter();
+            if separator.any(|&node| solver.changed[node] == solver.solutions) {
+                pending.extend_from_slice(&clique.children);
+                solver.solve_clique(index, threshold, report);
+            }
+        }
+    }
 }
