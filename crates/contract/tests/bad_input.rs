@@ -118,6 +118,24 @@ fn faults() -> Vec<(&'static str, String, &'static [&'static str])> {
             format!("{HEADER}\n{{\"kind\":\"node\",\"id\":0,\"id\":1}}\n"),
             &["line 2", "\"id\"", "twice"],
         ),
+        // Two kinds: other readers go by the last one.
+        (
+            "twice the kind",
+            format!("{HEADER}\n{{\"kind\":\"node\",\"id\":0,\"kind\":7}}\n"),
+            &["line 2", "\"kind\"", "twice"],
+        ),
+        (
+            "twice the kind of a record that passes through",
+            with(r#"{"kind":"gps","at":[1,2],"kind":"node"}"#),
+            &["line 4", "`kind`"],
+        ),
+        // Other programs read infinity, and write what is no JSON.
+        (
+            "infinity in a record that passes through",
+            with(r#"{"kind":"gps","at":[1,-1e309]}"#),
+            &["line 4", "finite"],
+        ),
+        ("cut record that passes through", format!("{HEADER}\n{{\"kind\":\"gps\",\"a\":[1"), &["line 2", "cut short"]),
         (
             "twice the same noise model",
             r#"{"kind":"header","format":"posecut","version":1,"dimension":2,"noise_models":{"a":{"information":[1,0,0,1,0,1]},"a":{"information":[2,0,0,2,0,2]}}}"#.to_owned(),

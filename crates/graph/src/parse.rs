@@ -90,6 +90,19 @@ pub(crate) fn kind_of(line: &str) -> Result<std::borrow::Cow<'_, str>, Problem> 
     })
 }
 
+/// A record of a kind that only other programs know: it passes through as it stands, and so must be what they can read, with
+/// one kind and numbers that are finite.
+pub(crate) fn check_unknown(line: &str) -> Result<(), Problem> {
+    #[derive(Deserialize)]
+    struct Unknown {
+        #[serde(rename = "kind")]
+        _kind: String,
+        #[serde(flatten)]
+        _fields: serde_json::Map<String, Value>,
+    }
+    serde_json::from_str::<Unknown>(line).map(drop).map_err(|error| explain(line, &error))
+}
+
 fn missing(record: &str, field: &str) -> Problem {
     Problem::new("the field is missing", "every record of this kind must have it").record(record).field(field)
 }

@@ -3,7 +3,7 @@
 use std::io::{BufRead, Read};
 
 use crate::error::{FormatProblem, Problem};
-use crate::parse::{kind_of, parse_edge, parse_header, parse_node};
+use crate::parse::{check_unknown, kind_of, parse_edge, parse_header, parse_node};
 use crate::validate::Validator;
 use crate::{Edge, EdgeKind, Header, Node, PoseGraph, ReadError, Record};
 
@@ -112,13 +112,7 @@ fn parse_record(line: &[u8], validator: &mut Validator) -> Result<Record, Proble
         "odometry" => edge(line, EdgeKind::Odometry, validator),
         "landmark" => edge(line, EdgeKind::Landmark, validator),
         _ => {
-            // It passes through as it stands, so it must at least be JSON.
-            serde_json::from_str::<serde::de::IgnoredAny>(line).map_err(|error| {
-                Problem::new(format!("this is not JSON: {error}"), "write one JSON object a line")
-            })?;
-            if !line.trim_start().starts_with('{') {
-                return Err(Problem::new("the line is no JSON object", "write one JSON object a line"));
-            }
+            check_unknown(line)?;
             Ok(Record::Unknown(line.to_owned()))
         }
     }

@@ -49,9 +49,13 @@ impl<'de, F: Fields> Visitor<'de> for Seed<'_, F> {
     }
 
     fn visit_map<A: MapAccess<'de>>(mut self, mut map: A) -> Result<F, A::Error> {
+        let mut has_kind = false;
         while let Some(key) = map.next_key::<Key>()? {
             self.place.field.set(key.known_name());
             if key.name() == "kind" {
+                if std::mem::replace(&mut has_kind, true) {
+                    return Err(A::Error::custom("the field stands twice"));
+                }
                 map.next_value::<serde::de::IgnoredAny>()?;
                 continue;
             }
