@@ -40,6 +40,7 @@ pub trait LieGroup<const DOF: usize>:
 
     /// The relative pose `self^-1 * other`: `other` in the frame of `self`.
     #[must_use]
+    #[inline]
     fn between(&self, other: &Self) -> Self {
         self.inverse().compose(other)
     }
@@ -55,11 +56,13 @@ pub trait LieGroup<const DOF: usize>:
 
     /// Right Jacobian: `Exp(xi + d) = Exp(xi) Exp(J_r(xi) d)` to first order in `d`. Equations (41) and (75):
     /// `J_r(xi) = J_l(-xi)`.
+    #[inline]
     fn right_jacobian(tangent: &SVector<f64, DOF>) -> SMatrix<f64, DOF, DOF> {
         Self::left_jacobian(&-tangent)
     }
 
     /// Inverse of the right Jacobian: `Log(T Exp(d)) = Log(T) + J_r^-1(Log(T)) d` to first order in `d`.
+    #[inline]
     fn right_jacobian_inverse(tangent: &SVector<f64, DOF>) -> SMatrix<f64, DOF, DOF> {
         Self::left_jacobian_inverse(&-tangent)
     }

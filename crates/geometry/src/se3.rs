@@ -52,6 +52,7 @@ impl SE3 {
 }
 
 /// The matrix `[diagonal, upper; 0, diagonal]`.
+#[inline]
 fn triangular(diagonal: &Matrix3<f64>, upper: &Matrix3<f64>) -> Matrix6<f64> {
     let mut matrix = Matrix6::zeros();
     matrix.fixed_view_mut::<3, 3>(0, 0).copy_from(diagonal);
@@ -61,6 +62,7 @@ fn triangular(diagonal: &Matrix3<f64>, upper: &Matrix3<f64>) -> Matrix6<f64> {
 }
 
 /// Translation and rotation of a tangent vector.
+#[inline]
 fn split(tangent: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
     (Vector3::new(tangent[0], tangent[1], tangent[2]), Vector3::new(tangent[3], tangent[4], tangent[5]))
 }
@@ -70,6 +72,7 @@ fn split(tangent: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
 ///
 /// With P = `[translation]` and R = `[rotation]`:
 /// `P/2 + c_3 (RP + PR + RPR) + c_4 (RRP + PRR - 3 RPR) + (c_4 - 3 c_5)/2 (RPRR + RRPR)`.
+#[inline]
 fn coupling(translation: &Vector3<f64>, rotation: &Vector3<f64>) -> Matrix3<f64> {
     let functions = Trigonometric::of_squared_angle(rotation.norm_squared());
     let p = so3::hat(translation);

@@ -5,12 +5,14 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use crate::trigonometric::{Trigonometric, half_cotangent};
 
 /// The cross product as a matrix: `hat(a) b = a x b`.
+#[inline]
 pub(crate) fn hat(vector: &Vector3<f64>) -> Matrix3<f64> {
     let [x, y, z] = [vector.x, vector.y, vector.z];
     Matrix3::new(0.0, -z, y, z, 0.0, -x, -y, x, 0.0)
 }
 
 /// The rotation about `rotation` by its length (radians): `q = (cos(a/2), sin(a/2)/a * rotation)`.
+#[inline]
 pub(crate) fn exp(rotation: &Vector3<f64>) -> UnitQuaternion<f64> {
     let angle = rotation.norm();
     let (sine, cosine) = (0.5 * angle).sin_cos();
@@ -22,6 +24,7 @@ pub(crate) fn exp(rotation: &Vector3<f64>) -> UnitQuaternion<f64> {
 /// The rotation vector, of length at most pi.
 ///
 /// From the quaternion by `2 atan2(|v|, w)`, which keeps every digit at pi, where the trace of the matrix has none.
+#[inline]
 pub(crate) fn log(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
     // q and -q are the same rotation; w >= 0 is the shorter way.
     let sign = if rotation.w < 0.0 { -1.0 } else { 1.0 };
@@ -32,6 +35,7 @@ pub(crate) fn log(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
 }
 
 /// `V = I + c_2 [r] + c_3 [r]^2`, Solà equation (145).
+#[inline]
 pub(crate) fn left_jacobian(rotation: &Vector3<f64>) -> Matrix3<f64> {
     let functions = Trigonometric::of_squared_angle(rotation.norm_squared());
     let cross = hat(rotation);
@@ -39,6 +43,7 @@ pub(crate) fn left_jacobian(rotation: &Vector3<f64>) -> Matrix3<f64> {
 }
 
 /// `V^-1 = I - [r]/2 + (1 - (a/2) cot(a/2)) / a^2 [r]^2`, Solà equation (146).
+#[inline]
 pub(crate) fn left_jacobian_inverse(rotation: &Vector3<f64>) -> Matrix3<f64> {
     let cross = hat(rotation);
     Matrix3::identity() - cross * 0.5 + cross * cross * half_cotangent(rotation.norm_squared())

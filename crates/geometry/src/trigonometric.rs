@@ -39,6 +39,7 @@ impl Trigonometric {
 }
 
 /// `sum_k (-1)^k x^k / (2k + n)!` by Horner's rule; nine terms reach 1e-19 for x < 1.
+#[inline]
 fn series(x: f64, coefficients: &[f64; 9]) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
 }
