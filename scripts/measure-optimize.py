@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""Measures posecut-optimize and remakes the tables of docs/optimize-results.md.
+"""Measures posecut-optimize, beside other optimisers too, and remakes the tables of docs/optimize-results.md.
 
-Usage: scripts/measure-optimize.py [--only GRAPH,...] [--parts process,growth,robust] [--no-measure]
+Usage: scripts/measure-optimize.py [--only GRAPH,...] [--parts peers,process,growth,robust,phases] [--no-measure]
 
-Wants POSECUT_SHARED_DATA (the graphs in g2o/ and false_closures/), the programs in target/release and, for the part `growth`,
-`cargo build --release -p posecut-optimize --benches`. Every process is held to one processor. Results gather in
-target/comparison.json, so that a long measurement can be made in parts.
+Wants POSECUT_SHARED_DATA (the graphs in g2o/ and false_closures/), the programs in target/release, for the part `growth`
+`cargo build --release -p posecut-optimize --benches`, and for the part `peers` crates/optimize/peers built to target/peers or to
+the folder that PEERS names, and gtsam in target/gtsam, where scripts/check-with-gtsam.sh installs it. The part `phases` measures
+what the processor gives at most, by numpy in the same place, and shows beside it what `process` found. Every process is held to one
+processor. Results gather in target/comparison.json, so that a long measurement can be made in parts.
 """
 import argparse, json, math, os, re, subprocess, sys, time
 from pathlib import Path
@@ -15,7 +17,12 @@ PROGRAMS = ROOT / "target/release"
 WORK = ROOT / "target/comparison"
 RESULTS = ROOT / "target/comparison.json"
 PAGE = ROOT / "docs/optimize-results.md"
+GTSAM = ROOT / "target/gtsam/bin/python"
+PEERS = Path(os.environ.get("PEERS", ROOT / "target/peers")) / "release/posecut-optimize-peers"
+SOLVERS = ["posecut", "arael", "factrs", "apex", "tiny", "gtsam"]
 LIMIT = 40.0  # seconds a process may take
+# Share above the best known cost at which a solver has found that minimum: of its own cost, which is not quite ours.
+FOUND = 1e-2
 GRAPHS = {
     name: float(cost.replace("_", ""))
     for name, cost in re.findall(
@@ -24,12 +31,40 @@ GRAPHS = {
 }
 
 
+def gtsam_main(source, target, repeats):
+    """Runs in gtsam's Python: Gauss-Newton with its defaults; prints a line like the other solvers'."""
+    import gtsam
+
+    spatial = "EDGE_SE3" in Path(source).read_text()
+    graph, start = gtsam.readG2o(source, spatial)
+    noise = gtsam.noiseModel.Isotropic.Sigma(6 if spatial else 3, 1e-3)
+    first = min(start.keys())
+    if spatial:
+        graph.add(gtsam.PriorFactorPose3(first, start.atPose3(first), noise))
+    else:
+        graph.add(gtsam.PriorFactorPose2(first, start.atPose2(first), noise))
+    best = math.inf
+    for _ in range(int(repeats)):
+        clock = time.perf_counter()
+        optimizer = gtsam.GaussNewtonOptimizer(graph, start, gtsam.GaussNewtonParams())
+        try:
+            result, iterations = optimizer.optimize(), optimizer.iterations()
+        except RuntimeError:  # an indeterminate system
+            result, iterations = start, None
+        seconds = time.perf_counter() - clock
+        best = min(best, seconds)
+        if seconds > 1:
+            break
+    gtsam.writeG2o(graph, result, target)
+    print(json.dumps({"seconds": best, "iterations": iterations}))
+
+
 def run(command):
     """Standard output, wall seconds and peak megabytes of a process on one processor; None if it failed or took too long."""
     clock = time.perf_counter()
     process = subprocess.Popen(
         ["taskset", "-c", "0", *map(str, command)],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=dict(os.environ, RAYON_NUM_THREADS="1"),
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=dict(os.environ, RAYON_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1"),
     )
     try:
         out, error = process.communicate(timeout=LIMIT)
@@ -59,6 +94,74 @@ def must(command):
     return result
 
 
+def peak():
+    """What one core gives in large dense products, Gflop/s, and in sums of two long vectors, Gbyte/s: the best of five, by numpy."""
+    program = """
+import json, time, numpy as np
+def best(work):
+    work()
+    times = []
+    for _ in range(5):
+        clock = time.perf_counter(); work(); times.append(time.perf_counter() - clock)
+    return min(times)
+n, m = 2000, 20_000_000
+a, b, c = np.random.rand(n, n), np.random.rand(n, n), np.empty((n, n))
+x, y, z = np.ones(m), np.ones(m), np.zeros(m)
+print(json.dumps({"gigaflops": 2e-9 * n**3 / best(lambda: np.matmul(a, b, out=c)), "gigabytes": 24e-9 * m / best(lambda: np.add(x, y, out=z))}))
+"""
+    return json.loads(must([GTSAM, "-c", program])["out"])
+
+
+def cost_of(path):
+    """The cost of a g2o graph's poses in the log convention, as posecut-optimize computes it; None if they are not finite."""
+    stats, graph = WORK / "cost.json", WORK / "cost.jsonl"
+    if "failed" in run([PROGRAMS / "posecut-convert", "-q", path, "-o", graph]):
+        return None
+    result = run([PROGRAMS / "posecut-optimize", "-q", "--initialisation", "given", "--max-iterations", 0, graph,
+                  "-o", WORK / "cost.out.jsonl", "--stats", stats])
+    return None if "failed" in result else json.loads(stats.read_text())["chi2_given"]
+
+
+def starts(name):
+    """The graph in g2o from the file's poses, from odometry and from the chordal relaxation, vertices from 0 in order."""
+    graph = WORK / f"{name}.jsonl"
+    must([PROGRAMS / "posecut-convert", "-q", Path(os.environ["POSECUT_SHARED_DATA"]) / f"g2o/{name}.g2o", "-o", graph])
+    lines = [json.loads(line) for line in graph.read_text().splitlines()]
+    number = {line["id"]: place for place, line in enumerate(line for line in lines if line["kind"] == "node")}
+    for line in lines:
+        if line["kind"] == "node":
+            line["id"] = number[line["id"]]
+        elif "from" in line:
+            line["from"], line["to"] = number[line["from"]], number[line["to"]]
+    graph.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    found = {}
+    for start, initialisation in (("file", "given"), ("odometry", "spanning-tree"), ("chordal", "chordal")):
+        poses, found[start] = WORK / f"{name}.{start}.jsonl", WORK / f"{name}.{start}.g2o"
+        must([PROGRAMS / "posecut-optimize", "-q", "--initialisation", initialisation, "--max-iterations", 0, graph, "-o", poses])
+        must([PROGRAMS / "posecut-convert", "-q", poses, "-o", found[start]])
+    return found
+
+
+def peers(name, results):
+    """All solvers on one graph, one after the other, from every start."""
+    for start, path in starts(name).items():
+        for solver in SOLVERS:
+            program = GTSAM if solver == "gtsam" else PEERS
+            if not program.exists():
+                sys.exit(f"{solver}: {program} is not there; build or install it first (see the top of this script)")
+            target = WORK / f"{name}.{start}.{solver}.g2o"
+            repeats = 10 if solver in ("posecut", "arael") else 3
+            # From the relaxation, which the others do not have, posecut starts as they do.
+            word = "posecut-given" if (solver, start) == ("posecut", "chordal") else solver
+            head = [GTSAM, __file__, "--gtsam"] if solver == "gtsam" else [PEERS, word]
+            result = measured([*head, path, target, repeats])
+            if "out" in result:
+                said = json.loads(result["out"].splitlines()[-1])
+                result = {**said, "megabytes": result["megabytes"], "cost": cost_of(target)}
+            results.setdefault("peers", {}).setdefault(name, {}).setdefault(start, {})[solver] = result
+            print(name, start, solver, result, flush=True)
+
+
 def whole_process(name, results):
     source = Path(os.environ["POSECUT_SHARED_DATA"]) / f"g2o/{name}.g2o"
     graph = WORK / f"{name}.jsonl"
@@ -77,6 +180,8 @@ def whole_process(name, results):
             best = min(best, result, key=lambda run: run["wall"])
         said = json.loads(stats.read_text())
         entry[word] = {"seconds": best["wall"], "megabytes": best["megabytes"], "certificate": said.get("certificate"), "cost": said["chi2"],
+                       "blocks": said["factor_blocks"], "flops": said["factor_flops"],
+                       **{key: said[key] for key in said if key.endswith("_seconds")},
                        "iterations": said["iterations"], "factorizations": said["factorizations"],
                        "termination": said["termination"], "start": said["start"]}
     results.setdefault("process", {})[name] = entry
@@ -144,8 +249,50 @@ def robust(results):
         print(source.stem, row, flush=True)
 
 
+def gap_of(entry, best):
+    cost = entry.get("cost")
+    return math.inf if cost is None or not math.isfinite(cost) else (cost - best) / best
+
+
+def peers_rows(results):
+    rows = ["| graph | poses | start | " + " | ".join(SOLVERS) + " | fastest peer / posecut |", "|---|---|---|" + "---|" * (len(SOLVERS) + 1)]
+    for name, by_start in results.get("peers", {}).items():
+        best = GRAPHS[name]
+        poses = sum(line.startswith("VERTEX") for line in (WORK / f"{name}.file.g2o").read_text().splitlines())
+        for start, entries in by_start.items():
+            cells = []
+            for solver in SOLVERS:
+                entry = entries[solver]
+                gap = gap_of(entry, best)
+                if "failed" in entry or not math.isfinite(gap):
+                    cells.append(entry.get("failed", "fails") if "over" in entry.get("failed", "") else "fails")
+                    continue
+                steps = "" if entry["iterations"] is None else f"{entry['iterations']}, "
+                text = f"{1e3 * entry['seconds']:.3g} ms ({steps}{gap:.0e}, {entry['megabytes']:.0f} MB)"
+                cells.append(text if gap < FOUND else f"*{text}*")
+            times = [entries[solver]["seconds"] for solver in SOLVERS[1:] if gap_of(entries[solver], best) < FOUND]
+            factor = f"{min(times) / entries['posecut']['seconds']:.2f}" if times else "none gets there"
+            rows.append(f"| {name} | {poses} | {start} | " + " | ".join(cells) + f" | {factor} |")
+    return rows
+
+
+def phases_rows(results):
+    peak = results["peak"]
+    phases = ["analysis", "start", "linearisation", "factorisation", "substitution"]
+    rows = ["| graph | optimisation, ms | " + " | ".join(phases) + " | Mflop a factorisation | Gflop/s | of the peak |", "|---|---|" + "---|" * (len(phases) + 3)]
+    for name, entry in results.get("process", {}).items():
+        plain = entry["plain"]
+        rate = 1e-9 * plain["flops"] * plain["factorizations"] / plain["factorisation_seconds"]
+        cells = [f"{1e3 * plain[phase + '_seconds']:.2f}" for phase in phases]
+        rows.append(f"| {name} | {1e3 * plain['optimize_seconds']:.2f} | " + " | ".join(cells) + f" | {1e-6 * plain['flops']:.1f} | {rate:.1f} | {rate / peak['gigaflops']:.0%} |")
+    rows += ["", f"One core gives {peak['gigaflops']:.0f} Gflop/s in dense products of order 2000 and {peak['gigabytes']:.0f} Gbyte/s in sums of long vectors (numpy)."]
+    return rows
+
+
 def tables(results):
-    out = {}
+    out = {"peers": peers_rows(results)}
+    if "peak" in results and all("flops" in entry["plain"] for entry in results.get("process", {}).values()):
+        out["phases"] = phases_rows(results)
     rows = ["| graph | poses | cost | best known | gap | from odometry: gap | start | steps (factorisations) | ended by | whole process, s (MB) "
             "| with --certify, s | verdict | with --marginals all, s |",
             "|---|---|---|---|---|---|---|---|---|---|---|---|---|"]
@@ -174,7 +321,7 @@ def tables(results):
     out["robust"] = rows
     text = PAGE.read_text()
     for part, rows in out.items():
-        if part in results:
+        if part in results or (part == "phases" and "process" in results):
             marker = re.compile(rf"(<!-- {part} -->\n).*?(<!-- end of {part} -->)", re.S)
             assert marker.search(text), f"{PAGE} has no place for {part}"
             text = marker.sub(lambda match: match[1] + "\n" + "\n".join(rows) + "\n\n" + match[2], text)
@@ -182,17 +329,24 @@ def tables(results):
 
 
 def main():
+    if sys.argv[1:2] == ["--gtsam"]:
+        return gtsam_main(*sys.argv[2:])
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", type=lambda text: text.split(","), help="graphs, by name")
-    parser.add_argument("--parts", type=lambda text: text.split(","), default=["process", "growth", "robust"])
+    parser.add_argument("--parts", type=lambda text: text.split(","), default=["peers", "process", "growth", "robust", "phases"])
     parser.add_argument("--no-measure", action="store_true", help="remake the tables from what was measured before")
     arguments = parser.parse_args()
     WORK.mkdir(parents=True, exist_ok=True)
     results = json.loads(RESULTS.read_text()) if RESULTS.exists() else {}
     names = arguments.only or list(GRAPHS)
+    for name in names if "peers" in arguments.parts and not arguments.no_measure else []:
+        peers(name, results)
+        RESULTS.write_text(json.dumps(results, indent=1))
     for name in names if "process" in arguments.parts and not arguments.no_measure else []:
         whole_process(name, results)
         RESULTS.write_text(json.dumps(results, indent=1))
+    if "phases" in arguments.parts and not arguments.no_measure:
+        results["peak"] = peak()
     for part, measure in (("growth", growth), ("robust", robust)):
         if part in arguments.parts and not arguments.no_measure:
             measure(results)
