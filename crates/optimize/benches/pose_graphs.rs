@@ -35,6 +35,16 @@ fn measure<G: PoseGroup<DOF>, const DOF: usize>(name: &str, best: f64, graph: (V
                 milliseconds = milliseconds.min(start.elapsed().as_secs_f64() * 1e3);
             }
             let report = &solution.components[0];
+            let phases = report.phases;
+            println!(
+                "    analysis {:.2}, start {:.2}, linearisation {:.2}, factorisation {:.2} ({:.3} Gflop each), substitution {:.2} ms",
+                1e3 * phases.analysis,
+                1e3 * phases.start,
+                1e3 * phases.linearisation,
+                1e3 * phases.factorisation,
+                1e-9 * report.flops,
+                1e3 * phases.substitution,
+            );
             println!(
                 "{name:20} {from:9} {label:6} {:13} {:3} steps ({:2} rejected, {:3} factorisations) {milliseconds:9.2} ms  cost {:.10e} gap {:9.1e} {} {:?}",
                 report.start.name(),

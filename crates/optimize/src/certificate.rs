@@ -63,7 +63,7 @@ where
         return Certificate::NONE;
     };
     let mut poses = poses.to_vec();
-    let pattern = Pattern::new(poses.len(), edges.iter().map(|edge| (edge.from, edge.to)), DOF);
+    let pattern = Pattern::of(poses.len(), edges);
     let refine = Options { cost_tolerance: 1e-14, max_iterations: 500, ..Options::default() };
     let outcome = Workspace::new(&pattern).minimise(&terms, &mut poses, &refine);
     let (matrix, trace) = Matrix::<M>::new::<G, DOF, N>(&terms, &poses);

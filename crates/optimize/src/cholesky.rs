@@ -13,6 +13,7 @@ mod inverse_column;
 mod nested_dissection;
 mod ordering;
 mod selected_inverse;
+mod substitution;
 mod supernodes;
 mod symbolic;
 

@@ -27,7 +27,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         poses: &mut [G],
         options: &Options,
     ) -> Outcome {
-        let mut outcome = Outcome::new(self.equations.assemble(self.pattern, edges, poses));
+        let mut outcome = Outcome::new(self.assemble(edges, poses));
         let mut radius = f64::INFINITY;
         let mut damping = 0.0;
         while outcome.iterations < options.max_iterations {
@@ -62,7 +62,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
                 let promised = self.promise();
                 let length = self.scaled_norm(&self.step);
                 self.retract(poses);
-                let cost = edges.iter().map(|edge| edge.cost(&self.trial)).sum::<f64>();
+                let cost = self.trial_cost(edges);
                 if cost < outcome.cost || (met.is_some() && cost <= outcome.cost) {
                     let gain = (outcome.cost - cost) / promised;
                     if gain > GOOD {
@@ -92,7 +92,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
                 outcome.termination = termination;
                 return outcome;
             }
-            self.equations.assemble(self.pattern, edges, poses);
+            self.assemble(edges, poses);
         }
         outcome
     }

@@ -9,6 +9,7 @@ use posecut_geometry::LieGroup;
 use crate::cholesky::Factor;
 use crate::normal_equations::{NormalEquations, Pattern};
 use crate::options::{Method, Options};
+use crate::phases::{Phases, timed};
 use crate::residual::Term;
 use crate::solution::Termination;
 
@@ -39,9 +40,11 @@ pub(crate) struct Outcome {
 pub(crate) struct Workspace<'a, G, const DOF: usize> {
     pub(crate) pattern: &'a Pattern,
     pub(crate) equations: NormalEquations<DOF>,
-    factor: Factor<DOF>,
+    pub(crate) factor: Factor<DOF>,
     pub(crate) step: Vec<SVector<f64, DOF>>,
     pub(crate) trial: Vec<G>,
+    /// Seconds so far, over all calls.
+    pub(crate) phases: Phases,
 }
 
 impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
@@ -52,6 +55,7 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
             factor: Factor::new(&pattern.symbolic),
             step: vec![SVector::zeros(); pattern.variables],
             trial: Vec::new(),
+            phases: Phases::default(),
         }
     }
 
@@ -77,7 +81,7 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         largest_damping: f64,
     ) -> Outcome {
         let mut damping = Damping { value: 0.0, growth: 4.0, largest: largest_damping };
-        let mut outcome = Outcome::new(self.equations.assemble(self.pattern, edges, poses));
+        let mut outcome = Outcome::new(self.assemble(edges, poses));
         outcome.gradient = self.equations.largest_gradient();
         if outcome.gradient <= options.gradient_tolerance {
             outcome.termination = Termination::Gradient;
@@ -99,11 +103,8 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
             let undamped = damping.value == 0.0;
             let met = if damping.value <= 1e-3 { step.met(outcome.cost, options) } else { None };
             // The gradient at the trial is what the next step starts from, if it is taken.
-            let cost = if undamped && met.is_none() {
-                self.equations.assemble_gradient(self.pattern, edges, &self.trial)
-            } else {
-                edges.iter().map(|edge| edge.cost(&self.trial)).sum::<f64>()
-            };
+            let cost =
+                if undamped && met.is_none() { self.trial_gradient(edges) } else { self.trial_cost(edges) };
             let lower = cost < outcome.cost;
             if lower || (met.is_some() && cost <= outcome.cost) {
                 poses.copy_from_slice(&self.trial);
@@ -119,7 +120,7 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
                     outcome.termination = termination;
                     break;
                 }
-                outcome.cost = self.equations.assemble(self.pattern, edges, poses);
+                outcome.cost = self.assemble(edges, poses);
                 outcome.gradient = self.equations.largest_gradient();
                 if outcome.gradient <= options.gradient_tolerance {
                     outcome.termination = Termination::Gradient;
@@ -135,7 +136,10 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
                     break;
                 }
                 if undamped {
-                    self.equations.assemble_gradient(self.pattern, edges, poses);
+                    let Self { equations, pattern, phases, .. } = self;
+                    timed(&mut phases.linearisation, || {
+                        equations.assemble_gradient(pattern, edges, poses);
+                    });
                 }
             }
         }
@@ -149,9 +153,10 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
             equations.diagonal.iter().map(|block| block.diagonal().max()).fold(0.0, f64::max);
         let floor = 1e-9 * largest_diagonal;
         let symbolic = &self.pattern.symbolic;
-        if let Err(breakdown) =
-            self.factor.factorize(symbolic, &equations.diagonal, &equations.off_diagonal, damping, floor)
-        {
+        let factor = &mut self.factor;
+        if let Err(breakdown) = timed(&mut self.phases.factorisation, || {
+            factor.factorize(symbolic, &equations.diagonal, &equations.off_diagonal, damping, floor)
+        }) {
             undetermined.get_or_insert((breakdown.variable + 1, breakdown.component));
             return None;
         }
@@ -176,7 +181,8 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         for (step, gradient) in self.step.iter_mut().zip(&self.equations.gradient) {
             *step = -gradient;
         }
-        self.factor.solve(&self.pattern.symbolic, &mut self.step);
+        let Self { factor, pattern, step, phases, .. } = self;
+        timed(&mut phases.substitution, || factor.solve(&pattern.symbolic, step));
         let mut promised = 0.0;
         let mut largest = 0.0_f64;
         for (step, gradient) in self.step.iter().zip(&self.equations.gradient) {
@@ -188,11 +194,32 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
 
     /// `trial = X Exp(d)`.
     pub(crate) fn retract(&mut self, poses: &[G]) {
-        self.trial.clear();
-        self.trial.extend_from_slice(poses);
-        for (pose, step) in self.trial.iter_mut().skip(1).zip(&self.step) {
-            *pose = pose.compose(&G::exp(step));
-        }
+        let Self { trial, step, phases, .. } = self;
+        timed(&mut phases.linearisation, || {
+            trial.clear();
+            trial.extend_from_slice(poses);
+            for (pose, step) in trial.iter_mut().skip(1).zip(step) {
+                *pose = pose.compose(&G::exp(step));
+            }
+        });
+    }
+
+    /// The equations at these poses, and the cost.
+    pub(crate) fn assemble<T: Term<G, DOF>>(&mut self, edges: &[T], poses: &[G]) -> f64 {
+        let Self { equations, pattern, phases, .. } = self;
+        timed(&mut phases.linearisation, || equations.assemble(pattern, edges, poses))
+    }
+
+    /// The gradient at the trial, and the cost there; the matrix stays what it was.
+    pub(crate) fn trial_gradient<T: Term<G, DOF>>(&mut self, edges: &[T]) -> f64 {
+        let Self { equations, pattern, trial, phases, .. } = self;
+        timed(&mut phases.linearisation, || equations.assemble_gradient(pattern, edges, trial))
+    }
+
+    /// The cost at the trial.
+    pub(crate) fn trial_cost<T: Term<G, DOF>>(&mut self, edges: &[T]) -> f64 {
+        let Self { trial, phases, .. } = self;
+        timed(&mut phases.linearisation, || edges.iter().map(|edge| edge.cost(trial)).sum())
     }
 }
 

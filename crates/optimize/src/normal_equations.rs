@@ -1,9 +1,16 @@
 //! The block-sparse normal equations of a connected graph with its first node fixed.
 
+#![allow(
+    clippy::inline_always,
+    reason = "loops take the vector instructions of the caller they are inlined into"
+)]
+
+use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
 use crate::cholesky::Symbolic;
+use crate::problem::Edge;
 use crate::residual::Term;
 
 /// Where an edge's blocks go. Variable v is node v + 1; node 0 is the gauge.
@@ -28,6 +35,11 @@ pub(crate) struct Pattern {
 }
 
 impl Pattern {
+    /// Pattern of a graph's edges.
+    pub(crate) fn of<G, const DOF: usize>(nodes: usize, edges: &[Edge<G, DOF>]) -> Self {
+        Self::new(nodes, edges.iter().map(|edge| (edge.from, edge.to)), DOF)
+    }
+
     /// Pattern of edges over `nodes` nodes; `block` is the block size to tune for.
     pub(crate) fn new(
         nodes: usize,
@@ -80,6 +92,7 @@ impl<const D: usize> NormalEquations<D> {
     }
 
     /// Adds a block at (from, to).
+    #[inline]
     pub(crate) fn add_off_diagonal(&mut self, slot: &Slot, block: &SMatrix<f64, D, D>) {
         if let (Some(from), Some(to)) = (slot.from, slot.to) {
             if from < to {
@@ -98,21 +111,8 @@ impl<const D: usize> NormalEquations<D> {
         poses: &[G],
     ) -> f64 {
         self.clear();
-        let mut cost = 0.0;
-        for (edge, slot) in edges.iter().zip(&pattern.slots) {
-            let model = edge.linearise(poses);
-            cost += model.cost;
-            if let Some(from) = slot.from {
-                self.diagonal[from] += model.from_from;
-                self.gradient[from] += model.from_gradient;
-            }
-            if let Some(to) = slot.to {
-                self.diagonal[to] += model.to_to;
-                self.gradient[to] += model.to_gradient;
-            }
-            self.add_off_diagonal(slot, &model.from_to);
-        }
-        cost
+        // The widest vector instructions of the machine, for all that is inlined below.
+        Arch::new().dispatch(Assemble { equations: self, pattern, edges, poses })
     }
 
     /// The gradient alone, and the cost; the matrix stays what it was.
@@ -123,18 +123,7 @@ impl<const D: usize> NormalEquations<D> {
         poses: &[G],
     ) -> f64 {
         self.gradient.fill(SVector::zeros());
-        let mut cost = 0.0;
-        for (edge, slot) in edges.iter().zip(&pattern.slots) {
-            let model = edge.gradient(poses);
-            cost += model.cost;
-            if let Some(from) = slot.from {
-                self.gradient[from] += model.from;
-            }
-            if let Some(to) = slot.to {
-                self.gradient[to] += model.to;
-            }
-        }
-        cost
+        Arch::new().dispatch(AssembleGradient { gradient: &mut self.gradient, pattern, edges, poses })
     }
 
     /// `d^T H d`.
@@ -147,5 +136,65 @@ impl<const D: usize> NormalEquations<D> {
     /// Largest magnitude in the gradient of the cost, `2 g`.
     pub(crate) fn largest_gradient(&self) -> f64 {
         self.gradient.iter().map(|gradient| 2.0 * gradient.amax()).fold(0.0, f64::max)
+    }
+}
+
+/// [`NormalEquations::assemble`] for one set of vector instructions. Not a closure: the call of one is not inlined.
+struct Assemble<'a, G, T, const D: usize> {
+    equations: &'a mut NormalEquations<D>,
+    pattern: &'a Pattern,
+    edges: &'a [T],
+    poses: &'a [G],
+}
+
+impl<G: LieGroup<D>, T: Term<G, D>, const D: usize> WithSimd for Assemble<'_, G, T, D> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        let Self { equations, pattern, edges, poses } = self;
+        let mut cost = 0.0;
+        for (edge, slot) in edges.iter().zip(&pattern.slots) {
+            let model = edge.linearise(poses);
+            cost += model.cost;
+            if let Some(from) = slot.from {
+                equations.diagonal[from] += model.from_from;
+                equations.gradient[from] += model.from_gradient;
+            }
+            if let Some(to) = slot.to {
+                equations.diagonal[to] += model.to_to;
+                equations.gradient[to] += model.to_gradient;
+            }
+            equations.add_off_diagonal(slot, &model.from_to);
+        }
+        cost
+    }
+}
+
+/// [`NormalEquations::assemble_gradient`] in the same way.
+struct AssembleGradient<'a, G, T, const D: usize> {
+    gradient: &'a mut [SVector<f64, D>],
+    pattern: &'a Pattern,
+    edges: &'a [T],
+    poses: &'a [G],
+}
+
+impl<G: LieGroup<D>, T: Term<G, D>, const D: usize> WithSimd for AssembleGradient<'_, G, T, D> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        let mut cost = 0.0;
+        for (edge, slot) in self.edges.iter().zip(&self.pattern.slots) {
+            let model = edge.gradient(self.poses);
+            cost += model.cost;
+            if let Some(from) = slot.from {
+                self.gradient[from] += model.from;
+            }
+            if let Some(to) = slot.to {
+                self.gradient[to] += model.to;
+            }
+        }
+        cost
     }
 }

@@ -1,5 +1,10 @@
 //! Residuals of edges and their Jacobians.
 
+#![allow(
+    clippy::inline_always,
+    reason = "loops take the vector instructions of the caller they are inlined into"
+)]
+
 use nalgebra::{Matrix3, SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
@@ -55,6 +60,7 @@ pub(crate) struct Gradient<const DOF: usize> {
 
 impl<const DOF: usize> Gradient<DOF> {
     /// From the half gradient in a right perturbation of `X_ij`, which equals one of `X_j`.
+    #[inline(always)]
     pub(crate) fn new<G: LieGroup<DOF>>(relative: &G, to: SVector<f64, DOF>, cost: f64) -> Self {
         Self { from: -relative.inverse().adjoint().tr_mul(&to), to, cost }
     }
@@ -78,10 +84,12 @@ impl<G: LieGroup<DOF>, const DOF: usize> Term<G, DOF> for Edge<G, DOF> {
         charge(self.kernel, squared(self, poses)).0
     }
 
+    #[inline(always)]
     fn linearise(&self, poses: &[G]) -> Linearised<DOF> {
         linearise(self, poses)
     }
 
+    #[inline(always)]
     fn gradient(&self, poses: &[G]) -> Gradient<DOF> {
         let relative = poses[self.from].between(&poses[self.to]);
         let error = self.measurement.between(&relative).log();
@@ -94,6 +102,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Term<G, DOF> for Edge<G, DOF> {
 
 impl<const DOF: usize> Linearised<DOF> {
     /// From block and half gradient in a right perturbation of `X_ij`, which equals one of `X_j`.
+    #[inline(always)]
     pub(crate) fn new<G: LieGroup<DOF>>(
         relative: &G,
         to_to: SMatrix<f64, DOF, DOF>,
@@ -122,6 +131,7 @@ pub(crate) struct Expansion<G, const DOF: usize> {
 
 impl<G: LieGroup<DOF>, const DOF: usize> Expansion<G, DOF> {
     /// At these poses of the edge's ends.
+    #[inline(always)]
     pub(crate) fn new(edge: &Edge<G, DOF>, from: &G, to: &G) -> Self {
         let relative = from.between(to);
         let error = edge.measurement.between(&relative).log();
@@ -129,11 +139,13 @@ impl<G: LieGroup<DOF>, const DOF: usize> Expansion<G, DOF> {
     }
 
     /// `J_i`.
+    #[inline(always)]
     pub(crate) fn from(&self) -> SMatrix<f64, DOF, DOF> {
         -self.to * self.relative.inverse().adjoint()
     }
 
     /// The quadratic model and the kernel's weight. All blocks follow from `A = J_j^T w Omega J_j` by the adjoint alone.
+    #[inline(always)]
     pub(crate) fn model(&self, edge: &Edge<G, DOF>) -> (Linearised<DOF>, f64) {
         let weighted = edge.information * self.error;
         let (cost, weight) = charge(edge.kernel, self.error.dot(&weighted));
@@ -144,6 +156,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Expansion<G, DOF> {
 }
 
 /// Linearises an edge.
+#[inline(always)]
 pub(crate) fn linearise<G: LieGroup<DOF>, const DOF: usize>(
     edge: &Edge<G, DOF>,
     poses: &[G],
@@ -153,6 +166,7 @@ pub(crate) fn linearise<G: LieGroup<DOF>, const DOF: usize>(
 
 /// `J^T A` and `J^T A J` for symmetric `A` and `J` an adjoint or a Jacobian of the logarithm: in space both are block-triangular,
 /// `[P, Q; 0, S]`, which saves more than half of the products.
+#[inline(always)]
 fn triangular_congruence<const DOF: usize>(
     jacobian: &SMatrix<f64, DOF, DOF>,
     matrix: &SMatrix<f64, DOF, DOF>,

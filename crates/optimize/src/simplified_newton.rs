@@ -53,11 +53,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             outcome.iterations += 1;
             outcome.last = step;
             self.retract(poses);
-            let cost = if met.is_some() {
-                edges.iter().map(|edge| edge.cost(&self.trial)).sum::<f64>()
-            } else {
-                self.equations.assemble_gradient(self.pattern, edges, &self.trial)
-            };
+            let cost = if met.is_some() { self.trial_cost(edges) } else { self.trial_gradient(edges) };
             let kept = cost <= outcome.cost - KEPT * step.promised;
             if cost < outcome.cost || (met.is_some() && cost <= outcome.cost) {
                 poses.copy_from_slice(&self.trial);

@@ -1,6 +1,7 @@
 //! What came out, and how.
 
 use crate::levenberg_marquardt::Outcome;
+use crate::phases::Phases;
 
 /// Where a part was started from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,6 +97,10 @@ pub struct ComponentReport {
     pub undetermined: Option<(usize, usize)>,
     /// Blocks of the factor.
     pub factor_blocks: usize,
+    /// Floating-point operations of one numeric factorisation.
+    pub flops: f64,
+    /// Where the time went.
+    pub phases: Phases,
 }
 
 impl ComponentReport {
@@ -118,6 +123,8 @@ impl ComponentReport {
             last_step: f64::NAN,
             undetermined: None,
             factor_blocks: 0,
+            flops: 0.0,
+            phases: Phases::default(),
         }
     }
 

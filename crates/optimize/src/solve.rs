@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use posecut_geometry::{LieGroup, SE2, SE3};
 
 use crate::certificate::{self, Certificate};
+use crate::cholesky::Factor;
 use crate::components::{Component, connected_components};
 use crate::graduated::{Graduated, set_landmark_kernels};
 use crate::initialisation::{chordal, spanning_tree};
@@ -12,6 +13,7 @@ use crate::kernel::charge;
 use crate::levenberg_marquardt::Workspace;
 use crate::normal_equations::Pattern;
 use crate::options::{Initialisation, Options};
+use crate::phases::{Phases, timed};
 use crate::problem::{Edge, Problem};
 use crate::residual::{chi2, cost, squared};
 use crate::solution::{ComponentReport, Solution, Start};
@@ -21,21 +23,33 @@ pub trait PoseGroup<const DOF: usize>: LieGroup<DOF> {
     /// Poses by rotations first, for a connected graph with its first pose given; `None` if the edges do not determine
     /// them.
     #[doc(hidden)]
-    fn chordal_poses(pattern: &Relaxation<'_>, edges: &[Edge<Self, DOF>], first: &Self) -> Option<Vec<Self>>;
+    fn chordal_poses(
+        memory: &mut Relaxation<'_, DOF>,
+        edges: &[Edge<Self, DOF>],
+        first: &Self,
+    ) -> Option<Vec<Self>>;
 
     /// The certificate of a connected graph.
     #[doc(hidden)]
     fn certificate(edges: &[Edge<Self, DOF>], poses: &[Self]) -> Certificate;
 }
 
-/// What the relaxation needs of the normal equations.
+/// What the relaxation needs of the normal equations: their pattern, and the memory of their factor.
 #[doc(hidden)]
 #[derive(Debug)]
-pub struct Relaxation<'a>(pub(crate) &'a Pattern);
+pub struct Relaxation<'a, const DOF: usize> {
+    pattern: &'a Pattern,
+    factor: &'a mut Factor<DOF>,
+}
 
 impl PoseGroup<3> for SE2 {
-    fn chordal_poses(pattern: &Relaxation<'_>, edges: &[Edge<Self, 3>], first: &Self) -> Option<Vec<Self>> {
-        chordal::poses::<Self, 3, 2>(pattern.0, edges, first)
+    fn chordal_poses(
+        memory: &mut Relaxation<'_, 3>,
+        edges: &[Edge<Self, 3>],
+        first: &Self,
+    ) -> Option<Vec<Self>> {
+        let pattern = memory.pattern;
+        memory.factor.lend(|factor| chordal::poses::<Self, 3, 2>(pattern, edges, first, factor))
     }
 
     fn certificate(edges: &[Edge<Self, 3>], poses: &[Self]) -> Certificate {
@@ -44,8 +58,13 @@ impl PoseGroup<3> for SE2 {
 }
 
 impl PoseGroup<6> for SE3 {
-    fn chordal_poses(pattern: &Relaxation<'_>, edges: &[Edge<Self, 6>], first: &Self) -> Option<Vec<Self>> {
-        chordal::poses::<Self, 6, 3>(pattern.0, edges, first)
+    fn chordal_poses(
+        memory: &mut Relaxation<'_, 6>,
+        edges: &[Edge<Self, 6>],
+        first: &Self,
+    ) -> Option<Vec<Self>> {
+        let pattern = memory.pattern;
+        memory.factor.lend(|factor| chordal::poses::<Self, 6, 3>(pattern, edges, first, factor))
     }
 
     fn certificate(edges: &[Edge<Self, 6>], poses: &[Self]) -> Certificate {
@@ -89,10 +108,12 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
             extracted = extract(problem, component, &local);
             &extracted
         };
-        let (start, result, mut report) = match options.graduated {
+        let mut seconds = 0.0;
+        let (start, result, mut report) = timed(&mut seconds, || match options.graduated {
             Some(graduation) => graduate_component(part, graduation, options),
             None => solve_component(part, options),
-        };
+        });
+        report.phases.total = seconds;
         report.gauge = component.nodes[0];
         report.undetermined = report.undetermined.map(|(node, axis)| (component.nodes[node], axis));
         for ((&node, start), pose) in component.nodes.iter().zip(start).zip(result) {
@@ -166,11 +187,16 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     if edges.is_empty() {
         return (given.to_vec(), given.to_vec(), report);
     }
-    let pattern = Pattern::new(given.len(), edges.iter().map(|edge| (edge.from, edge.to)), DOF);
+    let mut phases = Phases::default();
+    let pattern = timed(&mut phases.analysis, || Pattern::of(given.len(), edges));
     report.factor_blocks = pattern.symbolic.factor_blocks();
+    report.flops = pattern.symbolic.flops();
     let mut workspace = Workspace::new(&pattern);
     let mut best: Option<(Vec<G>, Vec<G>)> = None;
-    for candidate in candidates(part, &pattern, options.initialisation, report.cost_given) {
+    let starts = timed(&mut phases.start, || {
+        candidates(part, &mut workspace, options.initialisation, report.cost_given)
+    });
+    for candidate in starts {
         if best.is_some() && candidate.cost.partial_cmp(&report.cost) != Some(Ordering::Less) {
             continue;
         }
@@ -185,6 +211,8 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
         }
     }
     let (start, result) = best.unwrap_or_else(|| (given.to_vec(), given.to_vec()));
+    report.phases += phases;
+    report.phases += workspace.phases;
     (start, result, report)
 }
 
@@ -209,7 +237,7 @@ fn graduate_component<G: PoseGroup<DOF>, const DOF: usize>(
         let tree = spanning_tree(part.poses(), edges);
         starts.push((Start::SpanningTree, tree.clone(), tree));
     }
-    let pattern = Pattern::new(part.poses().len(), edges.iter().map(|edge| (edge.from, edge.to)), DOF);
+    let pattern = timed(&mut report.phases.analysis, || Pattern::of(part.poses().len(), edges));
     let mut workspace = Workspace::new(&pattern);
     report.cost_given = cost(edges, part.poses());
     report.cost = f64::INFINITY;
@@ -224,6 +252,7 @@ fn graduate_component<G: PoseGroup<DOF>, const DOF: usize>(
             best = (start, poses);
         }
     }
+    report.phases += workspace.phases;
     (best.0, best.1, report)
 }
 
@@ -237,7 +266,7 @@ struct Candidate<G> {
 /// The starts asked for, in the order in which they should be tried; at least one.
 fn candidates<G: PoseGroup<DOF>, const DOF: usize>(
     part: &Problem<G, DOF>,
-    pattern: &Pattern,
+    workspace: &mut Workspace<'_, G, DOF>,
     initialisation: Initialisation,
     cost_given: f64,
 ) -> Vec<Candidate<G>> {
@@ -245,8 +274,9 @@ fn candidates<G: PoseGroup<DOF>, const DOF: usize>(
     let propose = |start: Start, poses: Vec<G>| Candidate { start, cost: cost(edges, &poses), poses };
     let given = || Candidate { start: Start::Given, cost: cost_given, poses: part.poses().to_vec() };
     let tree = || propose(Start::SpanningTree, spanning_tree(part.poses(), edges));
-    let relaxed = || {
-        G::chordal_poses(&Relaxation(pattern), edges, &part.poses()[0])
+    let mut relaxed = || {
+        let mut memory = Relaxation { pattern: workspace.pattern, factor: &mut workspace.factor };
+        G::chordal_poses(&mut memory, edges, &part.poses()[0])
             .map(|poses| propose(Start::Chordal, poses))
             .filter(|candidate| candidate.cost.is_finite())
     };

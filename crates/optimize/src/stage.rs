@@ -4,6 +4,8 @@ mod certify;
 mod marginals;
 mod robust;
 
+use std::time::Instant;
+
 use anyhow::Context as _;
 use nalgebra::SMatrix;
 use posecut_geometry::covariance::unpack_upper_triangle;
@@ -16,7 +18,7 @@ pub use marginals::MarginalsOf;
 pub use robust::{Graduation, RobustOptions};
 
 use crate::{
-    Edge, EdgeKind, Initialisation, Method, Options, PoseGroup, Problem, Solution, certify, optimize,
+    Edge, EdgeKind, Initialisation, Method, Options, Phases, PoseGroup, Problem, Solution, certify, optimize,
 };
 
 /// Where to start from.
@@ -159,7 +161,9 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
         );
     }
     context.statistics.note("semidefinite_information", problem.semidefinite());
+    let start = Instant::now();
     let solution = optimize(&problem, &library_options);
+    context.statistics.note("optimize_seconds", start.elapsed().as_secs_f64());
     for (node, pose) in graph.nodes.iter_mut().zip(&solution.poses) {
         node.pose = Some(pose.components());
     }
@@ -283,4 +287,14 @@ fn note<G>(solution: &Solution<G>, edges: usize, unmeasured: usize, context: &mu
     statistics.note("gradient", largest.map(|report| report.gradient));
     statistics
         .note("factor_blocks", solution.components.iter().map(|report| report.factor_blocks).sum::<usize>());
+    statistics.note("factor_flops", solution.components.iter().map(|report| report.flops).sum::<f64>());
+    let mut phases = Phases::default();
+    for report in &solution.components {
+        phases += report.phases;
+    }
+    statistics.note("analysis_seconds", phases.analysis);
+    statistics.note("start_seconds", phases.start);
+    statistics.note("linearisation_seconds", phases.linearisation);
+    statistics.note("factorisation_seconds", phases.factorisation);
+    statistics.note("substitution_seconds", phases.substitution);
 }

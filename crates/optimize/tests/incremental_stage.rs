@@ -76,10 +76,14 @@ fn poses(graph: &str) -> Vec<Vec<f64>> {
 }
 
 fn assert_same_poses(first: &str, second: &str) {
+    assert_poses_within(first, second, 1e-7);
+}
+
+fn assert_poses_within(first: &str, second: &str, tolerance: f64) {
     let (first, second) = (poses(first), poses(second));
     assert_eq!(first.len(), second.len());
     for (a, b) in first.iter().flatten().zip(second.iter().flatten()) {
-        assert!((a - b).abs() < 1e-7, "{a} {b}");
+        assert!((a - b).abs() < tolerance, "{a} {b}");
     }
 }
 
@@ -114,7 +118,10 @@ fn edges_can_be_replaced_and_readmitted() {
     returned.push(r#"{"kind":"readmit","edge":6}"#.to_owned());
     let kept: Vec<String> = square().into_iter().filter(|line| !line.contains("retract")).collect();
     let returned = follow(&returned, &[]);
-    assert_same_poses(&returned, &follow(&kept, &[]));
+    // With the false edge the minimum costs 9851, and undamped steps do not contract there: the iteration ends where the cost
+    // stands still. Sixteen digits of it place a pose to sqrt(9851 * 2e-16 / 100) = 1e-7 and no better.
+    let tolerance = 1e-6;
+    assert_poses_within(&returned, &follow(&kept, &[]), tolerance);
     assert!(!returned.contains("rejected_by"));
     // An edge that came rejected is not used, and may be readmitted.
     let mut rejected = square();
@@ -122,7 +129,7 @@ fn edges_can_be_replaced_and_readmitted() {
     rejected[6] = rejected[6].replace('}', r#","rejected_by":"pcm"}"#);
     assert_same_poses(&follow(&square(), &[]), &follow(&rejected, &[]));
     rejected.push(r#"{"kind":"readmit","edge":6}"#.to_owned());
-    assert_same_poses(&returned, &follow(&rejected, &[]));
+    assert_poses_within(&returned, &follow(&rejected, &[]), tolerance);
 }
 
 #[test]

@@ -73,7 +73,7 @@ fn eliminate_large(
     Ok(())
 }
 
-/// Right-looking by blocks of `D` columns, without calls.
+/// Left-looking by blocks of `D` columns, without calls.
 #[inline(always)]
 fn eliminate_small<const D: usize>(
     panel: &mut [f64],
@@ -83,21 +83,25 @@ fn eliminate_small<const D: usize>(
     fresh: bool,
 ) -> Result<(), usize> {
     for start in (0..columns).step_by(D) {
-        let (done, later) = panel.split_at_mut((start + D) * height);
-        let block = &mut done[start * height..];
+        let (done, later) = panel.split_at_mut(start * height);
+        let block = &mut later[..D * height];
+        subtract_products::<D>(block, height, start, done, height, start);
         factor_block::<D>(block, height, start)?;
-        for (column, target) in (start + D..columns).zip(later.chunks_exact_mut(height)) {
-            subtract_outer::<D>(&mut target[column..], block, height, column);
-        }
     }
     let below = height - columns;
-    for (column, target) in update.chunks_exact_mut(below.max(1)).enumerate() {
-        let target = &mut target[column..];
-        if fresh {
-            target.fill(0.0);
-        }
-        for block in panel[..columns * height].chunks_exact(D * height) {
-            subtract_outer::<D>(target, block, height, columns + column);
+    if fresh {
+        update.fill(0.0);
+    }
+    let mut column = 0;
+    // A last column that is no whole block: an incremental front's right-hand side.
+    while column < below {
+        let target = &mut update[column * below..];
+        if column + D <= below {
+            subtract_products::<D>(target, below, column, panel, height, columns + column);
+            column += D;
+        } else {
+            subtract_products::<1>(target, below, column, panel, height, columns + column);
+            column += 1;
         }
     }
     Ok(())
@@ -130,41 +134,96 @@ fn factor_block<const D: usize>(block: &mut [f64], height: usize, start: usize) 
     Ok(())
 }
 
-/// `target -= sum over the block's columns c of block[row.., c] * block[row, c]`.
+/// `target[first + i, j] -= sum over columns k of source[row + i, k] source[row + j, k]` for `D` columns `j` of the target, all
+/// rows of the source from `row` on. What it does above the diagonal is not meant.
 #[inline(always)]
-fn subtract_outer<const D: usize>(target: &mut [f64], block: &[f64], height: usize, row: usize) {
-    let length = target.len();
-    let sources: [&[f64]; D] = std::array::from_fn(|column| &block[column * height + row..][..length]);
-    let factors: [f64; D] = std::array::from_fn(|column| sources[column].first().copied().unwrap_or(0.0));
-    // Tiles of one vector register each. Columns are short: a loop that the compiler unrolls for long ones would spend
-    // its time in the remainder.
+fn subtract_products<const D: usize>(
+    target: &mut [f64],
+    stride: usize,
+    first: usize,
+    source: &[f64],
+    height: usize,
+    row: usize,
+) {
+    // Tiles of a few vector registers each, which stay there over all columns of the source.
+    let length = height - row;
     let mut start = 0;
     while start + 8 <= length {
-        subtract_tile::<D, 8>(target, &sources, &factors, start);
+        subtract_tile::<D, 8>(target, stride, first, source, height, row, start);
         start += 8;
     }
     if start + 4 <= length {
-        subtract_tile::<D, 4>(target, &sources, &factors, start);
+        subtract_tile::<D, 4>(target, stride, first, source, height, row, start);
         start += 4;
     }
     if start + 2 <= length {
-        subtract_tile::<D, 2>(target, &sources, &factors, start);
+        subtract_tile::<D, 2>(target, stride, first, source, height, row, start);
         start += 2;
     }
     if start < length {
-        subtract_tile::<D, 1>(target, &sources, &factors, start);
+        subtract_tile::<D, 1>(target, stride, first, source, height, row, start);
     }
 }
 
-/// `W` rows of [`subtract_outer`].
+/// `W` rows of [`subtract_products`], from the one at `start`.
 #[inline(always)]
 fn subtract_tile<const D: usize, const W: usize>(
     target: &mut [f64],
+    stride: usize,
+    first: usize,
+    source: &[f64],
+    height: usize,
+    row: usize,
+    start: usize,
+) {
+    let mut sums = [[0.0_f64; W]; D];
+    for (index, sums) in sums.iter_mut().enumerate() {
+        sums.copy_from_slice(&target[index * stride + first + start..][..W]);
+    }
+    for column in source.chunks_exact(height) {
+        let column = &column[row..];
+        let (Some(factors), Some(values)) = (column.first_chunk::<D>(), column[start..].first_chunk::<W>())
+        else {
+            return;
+        };
+        for (sums, factor) in sums.iter_mut().zip(factors) {
+            for (sum, value) in sums.iter_mut().zip(values) {
+                *sum = factor.mul_add(-value, *sum);
+            }
+        }
+    }
+    for (index, sums) in sums.iter().enumerate() {
+        target[index * stride + first + start..][..W].copy_from_slice(sums);
+    }
+}
+
+/// `target -= sum over c of factors[c] sources[c]`; all are of one length.
+#[inline(always)]
+pub(super) fn subtract_columns<const D: usize>(
+    target: &mut [f64],
+    sources: &[&[f64]; D],
+    factors: &[f64; D],
+) {
+    let (tiles, rest) = target.as_chunks_mut::<8>();
+    for (index, target) in tiles.iter_mut().enumerate() {
+        subtract_chunk(target, sources, factors, 8 * index);
+    }
+    let start = 8 * tiles.len();
+    for (index, target) in rest.iter_mut().enumerate() {
+        for (source, factor) in sources.iter().zip(factors) {
+            *target = factor.mul_add(-source[start + index], *target);
+        }
+    }
+}
+
+/// `W` rows of [`subtract_columns`].
+#[inline(always)]
+fn subtract_chunk<const D: usize, const W: usize>(
+    target: &mut [f64; W],
     sources: &[&[f64]; D],
     factors: &[f64; D],
     start: usize,
 ) {
-    let Some(target) = target[start..].first_chunk_mut::<W>() else { return };
     let mut sums = *target;
     for (source, factor) in sources.iter().zip(factors) {
         let Some(source) = source[start..].first_chunk::<W>() else { return };

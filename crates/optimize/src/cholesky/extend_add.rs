@@ -22,6 +22,12 @@ pub(crate) fn push_rows(runs: &mut Vec<Run>, source: usize, target: usize, lengt
     }
 }
 
+/// How many of the child's rows, which come first, are among the front's first `columns`.
+#[inline(always)]
+pub(crate) fn rows_before(runs: &[Run], columns: usize) -> usize {
+    runs.iter().map(|run| columns.saturating_sub(run.target).min(run.length)).sum()
+}
+
 /// Adds these columns of the lower triangle of a child's update matrix of that order to the parent's front: `panel`, of
 /// `columns` columns and `height` rows, and `update`, of order `height - columns`. All are column-major. `runs` place all
 /// rows of the child.

@@ -7,11 +7,11 @@
 
 use faer::dyn_stack::MemBuffer;
 use faer::traits::pulp::{Arch, Simd, WithSimd};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SMatrix;
 use thiserror::Error;
 
 use super::dense;
-use super::extend_add::{Run, extend_add, push_rows};
+use super::extend_add::{Run, extend_add, push_rows, rows_before};
 use super::symbolic::{Front, Symbolic};
 
 /// The matrix is not positive definite.
@@ -32,7 +32,8 @@ pub struct Factor<const D: usize> {
     stacks: [Vec<f64>; 2],
     memory: MemBuffer,
     pub(super) permuted: Vec<f64>,
-    pub(super) below: Vec<f64>,
+    /// A front's part of a vector.
+    pub(super) local: Vec<f64>,
     runs: Vec<Run>,
     /// Smallest share that elimination has left of a diagonal entry, and where.
     smallest_pivot: (f64, usize, usize),
@@ -48,14 +49,45 @@ impl<const D: usize> Factor<D> {
     /// Reserves all memory that factorising and solving with this pattern need.
     pub fn new(symbolic: &Symbolic) -> Self {
         let columns = symbolic.fronts.iter().map(|front| front.columns).max().unwrap_or(0);
-        let below = symbolic.fronts.iter().map(Front::below).max().unwrap_or(0);
+        let height = symbolic.fronts.iter().map(Front::height).max().unwrap_or(0);
         Self {
             panels: vec![0.0; symbolic.panel_blocks * D * D],
             stacks: symbolic.stack_blocks.map(|blocks| vec![0.0; blocks * D * D]),
             memory: dense::scratch(columns * D),
             permuted: vec![0.0; symbolic.variables() * D],
-            below: vec![0.0; below * D],
-            runs: Vec::with_capacity(below),
+            local: vec![0.0; height * D],
+            runs: Vec::with_capacity(height),
+            smallest_pivot: (1.0, 0, 0),
+        }
+    }
+
+    /// Lends the memory to a factor of blocks that are no larger, with the same pattern; the values are lost.
+    pub(crate) fn lend<const E: usize, T>(&mut self, work: impl FnOnce(&mut Factor<E>) -> T) -> T {
+        debug_assert!(E <= D, "memory for smaller blocks is lent");
+        let mut other = Factor::<E>::empty();
+        self.exchange(&mut other);
+        let result = work(&mut other);
+        self.exchange(&mut other);
+        result
+    }
+
+    fn exchange<const E: usize>(&mut self, other: &mut Factor<E>) {
+        std::mem::swap(&mut self.panels, &mut other.panels);
+        std::mem::swap(&mut self.stacks, &mut other.stacks);
+        std::mem::swap(&mut self.memory, &mut other.memory);
+        std::mem::swap(&mut self.permuted, &mut other.permuted);
+        std::mem::swap(&mut self.local, &mut other.local);
+        std::mem::swap(&mut self.runs, &mut other.runs);
+    }
+
+    fn empty() -> Self {
+        Self {
+            panels: Vec::new(),
+            stacks: [Vec::new(), Vec::new()],
+            memory: dense::scratch(0),
+            permuted: Vec::new(),
+            local: Vec::new(),
+            runs: Vec::new(),
             smallest_pivot: (1.0, 0, 0),
         }
     }
@@ -111,27 +143,28 @@ impl<const D: usize> Factor<D> {
             let below = front.below() * D;
             let update_start = front.update * D * D;
             let update = &mut own[update_start..update_start + below * below];
-            let fresh = front.children.is_empty();
-            if !fresh {
-                update.fill(0.0);
-            }
+            let columns = front.columns * D;
             for &child in &symbolic.children[front.children.clone()] {
                 let child = &symbolic.fronts[child];
-                let places = &symbolic.relative[child.rows.clone()];
-                self.runs.clear();
-                for (index, &place) in places.iter().enumerate() {
-                    push_rows(&mut self.runs, index * D, place * D, D);
-                }
-                let order = places.len() * D;
-                let source = &others[child.update * D * D..][..order * order];
-                let columns = front.columns * D;
-                extend_add(source, order, 0..order, &self.runs, (panel, height, columns), update);
+                place_rows::<D>(symbolic, child, &mut self.runs);
+                let eliminated = 0..rows_before(&self.runs, columns);
+                let (child, order) = update_of::<D>(child, others);
+                extend_add(child, order, eliminated, &self.runs, (panel, height, columns), update);
             }
-            dense::eliminate::<D>(panel, height, front.columns * D, update, fresh, &mut self.memory)
-                .map_err(|column| Breakdown {
+            dense::eliminate::<D>(panel, height, columns, update, true, &mut self.memory).map_err(
+                |column| Breakdown {
                     variable: symbolic.order[front.first + column / D],
                     component: column % D,
-                })?;
+                },
+            )?;
+            // The update takes the children's after its own part, so that it is written once less.
+            for &child in &symbolic.children[front.children.clone()] {
+                let child = &symbolic.fronts[child];
+                place_rows::<D>(symbolic, child, &mut self.runs);
+                let (child, order) = update_of::<D>(child, others);
+                let rest = rows_before(&self.runs, columns)..order;
+                extend_add(child, order, rest, &self.runs, (panel, height, columns), update);
+            }
             self.note_pivots(symbolic, front, diagonal, damping, floor);
         }
         Ok(())
@@ -165,17 +198,6 @@ impl<const D: usize> Factor<D> {
     pub fn smallest_pivot(&self) -> (f64, usize, usize) {
         self.smallest_pivot
     }
-
-    /// Solves `A x = b`; `values` holds `b` and becomes `x`.
-    pub fn solve(&mut self, symbolic: &Symbolic, values: &mut [SVector<f64, D>]) {
-        for (position, &variable) in symbolic.order.iter().enumerate() {
-            self.permuted[position * D..(position + 1) * D].copy_from_slice(values[variable].as_slice());
-        }
-        Arch::new().dispatch(Substitute { factor: self, symbolic });
-        for (position, &variable) in symbolic.order.iter().enumerate() {
-            values[variable].as_mut_slice().copy_from_slice(&self.permuted[position * D..(position + 1) * D]);
-        }
-    }
 }
 
 /// [`Factor::factorize`] for one set of vector instructions. Not a closure: the call of one is not inlined, and what it calls
@@ -204,27 +226,6 @@ impl<const D: usize> WithSimd for Factorize<'_, D> {
     }
 }
 
-/// Both triangular solves, in the same way.
-struct Substitute<'a, const D: usize> {
-    factor: &'a mut Factor<D>,
-    symbolic: &'a Symbolic,
-}
-
-impl<const D: usize> WithSimd for Substitute<'_, D> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Factor { panels, permuted, below, .. } = self.factor;
-        for front in &self.symbolic.fronts {
-            forward::<D>(self.symbolic, front, panels, permuted, below);
-        }
-        for front in self.symbolic.fronts.iter().rev() {
-            backward::<D>(self.symbolic, front, panels, permuted, below);
-        }
-    }
-}
-
 /// Copies a block to block position `(row, column)` of a column-major panel.
 #[inline(always)]
 fn write_block<const D: usize>(
@@ -240,91 +241,18 @@ fn write_block<const D: usize>(
     }
 }
 
-/// `x_1 = L^-1 x_1`, then `x_2 -= M x_1`, for the columns of one front. `below` is working memory.
+/// Where a child's rows lie in its parent's front.
 #[inline(always)]
-pub(super) fn forward<const D: usize>(
-    symbolic: &Symbolic,
-    front: &Front,
-    panels: &[f64],
-    x: &mut [f64],
-    below: &mut [f64],
-) {
-    let height = front.height() * D;
-    let panel = &panels[front.panel * D * D..][..front.columns * D * height];
-    let (before, after) = x.split_at_mut((front.first + front.columns) * D);
-    let own = &mut before[front.first * D..];
-    let columns = own.len();
-    let offset = (front.first + front.columns) * D;
-    let below = &mut below[..height - columns];
-    below.fill(0.0);
-    for (block_index, block) in panel.chunks_exact(D * height).enumerate() {
-        let start = block_index * D;
-        let mut solved = [0.0; D];
-        for column in 0..D {
-            let values = &block[column * height..][..height];
-            let value = own[start + column] / values[start + column];
-            own[start + column] = value;
-            solved[column] = value;
-            for (target, entry) in
-                own[start + column + 1..].iter_mut().zip(&values[start + column + 1..columns])
-            {
-                *target -= value * entry;
-            }
-        }
-        let sources: [&[f64]; D] =
-            std::array::from_fn(|column| &block[column * height + columns..][..below.len()]);
-        for (index, target) in below.iter_mut().enumerate() {
-            let mut sum = 0.0;
-            for column in 0..D {
-                sum += sources[column][index] * solved[column];
-            }
-            *target += sum;
-        }
-    }
-    for (&row, values) in symbolic.rows[front.rows.clone()].iter().zip(below.chunks_exact(D)) {
-        for (target, value) in after[row * D - offset..][..D].iter_mut().zip(values) {
-            *target -= value;
-        }
+fn place_rows<const D: usize>(symbolic: &Symbolic, child: &Front, runs: &mut Vec<Run>) {
+    runs.clear();
+    for (index, &place) in symbolic.relative[child.rows.clone()].iter().enumerate() {
+        push_rows(runs, index * D, place * D, D);
     }
 }
 
-/// `x_1 = L^-T (x_1 - M^T x_2)` for the columns of one front. `below` is working memory.
+/// A front's update matrix on its stack, and its order.
 #[inline(always)]
-pub(super) fn backward<const D: usize>(
-    symbolic: &Symbolic,
-    front: &Front,
-    panels: &[f64],
-    x: &mut [f64],
-    below: &mut [f64],
-) {
-    let height = front.height() * D;
-    let panel = &panels[front.panel * D * D..][..front.columns * D * height];
-    let (before, after) = x.split_at_mut((front.first + front.columns) * D);
-    let own = &mut before[front.first * D..];
-    let columns = own.len();
-    let offset = (front.first + front.columns) * D;
-    let below = &mut below[..height - columns];
-    for (&row, values) in symbolic.rows[front.rows.clone()].iter().zip(below.chunks_exact_mut(D)) {
-        values.copy_from_slice(&after[row * D - offset..][..D]);
-    }
-    for (block_index, block) in panel.chunks_exact(D * height).enumerate().rev() {
-        let start = block_index * D;
-        // D sums at a time: one alone would wait for its own last addition.
-        let sources: [&[f64]; D] =
-            std::array::from_fn(|column| &block[column * height + columns..][..below.len()]);
-        let mut sums = [0.0; D];
-        for (index, &known) in below.iter().enumerate() {
-            for column in 0..D {
-                sums[column] += sources[column][index] * known;
-            }
-        }
-        for column in (0..D).rev() {
-            let values = &block[column * height..][..height];
-            let mut sum = own[start + column] - sums[column];
-            for (known, value) in own[start + column + 1..].iter().zip(&values[start + column + 1..columns]) {
-                sum -= known * value;
-            }
-            own[start + column] = sum / values[start + column];
-        }
-    }
+fn update_of<'a, const D: usize>(front: &Front, stack: &'a [f64]) -> (&'a [f64], usize) {
+    let order = front.below() * D;
+    (&stack[front.update * D * D..][..order * order], order)
 }

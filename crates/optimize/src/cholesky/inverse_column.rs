@@ -2,7 +2,8 @@
 
 use nalgebra::SMatrix;
 
-use super::factor::{Factor, backward, forward};
+use super::factor::Factor;
+use super::substitution::{backward, forward};
 use super::symbolic::Symbolic;
 
 impl<const D: usize> Factor<D> {
@@ -18,7 +19,7 @@ impl<const D: usize> Factor<D> {
         let own = symbolic.path_to_root([column].into_iter());
         let all = symbolic.path_to_root(rows.iter().copied().chain([column]));
         let mut blocks = vec![SMatrix::<f64, D, D>::zeros(); rows.len()];
-        let (panels, values, below) = (&self.panels, &mut self.permuted, &mut self.below);
+        let (panels, values, local) = (&self.panels, &mut self.permuted, &mut self.local);
         for component in 0..D {
             for &front in &all {
                 let front = &symbolic.fronts[front];
@@ -26,10 +27,10 @@ impl<const D: usize> Factor<D> {
             }
             values[symbolic.position[column] * D + component] = 1.0;
             for &front in &own {
-                forward::<D>(symbolic, &symbolic.fronts[front], panels, values, below);
+                forward::<D>(symbolic, &symbolic.fronts[front], panels, values, local);
             }
             for &front in all.iter().rev() {
-                backward::<D>(symbolic, &symbolic.fronts[front], panels, values, below);
+                backward::<D>(symbolic, &symbolic.fronts[front], panels, values, local);
             }
             for (block, &row) in blocks.iter_mut().zip(rows) {
                 let start = symbolic.position[row] * D;

@@ -98,15 +98,14 @@ pub(crate) fn poses<G, const DOF: usize, const N: usize>(
     pattern: &Pattern,
     edges: &[Edge<G, DOF>],
     first: &G,
+    factor: &mut Factor<N>,
 ) -> Option<Vec<G>>
 where
     G: LieGroup<DOF> + MatrixPose<N>,
 {
     let mut equations = NormalEquations::<N>::new(pattern);
-    let mut factor = Factor::<N>::new(&pattern.symbolic);
-    let rotations = rotations::<G, DOF, N>(pattern, edges, first, &mut equations, &mut factor)?;
-    let translations =
-        translations::<G, DOF, N>(pattern, edges, first, &rotations, &mut equations, &mut factor)?;
+    let rotations = rotations::<G, DOF, N>(pattern, edges, first, &mut equations, factor)?;
+    let translations = translations::<G, DOF, N>(pattern, edges, first, &rotations, &mut equations, factor)?;
     let mut poses: Vec<G> = rotations
         .iter()
         .zip(&translations)
