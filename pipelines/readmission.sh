@@ -3,12 +3,14 @@
 # against what the others predict, take back and drop, and again until nothing changes (at most five rounds).
 #
 # Usage: pipelines/readmission.sh GRAPH OUTPUT [PCM OPTIONS]
+# PCM OPTIONS are those of the first run, --calibrate --grow 0.999999 if there are none.
 # Programs: PCM and OPTIMIZE (default posecut-pcm and posecut-optimize of target/release), options of the rounds: READMIT.
 # OUTPUT is the optimised graph with the rejections of the last round; OUTPUT.rounds has a line of figures a round.
 set -eu
-[ $# -ge 2 ] || { sed -n '2,7s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+[ $# -ge 2 ] || { sed -n '2,8s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 graph=$1 output=$2
 shift 2
+[ $# -gt 0 ] || set -- --calibrate --grow 0.999999
 programs=$(dirname "$0")/../target/release
 pcm=${PCM:-$programs/posecut-pcm}
 optimize=${OPTIMIZE:-$programs/posecut-optimize}

@@ -109,19 +109,6 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
         self
     }
 
-    /// The squared distance that a pair would have if `other` had measured what `donor` did, with its own covariance.
-    pub(crate) fn exchanged(&self, one: usize, other: usize, donor: usize) -> Option<f64> {
-        let (a, b, c) = (&self.candidates[one], &self.candidates[other], &self.candidates[donor]);
-        let poses = |candidate: &Candidate<G, DOF>| {
-            (self.chain_a.poses[candidate.i], self.chain_b.poses[candidate.k])
-        };
-        let ((donor_a, donor_b), (pose_a, pose_b)) = (poses(c), poses(b));
-        let measurement = donor_a.inverse().compose(&c.alignment).compose(&donor_b);
-        let mut exchanged = b.clone();
-        exchanged.alignment = pose_a.compose(&measurement).compose(&pose_b.inverse());
-        squared_distance(self.chain_a, self.chain_b, self.same_chain, a, &exchanged)
-    }
-
     /// The verdict of the pre-test alone.
     pub fn pretest(&self, one: usize, other: usize, squared_distance: f64) -> Verdict {
         self.pretest.verdict(one, other, squared_distance)

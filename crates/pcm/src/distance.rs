@@ -31,18 +31,31 @@ pub fn squared_distance<G: LieGroup<DOF>, const DOF: usize>(
 ) -> Option<f64> {
     let error = a.from_a.compose(&b.alignment).log();
     let mut covariance = a.covariance + b.covariance;
+    add_odometry(&mut covariance, chain_a, chain_b, same_chain, a, b);
+    squared_mahalanobis(&covariance, &error)
+}
+
+/// Adds the odometry's part of a pair's covariance, at least to the lower triangle.
+#[inline(always)]
+pub(crate) fn add_odometry<G: LieGroup<DOF>, const DOF: usize>(
+    covariance: &mut SMatrix<f64, DOF, DOF>,
+    chain_a: &Chain<G, DOF>,
+    chain_b: &Chain<G, DOF>,
+    same_chain: bool,
+    a: &Candidate<G, DOF>,
+    b: &Candidate<G, DOF>,
+) {
     if same_chain && let Some(shared) = Shared::of(a, b) {
         let both = shared.effect(&a.to_b);
         let steps = chain_a.covariance_between(shared.first, shared.last);
-        add_congruence(&mut covariance, &both, &steps);
+        add_congruence(covariance, &both, &steps);
         let rest = chain_a.covariance_between(a.i, b.i) - steps;
-        add_congruence(&mut covariance, &a.to_b, &rest);
-        covariance += chain_b.covariance_between(a.k, b.k) - steps;
+        add_congruence(covariance, &a.to_b, &rest);
+        *covariance += chain_b.covariance_between(a.k, b.k) - steps;
     } else {
-        covariance += chain_b.covariance_between(a.k, b.k);
-        add_congruence(&mut covariance, &a.to_b, &chain_a.covariance_between(a.i, b.i));
+        *covariance += chain_b.covariance_between(a.k, b.k);
+        add_congruence(covariance, &a.to_b, &chain_a.covariance_between(a.i, b.i));
     }
-    squared_mahalanobis(&covariance, &error)
 }
 
 /// The loop through one candidate of a chain and the odometry between its own places, as for a pair: E = Z^-1 P_i^-1 P_k,

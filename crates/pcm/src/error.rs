@@ -29,6 +29,11 @@ pub enum PcmError {
         /// What was given.
         value: f64,
     },
+    /// Two scales where only one makes sense.
+    #[error(
+        "--readmit takes one scale, for a marginal covariance does not fall into odometry's part and landmark edges'; give one number, or auto"
+    )]
+    TwoScales,
     /// A landmark edge without a usable `predicted_covariance`.
     #[error(
         "{edge}: its field predicted_covariance {reason}; re-admission needs the optimiser's marginals, as posecut-optimize --marginals landmark writes them"

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Serialize, Serializer};
 
+use crate::calibration::Scales;
 use crate::clique::Limits;
 use crate::readmission::Readmission;
 use crate::{Correction, Gate, PcmError, Test, corrected};
@@ -41,9 +42,9 @@ impl Scheme {
 /// What covariances are multiplied by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scale {
-    /// This factor.
-    Fixed(f64),
-    /// The factor estimated from the data.
+    /// These factors.
+    Fixed(Scales),
+    /// Factors estimated from the data.
     Auto,
 }
 
@@ -54,9 +55,11 @@ impl FromStr for Scale {
         if text == "auto" {
             return Ok(Self::Auto);
         }
-        match text.parse() {
-            Ok(factor) if factor > 0.0 && f64::is_finite(factor) => Ok(Self::Fixed(factor)),
-            _ => Err("expected `auto` or a positive number".to_owned()),
+        let factor = |text: &str| text.parse().ok().filter(|&factor| factor > 0.0 && f64::is_finite(factor));
+        let (odometry, landmark) = text.split_once(',').unwrap_or((text, text));
+        match (factor(odometry), factor(landmark)) {
+            (Some(odometry), Some(landmark)) => Ok(Self::Fixed(Scales { odometry, landmark })),
+            _ => Err("expected `auto`, a positive number, or two: ODOMETRY,LANDMARK".to_owned()),
         }
     }
 }
@@ -64,7 +67,10 @@ impl FromStr for Scale {
 impl fmt::Display for Scale {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Fixed(factor) => write!(formatter, "{factor}"),
+            Self::Fixed(Scales { odometry, landmark }) if odometry == landmark => {
+                write!(formatter, "{odometry}")
+            }
+            Self::Fixed(Scales { odometry, landmark }) => write!(formatter, "{odometry},{landmark}"),
             Self::Auto => formatter.write_str("auto"),
         }
     }
@@ -73,7 +79,10 @@ impl fmt::Display for Scale {
 impl Serialize for Scale {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
-            Self::Fixed(factor) => serializer.serialize_f64(*factor),
+            Self::Fixed(Scales { odometry, landmark }) if odometry == landmark => {
+                serializer.serialize_f64(*odometry)
+            }
+            Self::Fixed(Scales { odometry, landmark }) => [odometry, landmark].serialize(serializer),
             Self::Auto => serializer.serialize_str("auto"),
         }
     }
@@ -81,6 +90,7 @@ impl Serialize for Scale {
 
 /// The options of PCM.
 #[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
+#[allow(clippy::struct_excessive_bools, reason = "flags of a command line")]
 pub struct Options {
     /// When two edges are consistent
     #[arg(long, value_enum, default_value_t = Test::Mahalanobis)]
@@ -102,9 +112,13 @@ pub struct Options {
     #[arg(long, value_name = "RADIANS", default_value_t = 0.001)]
     pub rotation_per_step: f64,
 
-    /// Factor on all covariances: a number, or `auto` to estimate it from neighbouring candidates
-    #[arg(long, value_name = "FACTOR", default_value_t = Scale::Fixed(1.0))]
+    /// Factor on all covariances, or two with a comma between: odometry's, landmark edges'; `auto` estimates both from loops
+    #[arg(long, value_name = "FACTOR", default_value_t = Scale::Fixed(Scales::ONE))]
     pub scale: Scale,
+
+    /// Divide the informations of odometry and landmark edges by their estimated scales, for the optimiser that comes next
+    #[arg(long, conflicts_with = "readmit")]
+    pub calibrate: bool,
 
     /// Do not hold the candidates of one chain against its odometry alone before they are held against each other
     #[arg(long)]
@@ -168,21 +182,18 @@ impl Options {
         Ok(())
     }
 
-    /// The gate for a group of this many candidates with covariances multiplied by `scale`.
+    /// The gate for a group of this many candidates.
     pub(crate) fn gate(
         &self,
         probability: f64,
         candidates: usize,
-        scale: f64,
         degrees_of_freedom: usize,
     ) -> Result<Gate, PcmError> {
         let probability = corrected(probability, self.correction, candidates);
         if self.test == Test::Threshold {
             return Ok(Gate::per_step(self.translation_per_step, self.rotation_per_step));
         }
-        let gate = Gate::new(self.test, probability, degrees_of_freedom)?;
-        // d^2 with covariances s * Sigma is that with Sigma, divided by s.
-        Ok(Gate { squared_distance: gate.squared_distance * scale, ..gate })
+        Gate::new(self.test, probability, degrees_of_freedom)
     }
 
     /// The limits of a run that starts now.
@@ -192,11 +203,12 @@ impl Options {
         Limits { work: self.work_limit, deadline }
     }
 
-    pub(crate) fn readmission(&self) -> Readmission {
+    pub(crate) fn readmission(&self) -> Result<Readmission, PcmError> {
         let scale = match self.scale {
-            Scale::Fixed(factor) => Some(factor),
+            Scale::Fixed(Scales { odometry, landmark }) if odometry == landmark => Some(landmark),
+            Scale::Fixed(_) => return Err(PcmError::TwoScales),
             Scale::Auto => None,
         };
-        Readmission { admit: self.admit, drop: self.drop, scale, apply_scale: self.apply_scale }
+        Ok(Readmission { admit: self.admit, drop: self.drop, scale, apply_scale: self.apply_scale })
     }
 }

@@ -134,7 +134,7 @@ fn judge<G: LieGroup<DOF>, const DOF: usize>(
         edge.extra.insert("pcm_innovation".to_owned(), squared.into());
     }
     if options.apply_scale {
-        divide_information(graph, result.scale);
+        divide_information(graph, EdgeKind::Landmark, result.scale);
     }
     Ok(result)
 }
@@ -152,11 +152,11 @@ fn estimated_scale<const DOF: usize>(innovations: &[(usize, bool, Option<f64>)])
     Ok(if scale > 0.0 { scale } else { 1.0 })
 }
 
-/// Divides the information of all landmark edges with a measurement; one that a noise model gave becomes the edge's own.
-pub(crate) fn divide_information(graph: &mut PoseGraph, scale: f64) {
+/// Divides the information of all edges of a kind with a measurement; one that a noise model gave becomes the edge's own.
+pub(crate) fn divide_information(graph: &mut PoseGraph, kind: EdgeKind, scale: f64) {
     for index in 0..graph.edges.len() {
         let edge = &graph.edges[index];
-        if edge.kind != EdgeKind::Landmark || edge.measurement.is_none() {
+        if edge.kind != kind || edge.measurement.is_none() {
             continue;
         }
         let Some(information) = graph.information(edge) else { continue };

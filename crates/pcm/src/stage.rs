@@ -3,10 +3,10 @@
 use std::time::Instant;
 
 use posecut_geometry::{SE2, SE3};
-use posecut_graph::{Dimension, PoseGraph};
+use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 use posecut_stage::{Context, GraphStage, write_atomically};
 
-use crate::calibration::estimate_scale;
+use crate::calibration::{Scales, estimate_scales};
 use crate::candidate::{Group, group_with};
 use crate::cells::solve_by_cells;
 use crate::chain::{Chains, Covariances};
@@ -14,7 +14,7 @@ use crate::clique::{BitGraph, Limits, maximum_clique};
 use crate::consistency::Pairs;
 use crate::dimacs::{NamedGraph, write_dimacs};
 use crate::growth::grow;
-use crate::readmission::readmit;
+use crate::readmission::{divide_information, readmit};
 use crate::summary::{Summary, note_readmission};
 use crate::{Options, PcmError, Scale, Scheme, Spatial, Test};
 
@@ -26,7 +26,7 @@ impl GraphStage for Options {
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
         self.check()?;
         if self.readmit {
-            note_readmission(&readmit(graph, &self.readmission())?, context);
+            note_readmission(&readmit(graph, &self.readmission()?)?, context);
             return Ok(());
         }
         let (summary, graphs) = match graph.header.dimension {
@@ -91,8 +91,8 @@ fn reject<G: Spatial<DOF>, const DOF: usize>(
 ) -> Result<(Summary, Vec<NamedGraph>), PcmError> {
     let covariances =
         if options.test == Test::Threshold { Covariances::Ignored } else { Covariances::Needed };
-    let chains = Chains::<G, DOF>::with(graph, covariances)?;
-    let grouped = group_with(graph, &chains, covariances)?;
+    let mut chains = Chains::<G, DOF>::with(graph, covariances)?;
+    let mut grouped = group_with(graph, &chains, covariances)?;
     let mut summary = Summary {
         unmeasured: grouped.unmeasured,
         rejected_before: grouped.rejected_before,
@@ -100,6 +100,7 @@ fn reject<G: Spatial<DOF>, const DOF: usize>(
         ..Summary::default()
     };
     let limits = options.limits();
+    calibrate(options, graph, &mut chains, &mut grouped.groups, &mut summary);
     let mut graphs = Vec::new();
     for group in &grouped.groups {
         let judged = judge(options, &chains, group, limits, &mut summary)?;
@@ -119,6 +120,29 @@ fn reject<G: Spatial<DOF>, const DOF: usize>(
     Ok((summary, graphs))
 }
 
+/// Estimates scales where they are asked for, and applies those of the options to chains and candidates.
+fn calibrate<G: Spatial<DOF>, const DOF: usize>(
+    options: &Options,
+    graph: &mut PoseGraph,
+    chains: &mut Chains<G, DOF>,
+    groups: &mut [Group<G, DOF>],
+    summary: &mut Summary,
+) {
+    let start = Instant::now();
+    if options.calibrate || options.scale == Scale::Auto {
+        summary.scale_wanted = true;
+        summary.scale = estimate_scales(chains, groups);
+    }
+    let estimated = summary.scale.map_or(Scales::ONE, |estimate| estimate.scales);
+    let scales = if let Scale::Fixed(scales) = options.scale { scales } else { estimated };
+    scales.apply(chains, groups);
+    if options.calibrate {
+        divide_information(graph, EdgeKind::Odometry, estimated.odometry);
+        divide_information(graph, EdgeKind::Landmark, estimated.landmark);
+    }
+    summary.seconds_scale += start.elapsed().as_secs_f64();
+}
+
 fn judge<G: Spatial<DOF>, const DOF: usize>(
     options: &Options,
     chains: &Chains<G, DOF>,
@@ -134,20 +158,9 @@ fn judge<G: Spatial<DOF>, const DOF: usize>(
     summary.candidates += count;
     summary.lone_candidates += usize::from(count == 1);
     let pairs = Pairs::new(chains, group).with_odometry_test(!options.no_odometry_test);
-    let start = Instant::now();
-    let mut scale = 1.0;
-    if let Scale::Fixed(factor) = options.scale {
-        scale = factor;
-    } else if let Some(estimate) = estimate_scale(&pairs) {
-        summary.scales.push((estimate.scale, estimate.pairs));
-        scale = estimate.scale;
-    } else {
-        summary.groups_without_scale += 1;
-    }
-    summary.seconds_scale += start.elapsed().as_secs_f64();
-    let gate = options.gate(options.probability, count, scale, DOF)?;
+    let gate = options.gate(options.probability, count, DOF)?;
     let growth_gate = match options.grow {
-        Some(probability) => Some(options.gate(probability, count, scale, DOF)?),
+        Some(probability) => Some(options.gate(probability, count, DOF)?),
         None => None,
     };
     if scheme == Scheme::Cells {

@@ -2,6 +2,7 @@
 
 use posecut_stage::{Context, counted, info, warn};
 
+use crate::calibration::ScaleEstimate;
 use crate::consistency::PairCounts;
 use crate::readmission::Readmitted;
 
@@ -23,9 +24,8 @@ pub(crate) struct Summary {
     pub(crate) clique_upper_bound: usize,
     pub(crate) grown: usize,
     pub(crate) work: u64,
-    /// Scale and pairs of each group that has an estimate.
-    pub(crate) scales: Vec<(f64, usize)>,
-    pub(crate) groups_without_scale: usize,
+    pub(crate) scale_wanted: bool,
+    pub(crate) scale: Option<ScaleEstimate>,
     pub(crate) seconds_scale: f64,
     pub(crate) seconds_pairs: f64,
     pub(crate) seconds_clique: f64,
@@ -65,10 +65,9 @@ impl Summary {
                 self.unmeasured
             );
         }
-        if self.groups_without_scale > 0 {
+        if self.scale_wanted && self.scale.is_none() {
             warn!(
-                "{} of {} groups have too few candidates for an estimate of the scale, and take the covariances as they are",
-                self.groups_without_scale, self.groups
+                "there are too few loops for an estimate of the scales; the covariances are taken as they are"
             );
         }
         let statistics = &mut context.statistics;
@@ -96,10 +95,11 @@ impl Summary {
         statistics.note("grown", self.grown);
         statistics.note("rejected", self.candidates - kept);
         statistics.note("branch_and_bound_nodes", self.work);
-        if !self.scales.is_empty() {
-            let values: Vec<f64> = self.scales.iter().map(|&(scale, _)| scale).collect();
-            statistics.note("scale", values);
-            statistics.note("scale_pairs", self.scales.iter().map(|&(_, pairs)| pairs).sum::<usize>());
+        if let Some(estimate) = self.scale {
+            statistics.note("scale_odometry", estimate.scales.odometry);
+            statistics.note("scale_landmark", estimate.scales.landmark);
+            statistics.note("scale_correct", estimate.correct);
+            statistics.note("scale_loops", estimate.loops);
         }
         statistics.note("seconds_scale", self.seconds_scale);
         statistics.note("seconds_pairs", self.seconds_pairs);

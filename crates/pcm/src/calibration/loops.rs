@@ -1,0 +1,164 @@
+//! Loops of different lengths, and what false ones look like.
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::candidate::{Candidate, Group};
+use crate::chain::{Chain, Chains};
+use crate::consistency::Pairs;
+use crate::distance::add_odometry;
+use crate::nearest::Nearest;
+use crate::spread::Spatial;
+
+/// Candidates looked at, over all groups; more would not change the estimate.
+const SAMPLE: usize = 1000;
+/// Neighbours each is held against, by rank: near ones tell of the landmark edges, farther ones of the odometry.
+const RANKS: [usize; 8] = [0, 1, 2, 3, 7, 15, 31, 63];
+/// Share of the exchanged loops that a region must hold on each axis.
+const HELD: f64 = 0.9;
+
+/// Loops that are alike: through pairs of near neighbours, of neighbours of each farther rank, and through one candidate
+/// and the odometry between its own places.
+pub(super) const CLASSES: usize = 6;
+const ODOMETRY: usize = CLASSES - 1;
+
+/// The class of a pair, by the place of its rank among [`RANKS`].
+fn class_of(turn: usize) -> usize {
+    turn.saturating_sub(RANKS.len() - ODOMETRY)
+}
+
+/// The error of a loop, and the two parts of its covariance.
+#[derive(Clone, Debug)]
+pub(super) struct Loop<const DOF: usize> {
+    pub(super) class: usize,
+    pub(super) error: SVector<f64, DOF>,
+    pub(super) odometry: SMatrix<f64, DOF, DOF>,
+    pub(super) landmark: SMatrix<f64, DOF, DOF>,
+}
+
+/// Loops, and for each class the logarithm of the volume that false ones fill.
+#[derive(Clone, Debug)]
+pub(super) struct Sample<const DOF: usize> {
+    pub(super) loops: Vec<Loop<DOF>>,
+    pub(super) log_volumes: [f64; CLASSES],
+}
+
+/// Loops of up to 1000 candidates, evenly spread over all groups.
+pub(super) fn sample<G: Spatial<DOF>, const DOF: usize>(
+    chains: &Chains<G, DOF>,
+    groups: &[Group<G, DOF>],
+) -> Sample<DOF> {
+    let total: usize = groups.iter().map(|group| group.candidates.len()).sum();
+    let step = total.div_ceil(SAMPLE).max(1);
+    let mut loops = Vec::new();
+    let mut exchanged: [Vec<SVector<f64, DOF>>; CLASSES] = [const { Vec::new() }; CLASSES];
+    let mut before = 0;
+    for group in groups {
+        let count = group.candidates.len();
+        let pairs = Pairs::new(chains, group);
+        let closing = Closing::new(chains, group);
+        let all: Vec<usize> = (0..count).collect();
+        let nearest = Nearest::new(&pairs, &all, [1.0, 1.0]);
+        // Steps of the golden section spread over all candidates without a pattern.
+        let donor = |candidate: usize, turn: usize| {
+            (candidate + (count as f64 * (0.618_034 * turn as f64).fract()) as usize) % count
+        };
+        for candidate in (0..count).filter(|candidate| (before + candidate).is_multiple_of(step)) {
+            let neighbours = nearest.of(pairs.position(candidate), candidate, RANKS[7] + 1);
+            for (turn, &rank) in RANKS.iter().enumerate() {
+                let Some(&other) = neighbours.get(rank) else { break };
+                let class = class_of(turn);
+                loops.push(closing.pair(candidate, other, class));
+                exchanged[class].push(closing.pair_exchanged(candidate, other, donor(other, turn + 1)));
+            }
+            if let Some(own) = closing.odometry(candidate) {
+                loops.push(own);
+                exchanged[ODOMETRY].push(closing.odometry_exchanged(candidate, donor(candidate, 1)));
+            }
+        }
+        before += count;
+    }
+    let log_volumes = exchanged.map(|errors| log_volume(&errors));
+    Sample { loops, log_volumes }
+}
+
+/// The product of the ranges that hold nine tenths of the errors on each axis, widened by as much.
+fn log_volume<const DOF: usize>(errors: &[SVector<f64, DOF>]) -> f64 {
+    let Some(last) = errors.len().checked_sub(1) else { return 0.0 };
+    let quantile = |sorted: &[f64], share: f64| sorted[(share * last as f64).round() as usize];
+    (0..DOF)
+        .map(|axis| {
+            let mut values: Vec<f64> = errors.iter().map(|error| error[axis]).collect();
+            values.sort_by(f64::total_cmp);
+            let outside = 0.5 * (1.0 - HELD);
+            let range = quantile(&values, 1.0 - outside) - quantile(&values, outside);
+            (range.max(f64::MIN_POSITIVE) / HELD).ln()
+        })
+        .sum()
+}
+
+/// Closes loops of a group. Errors are those of [`crate::distance`], in the frame of chain B.
+struct Closing<'a, G, const DOF: usize> {
+    chain_a: &'a Chain<G, DOF>,
+    chain_b: &'a Chain<G, DOF>,
+    same_chain: bool,
+    candidates: &'a [Candidate<G, DOF>],
+}
+
+impl<'a, G: Spatial<DOF>, const DOF: usize> Closing<'a, G, DOF> {
+    fn new(chains: &'a Chains<G, DOF>, group: &'a Group<G, DOF>) -> Self {
+        Self {
+            chain_a: &chains.chains[group.a],
+            chain_b: &chains.chains[group.b],
+            same_chain: group.a == group.b,
+            candidates: &group.candidates,
+        }
+    }
+
+    /// The loop through two candidates.
+    fn pair(&self, one: usize, other: usize, class: usize) -> Loop<DOF> {
+        let (a, b) = (&self.candidates[one], &self.candidates[other]);
+        let mut odometry = SMatrix::zeros();
+        add_odometry(&mut odometry, self.chain_a, self.chain_b, self.same_chain, a, b);
+        odometry.fill_upper_triangle_with_lower_triangle();
+        let error = a.from_a.compose(&b.alignment).log();
+        Loop { class, error, odometry, landmark: a.covariance + b.covariance }
+    }
+
+    /// The loop through one candidate and the odometry; between two chains there is none.
+    fn odometry(&self, one: usize) -> Option<Loop<DOF>> {
+        let candidate = &self.candidates[one];
+        self.same_chain.then(|| Loop {
+            class: ODOMETRY,
+            error: candidate.from_a.log(),
+            odometry: self.chain_a.covariance_between(candidate.i, candidate.k),
+            landmark: candidate.covariance,
+        })
+    }
+
+    /// The alignment that a candidate would claim if it had measured what another has.
+    fn exchanged(&self, candidate: usize, donor: usize) -> G {
+        let (candidate, donor) = (&self.candidates[candidate], &self.candidates[donor]);
+        let poses = |of: &Candidate<G, DOF>| (self.chain_a.poses[of.i], self.chain_b.poses[of.k]);
+        let ((donor_a, donor_b), (pose_a, pose_b)) = (poses(donor), poses(candidate));
+        let measurement = donor_a.inverse().compose(&donor.alignment).compose(&donor_b);
+        pose_a.compose(&measurement).compose(&pose_b.inverse())
+    }
+
+    /// The error of a pair if the second had measured what a third has, seen at the first one's place in chain B.
+    fn pair_exchanged(&self, one: usize, other: usize, donor: usize) -> SVector<f64, DOF> {
+        let error = self.candidates[one].from_a.compose(&self.exchanged(other, donor));
+        self.seen_at_place(one, &error)
+    }
+
+    /// The same of the loop through one candidate.
+    fn odometry_exchanged(&self, one: usize, donor: usize) -> SVector<f64, DOF> {
+        self.seen_at_place(one, &self.exchanged(one, donor).inverse())
+    }
+
+    /// Far from the origin of the chain a small turn moves much; at the place itself errors fill a compact region, whose
+    /// volume is the same in any frame.
+    fn seen_at_place(&self, candidate: usize, error: &G) -> SVector<f64, DOF> {
+        let place = self.chain_b.poses[self.candidates[candidate].k];
+        place.inverse().compose(error).compose(&place).log()
+    }
+}
