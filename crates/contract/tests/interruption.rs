@@ -10,8 +10,18 @@ use std::time::{Duration, Instant};
 
 use posecut_contract::{program, samples};
 
-/// Stages from graph to graph, which write large files.
-const STAGES: &[&str] = &["oracle", "pcm", "multicut", "optimize"];
+/// Programs from graph to graph, which write large files.
+const COMMANDS: &[&[&str]] = &[
+    &["oracle"],
+    &["pcm"],
+    &["ransac"],
+    &["islands"],
+    &["densest"],
+    &["voting"],
+    &["multicut"],
+    &["optimize"],
+    &["inspect", "filter"],
+];
 
 /// Times that a program may end before it was caught writing.
 const TRIES: usize = 5;
@@ -71,13 +81,15 @@ fn end_while_writing(child: &mut Child, folder: &Path, signal: &str) -> bool {
 fn a_stage_ended_while_it_writes_leaves_the_old_file() {
     let inputs = tempfile::tempdir().unwrap();
     let graph = heavy_graph(inputs.path());
-    for name in STAGES {
+    for command in COMMANDS {
+        let name = command[0];
         for signal in ["-TERM", "-INT", "-KILL"] {
             let caught = (0..TRIES).any(|_| {
                 let folder = tempfile::tempdir().unwrap();
                 let (out, stats) = (folder.path().join("out.jsonl.gz"), folder.path().join("stats.json"));
                 std::fs::write(&out, "precious").unwrap();
-                let arguments = [&graph, "-o", out.to_str().unwrap(), "--stats", stats.to_str().unwrap()];
+                let mut arguments = command[1..].to_vec();
+                arguments.extend([&graph, "-o", out.to_str().unwrap(), "--stats", stats.to_str().unwrap()]);
                 let caught = end_while_writing(&mut start(name, &arguments), folder.path(), signal);
                 if caught {
                     assert_eq!(std::fs::read(&out).unwrap(), b"precious", "{name} {signal}");

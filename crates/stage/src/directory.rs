@@ -21,19 +21,34 @@ pub fn write_directory<T>(
     }
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     fs::create_dir_all(parent).with_context(place)?;
-    let temporary =
-        tempfile::Builder::new().prefix(".posecut-").suffix(".tmp").tempdir_in(parent).with_context(place)?;
-    let guard = interrupt::delete_on_interrupt(temporary.path());
+    let neighbour = || tempfile::Builder::new().prefix(".posecut-").suffix(".tmp").tempdir_in(parent);
+    let (temporary, guard) = interrupt::create(neighbour).with_context(place)?;
     let result = fill(temporary.path())?;
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
         fs::set_permissions(temporary.path(), fs::Permissions::from_mode(0o755)).with_context(place)?;
     }
-    if path.exists() {
-        fs::remove_dir_all(path).with_context(place)?;
-    }
-    fs::rename(temporary.keep(), path).with_context(place)?;
+    // The old one steps aside whole: deleting it takes time, in which half of it would stand there.
+    let (aside, aside_guard) = interrupt::create(neighbour).with_context(place)?;
+    interrupt::uninterrupted(|| {
+        let old = aside.path().join("old");
+        let stepped_aside = path.exists();
+        if stepped_aside {
+            fs::rename(path, &old)?;
+        }
+        fs::rename(temporary.path(), path).inspect_err(|_| {
+            if stepped_aside {
+                // The error that is told is the one that matters.
+                let _ = fs::rename(&old, path);
+            }
+        })
+    })
+    .with_context(place)?;
+    // It has another name now, and is no longer temporary.
+    let _ = temporary.keep();
     drop(guard);
+    aside.close().with_context(|| format!("{}: what it replaces cannot be deleted", path.display()))?;
+    drop(aside_guard);
     Ok(result)
 }

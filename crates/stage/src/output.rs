@@ -57,8 +57,7 @@ pub fn write_atomically(
         use std::os::unix::fs::PermissionsExt as _;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    let temporary = builder.tempfile_in(&folder).with_context(place)?;
-    let guard = interrupt::delete_on_interrupt(temporary.path());
+    let (temporary, guard) = interrupt::create(|| builder.tempfile_in(&folder)).with_context(place)?;
     let compress = path.extension().is_some_and(|extension| extension == "gz");
     let temporary = fill(temporary, compress, write).with_context(place)?;
     temporary.persist(&real).map_err(|error| error.error).with_context(place)?;
