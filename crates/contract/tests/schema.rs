@@ -2,11 +2,38 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use posecut_contract::{samples, succeed};
+use jsonschema::Validator;
+use posecut_contract::{samples, succeed, workspace};
+
+/// Holds each line to the schema; returns how many there are.
+fn hold(schema: &Validator, what: &str, bytes: &[u8]) -> usize {
+    let lines = bytes.split(|&byte| byte == b'\n').filter(|line| !line.is_empty());
+    lines
+        .map(|line| {
+            let record = serde_json::from_slice(line).unwrap();
+            assert!(schema.is_valid(&record), "{what}: {record}");
+        })
+        .count()
+}
+
+fn schema() -> Validator {
+    jsonschema::validator_for(&posecut_graph::schema()).unwrap()
+}
+
+#[test]
+fn testdata_keep_to_the_schema() {
+    let folder = workspace().join("testdata");
+    let graphs = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut lines = 0;
+    for path in graphs.filter(|path| path.extension().is_some_and(|extension| extension == "jsonl")) {
+        lines += hold(&schema(), &path.display().to_string(), &std::fs::read(&path).unwrap());
+    }
+    assert!(lines > 1000, "{lines} lines");
+}
 
 #[test]
 fn what_programs_write_keeps_to_the_schema() {
-    let schema = jsonschema::validator_for(&posecut_graph::schema()).unwrap();
+    let schema = schema();
     let (graph, optimized) = (samples().path("graph.jsonl"), samples().path("optimized.jsonl"));
     let (session, directory) = (samples().path("session.jsonl"), samples().path("2012-01-22"));
     let written = [
@@ -14,6 +41,10 @@ fn what_programs_write_keeps_to_the_schema() {
         ("ingest", vec![directory.as_str(), "--dimension", "3"]),
         ("construct", vec![session.as_str(), "--radius", "8"]),
         ("pcm", vec![graph.as_str()]),
+        ("ransac", vec![graph.as_str()]),
+        ("islands", vec![graph.as_str()]),
+        ("densest", vec![graph.as_str()]),
+        ("voting", vec![graph.as_str()]),
         ("multicut", vec![graph.as_str()]),
         ("oracle", vec![graph.as_str()]),
         ("optimize", vec![graph.as_str()]),
@@ -22,12 +53,7 @@ fn what_programs_write_keeps_to_the_schema() {
     ];
     for (name, arguments) in written {
         let bytes = succeed(name, &arguments, b"");
-        let mut lines = 0;
-        for line in bytes.split(|&byte| byte == b'\n').filter(|line| !line.is_empty()) {
-            let record = serde_json::from_slice(line).unwrap();
-            assert!(schema.is_valid(&record), "{name} {arguments:?}: {record}");
-            lines += 1;
-        }
+        let lines = hold(&schema, &format!("{name} {arguments:?}"), &bytes);
         assert!(lines > 50, "{name} {arguments:?} wrote {lines} lines");
     }
 }
