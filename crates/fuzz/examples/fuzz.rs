@@ -44,8 +44,11 @@ struct Arguments {
     trace: bool,
 }
 
-/// The input at work, for the watchdog.
-type Current = Arc<Mutex<Option<(Instant, String, Vec<u8>)>>>;
+/// The name of the input at work and the input, for the watchdog.
+type Current = Arc<Mutex<Option<(String, Vec<u8>)>>>;
+
+/// How often the watchdog looks.
+const LOOK: Duration = Duration::from_millis(500);
 
 fn main() -> anyhow::Result<ExitCode> {
     let arguments = Arguments::parse();
@@ -77,7 +80,7 @@ fn main() -> anyhow::Result<ExitCode> {
                     std::fs::write(arguments.findings.join(format!("{}.current", target.name)), &input)?;
                 }
                 *current.lock().unwrap_or_else(PoisonError::into_inner) =
-                    Some((Instant::now(), format!("{}-{seed}-{number}", target.name), input.clone()));
+                    Some((format!("{}-{seed}-{number}", target.name), input.clone()));
                 let result = campaign.step(input);
                 *current.lock().unwrap_or_else(PoisonError::into_inner) = None;
                 tried[place] += 1;
@@ -116,15 +119,21 @@ fn say(text: &str) {
 }
 
 /// Ends the process on an input that takes too long: a hang is a finding like any other.
+///
+/// Looks are counted, not seconds: a process that is stopped and continued does not look meanwhile, and is not at fault.
 fn watch(current: Current, slowest: Duration, findings: PathBuf) {
     std::thread::spawn(move || {
+        let (mut at, mut waited) = (String::new(), Duration::ZERO);
         loop {
-            std::thread::sleep(Duration::from_millis(500));
+            std::thread::sleep(LOOK);
             let guard = current.lock().unwrap_or_else(PoisonError::into_inner);
-            if let Some((started, name, input)) =
-                guard.as_ref().filter(|(started, ..)| started.elapsed() > slowest)
-            {
-                say(&format!("finding {name}: still at it after {:.0} s", started.elapsed().as_secs_f64()));
+            let Some((name, input)) = guard.as_ref() else { continue };
+            if *name != at {
+                (at, waited) = (name.clone(), Duration::ZERO);
+            }
+            waited += LOOK;
+            if waited > slowest {
+                say(&format!("finding {name}: still at it after {:.0} s", waited.as_secs_f64()));
                 drop(std::fs::write(findings.join(name), input));
                 std::process::abort();
             }
