@@ -6,7 +6,6 @@
 //! `B = diag(R_z^T, E)`, where `R_z` is the measured rotation and `E` maps rates of roll, pitch and yaw to the rate of
 //! rotation in the body, `Omega_toro = B^T Omega B`. The order of a planar matrix's terms is `xx xy yy tt xt yt`.
 
-use std::fmt::Write as _;
 use std::io::BufRead;
 
 use nalgebra::{DMatrix, Matrix3};
@@ -15,6 +14,7 @@ use posecut_graph::{Dimension, PoseGraph};
 
 use crate::ConvertError;
 use crate::g2o::{self, Dialect, ReadOptions, ReadSummary, WriteSummary};
+use crate::record::line;
 
 /// Cosine of a pitch below which roll and yaw turn about the same axis to working precision.
 const GIMBAL_LOCK: f64 = 1e-6;
@@ -38,20 +38,9 @@ pub fn write(graph: &PoseGraph, keep_rejected: bool) -> Result<(Vec<u8>, WriteSu
     };
     let mut summary = WriteSummary::default();
     let mut text = String::new();
-    let mut line = |tag: &str, ids: &[u64], numbers: &[f64]| {
-        text.push_str(tag);
-        // Writing to a string cannot fail.
-        for id in ids {
-            let _ = write!(text, " {id}");
-        }
-        for number in numbers {
-            let _ = write!(text, " {number}");
-        }
-        text.push('\n');
-    };
     for node in &graph.nodes {
         match &node.pose {
-            Some(pose) => line(vertex, &[node.id], &pose_to_toro(dimension, pose)),
+            Some(pose) => line(&mut text, vertex, &[node.id], &pose_to_toro(dimension, pose)),
             None => summary.without_pose += 1,
         }
     }
@@ -73,7 +62,7 @@ pub fn write(graph: &PoseGraph, keep_rejected: bool) -> Result<(Vec<u8>, WriteSu
         })?;
         let information = unpack(dimension, information);
         numbers.extend(pack(dimension, &(perturbation.transpose() * information * perturbation)));
-        line(edge_tag, &[edge.from, edge.to], &numbers);
+        line(&mut text, edge_tag, &[edge.from, edge.to], &numbers);
     }
     Ok((text.into_bytes(), summary))
 }

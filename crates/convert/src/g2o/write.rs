@@ -1,12 +1,12 @@
 //! Writing g2o.
 
 use std::collections::HashSet;
-use std::fmt::Write as _;
 
 use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 use serde_json::Value;
 
 use super::{FIXED, comment_of_kind, inferred_kind};
+use crate::record::line;
 
 /// What could not be written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -59,16 +59,4 @@ pub fn write(graph: &PoseGraph, keep_rejected: bool) -> (Vec<u8>, WriteSummary) 
         line(&mut text, edge_tag, &[edge.from, edge.to], &numbers);
     }
     (text.into_bytes(), summary)
-}
-
-fn line(text: &mut String, tag: &str, ids: &[u64], numbers: &[f64]) {
-    text.push_str(tag);
-    // Writing to a string cannot fail.
-    for id in ids {
-        let _ = write!(text, " {id}");
-    }
-    for number in numbers {
-        let _ = write!(text, " {number}");
-    }
-    text.push('\n');
 }
