@@ -10,7 +10,7 @@ use posecut_stage::{Context, GraphStage, counted, info, warn};
 use serde::Serialize;
 
 use crate::fit::Parts;
-use crate::{Quantiles, vote};
+use crate::{Election, Quantiles, vote};
 
 /// The options of cluster voting.
 #[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
@@ -22,6 +22,10 @@ pub struct Options {
     /// Probability with which correct edges pass each chi-square test
     #[arg(long, value_name = "P", default_value_t = 0.99)]
     pub probability: f64,
+
+    /// In which order clusters stand for election
+    #[arg(long, value_enum, default_value_t = Election::LargestFirst)]
+    pub election: Election,
 }
 
 impl GraphStage for Options {
@@ -53,7 +57,7 @@ impl Options {
             .into_iter()
             .map(|cluster| cluster.into_iter().map(|point| measured[&points[point].edge]).collect())
             .collect();
-        let verdict = vote(&clusters, quantiles, |landmarks| parts.fit(landmarks));
+        let verdict = vote(&clusters, quantiles, self.election, |landmarks| parts.fit(landmarks));
         for (landmark, &place) in parts.places.iter().enumerate() {
             if verdict.kept.binary_search(&landmark).is_err() {
                 graph.edges[place].reject(Self::NAME);

@@ -5,7 +5,7 @@
 use posecut_geometry::SE2;
 use posecut_graph::PoseGraph;
 use posecut_voting::fit::Parts;
-use posecut_voting::{Fit, Quantiles, vote};
+use posecut_voting::{Election, Fit, Quantiles, vote};
 use proptest::prelude::*;
 
 /// The simplest graph there is: every edge measures one number of three components, and the optimum is the mean. True
@@ -27,22 +27,38 @@ fn clusters_that_contradict_the_majority_go() {
     // The mean of all is 1.7: next to it each true edge still passes, and so becomes a candidate.
     let values = [0.1, -0.1, 0.2, 6.0, 6.1, 0.0, -0.2];
     let clusters = [vec![0, 1], vec![2], vec![3, 4], vec![5, 6]];
-    let verdict = vote(&clusters, quantiles(), fit_of_means(&values));
+    let verdict = vote(&clusters, quantiles(), Election::Joint, fit_of_means(&values));
     assert_eq!(verdict.kept, [0, 1, 2, 5, 6]);
     assert_eq!((verdict.clusters_consistent, verdict.clusters_kept), (4, 3));
 }
 
 #[test]
-fn nothing_is_kept_where_false_edges_pull_every_residual_beyond_its_quantile() {
-    // A property of the method: all clusters stand for election together.
+fn a_joint_election_keeps_nothing_where_false_edges_pull_every_residual_beyond_its_quantile() {
+    // A property of RRR: all clusters stand for election together. One after the other, the true ones are there first.
     let values = [0.1, -0.1, 0.2, 40.0, 40.1, 0.0, -0.2];
     let clusters = [vec![0, 1], vec![2], vec![3, 4], vec![5, 6]];
-    assert!(vote(&clusters, quantiles(), fit_of_means(&values)).kept.is_empty());
+    assert!(vote(&clusters, quantiles(), Election::Joint, fit_of_means(&values)).kept.is_empty());
+    let one_by_one = vote(&clusters, quantiles(), Election::LargestFirst, fit_of_means(&values));
+    assert_eq!(one_by_one.kept, [0, 1, 2, 5, 6]);
+    assert_eq!(one_by_one.fits, 2 * clusters.len());
+}
+
+#[test]
+fn the_largest_cluster_speaks_first_and_among_equals_the_first_in_the_graph() {
+    let kept = |clusters: &[Vec<usize>], values: &[f64]| {
+        vote(clusters, quantiles(), Election::LargestFirst, fit_of_means(values)).kept
+    };
+    // What the method stands and falls with: the larger cluster is believed, wherever it stands and whatever it says.
+    assert_eq!(kept(&[vec![0], vec![1, 2]], &[0.0, 40.0, 40.0]), [1, 2]);
+    assert_eq!(kept(&[vec![0, 1], vec![2]], &[40.0, 40.0, 0.0]), [0, 1]);
+    assert_eq!(kept(&[vec![0], vec![1], vec![2]], &[0.0, 40.0, 0.1]), [0, 2]);
 }
 
 #[test]
 fn a_bad_edge_leaves_a_good_cluster_and_one_that_contradicts_itself_shrinks_until_it_does_not() {
-    let kept = |values: &[f64]| vote(&[(0..values.len()).collect()], quantiles(), fit_of_means(values)).kept;
+    let kept = |values: &[f64]| {
+        vote(&[(0..values.len()).collect()], quantiles(), Election::Joint, fit_of_means(values)).kept
+    };
     // Of five edges one is off by 7: chi2 of the five is 118, above 26.2, and without it zero.
     assert_eq!(kept(&[0.0, 0.0, 7.0, 0.0, 0.0]), [0, 1, 3, 4]);
     // Off by 2.4: chi2 13.8 passes as a whole, and 11.06 of its own is below 11.34; off by 2.6: 12.98 fails alone.
@@ -53,7 +69,7 @@ fn a_bad_edge_leaves_a_good_cluster_and_one_that_contradicts_itself_shrinks_unti
 
 #[test]
 fn nothing_to_vote_on_is_no_error() {
-    assert!(vote(&[], quantiles(), fit_of_means(&[])).kept.is_empty());
+    assert!(vote(&[], quantiles(), Election::Joint, fit_of_means(&[])).kept.is_empty());
     assert!(Quantiles::new(1.0, 3).is_err());
 }
 
@@ -62,16 +78,17 @@ proptest! {
     fn what_is_kept_passes_all_tests_together(
         values in proptest::collection::vec(prop_oneof![3 => -0.5_f64..0.5, 1 => -60.0_f64..60.0], 1..30),
         size in 1_usize..5,
+        election in prop_oneof![Just(Election::LargestFirst), Just(Election::Joint)],
     ) {
         let clusters: Vec<Vec<usize>> =
             (0..values.len()).collect::<Vec<_>>().chunks(size).map(<[usize]>::to_vec).collect();
         let fit = fit_of_means(&values);
-        let verdict = vote(&clusters, quantiles(), &fit);
+        let verdict = vote(&clusters, quantiles(), election, &fit);
         let joint = fit(&verdict.kept);
         // The quantile of chi-square at 0.99 is below three times the degrees plus nine.
         prop_assert!(joint.chi2 <= 3.0 * joint.redundancy as f64 + 9.0, "{joint:?}");
         // Clusters are kept or rejected by the order they stand in, never by chance.
-        prop_assert_eq!(verdict, vote(&clusters, quantiles(), &fit));
+        prop_assert_eq!(verdict, vote(&clusters, quantiles(), election, &fit));
     }
 }
 
@@ -109,6 +126,9 @@ fn redundancy_counts_what_the_edges_say_beyond_the_poses() {
 #[test]
 fn a_false_landmark_edge_of_a_square_is_voted_out() {
     let parts = Parts::<SE2, 3>::of(&square()).unwrap();
-    let verdict = vote(&[vec![0], vec![1], vec![2], vec![3]], quantiles(), |edges| parts.fit(edges));
-    assert_eq!(verdict.kept, [0, 1, 2]);
+    for election in [Election::LargestFirst, Election::Joint] {
+        let clusters = [vec![0], vec![1], vec![2], vec![3]];
+        let verdict = vote(&clusters, quantiles(), election, |edges| parts.fit(edges));
+        assert_eq!(verdict.kept, [0, 1, 2], "{election:?}");
+    }
 }

@@ -1,0 +1,136 @@
+//! In which order clusters that pass by themselves are put together, and which of them stay.
+
+use std::cmp::Reverse;
+use std::collections::BTreeSet;
+
+use crate::{Fit, Quantiles};
+
+/// In which order clusters stand for election.
+///
+/// One after the other costs one optimisation a cluster; all together, at most one for each rejection in each round.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Election {
+    /// One after the other, that of most edges first: it stays if all still passes with it
+    LargestFirst,
+    /// All together, the worst leaving until the rest passes, as RRR has it
+    Joint,
+}
+
+/// Clusters, and the tests that they must pass together.
+pub(crate) struct Ballot<'a, F> {
+    pub clusters: &'a [Vec<usize>],
+    pub quantiles: Quantiles,
+    pub fit: F,
+    /// Optimisations done so far.
+    pub fits: usize,
+}
+
+impl<F: Fn(&[usize]) -> Fit> Ballot<'_, F> {
+    /// The clusters that are elected.
+    pub(crate) fn hold(&mut self, election: Election) -> BTreeSet<usize> {
+        match election {
+            Election::LargestFirst => self.largest_first(),
+            Election::Joint => self.joint_rounds(),
+        }
+    }
+
+    /// Optimises over clusters; returns also the residuals of each cluster, in their order.
+    fn fit(&mut self, chosen: &BTreeSet<usize>) -> (Fit, Vec<Vec<f64>>) {
+        let edges: Vec<usize> = chosen.iter().flat_map(|&cluster| self.clusters[cluster].clone()).collect();
+        self.fits += 1;
+        let fit = (self.fit)(&edges);
+        let mut rest = fit.residuals.as_slice();
+        let mut by_cluster = Vec::with_capacity(chosen.len());
+        for &cluster in chosen {
+            let (own, others) = rest.split_at(self.clusters[cluster].len());
+            by_cluster.push(own.to_vec());
+            rest = others;
+        }
+        (fit, by_cluster)
+    }
+
+    /// How far the residuals of a cluster exceed its quantile: the paper's consistency index.
+    fn excess(&self, residuals: &[f64]) -> f64 {
+        residuals.iter().sum::<f64>() / self.quantiles.edges(residuals.len())
+    }
+
+    /// Whether the whole and every cluster of it pass.
+    fn passes(&self, fit: &Fit, residuals: &[Vec<f64>]) -> bool {
+        self.quantiles.passes(fit) && residuals.iter().all(|residuals| self.excess(residuals) < 1.0)
+    }
+
+    /// Edges that agree with many others speak before those that stand alone: a joint optimum of many true and many false
+    /// edges may fit neither.
+    fn largest_first(&mut self) -> BTreeSet<usize> {
+        let mut order: Vec<usize> = (0..self.clusters.len()).collect();
+        // A stable sort: among equals the first in the graph speaks first.
+        order.sort_by_key(|&cluster| Reverse(self.clusters[cluster].len()));
+        let mut accepted = BTreeSet::new();
+        for cluster in order {
+            accepted.insert(cluster);
+            let (fit, residuals) = self.fit(&accepted);
+            if !self.passes(&fit, &residuals) {
+                accepted.remove(&cluster);
+            }
+        }
+        accepted
+    }
+
+    /// Algorithms 2 and 3 of the paper: rounds of [`Self::candidates`] and [`Self::joint`] until nothing new is accepted.
+    fn joint_rounds(&mut self) -> BTreeSet<usize> {
+        let (mut accepted, mut refused) = (BTreeSet::new(), BTreeSet::new());
+        loop {
+            let candidates = self.candidates(&accepted, &refused);
+            if candidates.is_empty() {
+                return accepted;
+            }
+            let chosen = self.joint(&accepted, &candidates);
+            if chosen.len() > accepted.len() {
+                // What was rejected next to something false may fit now; what this round rejected does not.
+                refused = candidates.difference(&chosen).copied().collect();
+                accepted = chosen;
+            } else {
+                refused.extend(candidates);
+            }
+        }
+    }
+
+    /// The clusters neither accepted nor refused that have an edge that passes when all are optimised together.
+    fn candidates(&mut self, accepted: &BTreeSet<usize>, refused: &BTreeSet<usize>) -> BTreeSet<usize> {
+        let open: BTreeSet<usize> =
+            (0..self.clusters.len()).filter(|cluster| !refused.contains(cluster)).collect();
+        if open.len() == accepted.len() {
+            return BTreeSet::new();
+        }
+        let bound = self.quantiles.edges(1);
+        let (_, residuals) = self.fit(&open);
+        open.iter()
+            .zip(residuals)
+            .filter(|(cluster, residuals)| {
+                !accepted.contains(cluster) && residuals.iter().any(|&residual| residual < bound)
+            })
+            .map(|(&cluster, _)| cluster)
+            .collect()
+    }
+
+    /// The accepted clusters and those candidates that pass together with them: until all do, the candidate that exceeds its
+    /// quantile by the largest factor leaves.
+    fn joint(&mut self, accepted: &BTreeSet<usize>, candidates: &BTreeSet<usize>) -> BTreeSet<usize> {
+        let mut chosen: BTreeSet<usize> = accepted.union(candidates).copied().collect();
+        while chosen.len() > accepted.len() {
+            let (fit, residuals) = self.fit(&chosen);
+            if self.passes(&fit, &residuals) {
+                break;
+            }
+            let worst = chosen
+                .iter()
+                .zip(&residuals)
+                .filter(|(cluster, _)| !accepted.contains(cluster))
+                .max_by(|(_, a), (_, b)| self.excess(a).total_cmp(&self.excess(b)));
+            let Some((&worst, _)) = worst else { break };
+            chosen.remove(&worst);
+        }
+        chosen
+    }
+}
