@@ -20,7 +20,7 @@ SHELL := /bin/sh
 .DELETE_ON_ERROR:
 .SECONDARY:
 .DEFAULT_GOAL := help
-.PHONY: help documentation install table figures report regimes sweep run check-results accept-results stages test check bench data clean
+.PHONY: help documentation install table methods figures report regimes sweep run check-results accept-results stages test check bench data clean
 
 help:
 	@echo 'posecut: which landmark edges of a multi-session pose graph are wrong?'
@@ -30,6 +30,7 @@ help:
 	@echo '       SESSIONS="2012-01-22 …"   which sessions      SEEDS=n       how many seeds'
 	@echo '       PIPELINES="paper …"       which regimes       METHODS="…"   none pcm gc pcm+gc oracle,'
 	@echo '                                 and to compare: ransac islands densest voting gnc dcs, each +gc too'
+	@echo '  make methods DATA=DIR          all methods on the same graphs: the tables of docs/methods.md (about half an hour)'
 	@echo '  make figures [NCLT=DIR]        trajectories, graphs, consistency, components, errors, regimes; SVG and PNG'
 	@echo '  make report [NCLT=DIR]         one HTML page: tables, maps, matrices, errors over time, regimes'
 	@echo '  make sweep EXPERIMENT=NAME     any experiment declared in pipelines/NAME.toml'
@@ -182,6 +183,11 @@ report: run $(REPORT)
 	@echo 'The page: $(RESULTS)/report$(suffix).html'
 
 include pipelines/online.mk
+
+# All methods on the same graphs; docs/methods.md says what DATA holds.
+methods: $(if $(DATA),$(BIN)/.posecut-built)
+	@$(if $(DATA),,echo 'Say where the graphs are: make methods DATA=DIR; docs/methods.md says what it holds.'; exit 1)
+	PROGRAMS=$(BIN) scripts/compare-methods.py $(DATA)
 
 # ---- development ------------------------------------------------------------------------------------------
 # The programs first: the contract tests run them. Optimised, because tests run real experiments, and because
