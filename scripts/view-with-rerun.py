@@ -15,8 +15,7 @@ import sys
 try:
     import rerun
 except ImportError:
-    print("skipped: rerun-sdk is not installed (pip install rerun-sdk)")
-    sys.exit(0)
+    sys.exit("rerun-sdk is not installed: pip install rerun-sdk")
 
 COLOURS = {"used": (60, 170, 80), "rejected": (150, 150, 150), "incorrect": (220, 40, 40)}
 
@@ -38,10 +37,6 @@ def main():
     parser.add_argument("graph")
     parser.add_argument("--save", metavar="FILE.rrd", help="write a recording instead of opening the viewer")
     arguments = parser.parse_args()
-    rerun.init("posecut", spawn=arguments.save is None)
-    if arguments.save:
-        rerun.save(arguments.save)
-
     sessions, truths, places, edges = {}, {}, {}, {}
     with open(arguments.graph, "rb") as raw:
         opened = gzip.open(raw) if raw.read(2) == b"\x1f\x8b" else raw
@@ -56,6 +51,11 @@ def main():
             if record["kind"] == "landmark":
                 edges.setdefault(kind_of(record), []).append((record["from"], record["to"]))
 
+    # Everything is read before an old recording is written over.
+    rerun.init("posecut", spawn=arguments.save is None)
+    if arguments.save:
+        rerun.save(arguments.save)
+
     for name, line in sessions.items():
         rerun.log(f"sessions/{name}", rerun.LineStrips3D([line]), static=True)
     for name, line in truths.items():
@@ -68,4 +68,7 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except (OSError, KeyError, ValueError) as error:
+        sys.exit(f"view-with-rerun.py: error: {error!r}")
