@@ -2,7 +2,7 @@
 
 use crate::blocks::split;
 use crate::budget::Budget;
-use crate::packing::{Cycle, pack_completely};
+use crate::packing::{Packed, pack_completely};
 use crate::reduction::{DegreeTwo, History, Step, lift, reduce};
 use crate::signed_graph::SignedGraph;
 use crate::sum::Sum;
@@ -38,7 +38,7 @@ pub(crate) struct Trace {
     /// The kernel that it is, if it is one.
     pub(crate) kernel: Option<usize>,
     /// The cycles that pack all its repulsion, if it was joined for that; nodes by their positions in `names`.
-    pub(crate) packed: Option<Vec<Cycle>>,
+    pub(crate) packed: Option<Vec<Packed>>,
 }
 
 /// Reduces a graph, splits it into blocks, reduces those, and so on to a fixpoint.

@@ -3,6 +3,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use crate::bisection::bisect;
 use crate::budget::Budget;
 use crate::cluster_graph::ClusterGraph;
 use crate::contraction_queue::ContractionQueue;
@@ -109,14 +110,22 @@ pub(crate) fn additive_edge_contraction(
     joined.labels()
 }
 
-/// What [`additive_edge_contraction`] finds with some of the preferences, and joining everything, after moves of single
-/// nodes; the best first.
+/// Edges from which on [`contractions`] bisect as well: in shorter rows contraction is as good.
+const LONG: usize = 10_000;
+
+/// What [`additive_edge_contraction`] finds with some of the preferences, what [`bisect`] finds in larger graphs, and joining
+/// everything, after moves of single nodes; the best first.
 pub(crate) fn contractions(
     graph: &SignedGraph,
     preferences: &[Preference],
     budget: &mut Budget,
 ) -> Vec<Vec<u32>> {
     let mut found = vec![(0.0, vec![0; graph.node_count()])];
+    if graph.edges().count() > LONG {
+        let mut labels = bisect(graph, budget);
+        move_nodes(graph, &mut labels, budget);
+        found.push((graph.objective(&labels), labels));
+    }
     for &preference in preferences {
         if budget.is_over() {
             break;

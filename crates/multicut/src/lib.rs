@@ -16,13 +16,16 @@
 //! ```
 #![doc = include_str!("../docs/method.md")]
 
+mod bisection;
 mod blocks;
 mod budget;
 mod canonical;
 mod clique_matrix;
 mod cluster_graph;
 pub mod command;
+mod conflict;
 mod contraction_queue;
+mod cycle_separation;
 mod decomposition;
 mod error;
 pub mod generate;
@@ -45,12 +48,15 @@ mod search;
 mod signed_graph;
 mod solve;
 pub mod stage;
+mod start;
 mod sum;
 pub mod support;
 mod union_find;
+mod verified_packing;
 mod verified_part;
 mod verified_proof;
 mod verify;
+mod wheel_separation;
 
 pub use error::{GraphError, LabelError, MAXIMUM_NODES};
 pub use graph::{Edge, Graph};

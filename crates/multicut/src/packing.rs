@@ -1,26 +1,28 @@
-//! Packings of conflicted cycles: lower bounds that carry their own proof.
+//! Packings of conflicts: lower bounds that carry their own proof.
 
 use std::collections::VecDeque;
 
 use crate::budget::Budget;
+use crate::conflict::Conflict;
 use crate::kernel::Kernel;
 use crate::landmark_distances::LandmarkDistances;
 use crate::signed_graph::SignedGraph;
 use crate::union_find::UnionFind;
 
-/// A cycle with exactly one repulsive edge, and the weight it is packed with.
+/// A conflict and the weight it is packed with.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Cycle {
-    /// Nodes in order; the repulsive edge joins the last to the first.
-    pub(crate) nodes: Vec<u32>,
+pub(crate) struct Packed {
+    pub(crate) conflict: Conflict,
     pub(crate) weight: f64,
 }
 
-/// Edge-disjoint up to capacity `|c|`: each multicut pays for every conflicted cycle, by cutting an attractive edge
-/// or not cutting the repulsive one, so the sum of negative costs plus all weights is a lower bound.
+/// Edge-disjoint up to capacity `|c|`, where an edge that a conflict uses twice gives it twice the weight: each
+/// multicut pays for every conflict at least what [`Conflict::least`] says, by cutting attractive edges or not
+/// cutting repulsive ones, so the sum of negative costs plus all weights times that is a lower bound. A multicut that
+/// pays for an edge with capacity left pays that much more.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Packing {
-    pub(crate) cycles: Vec<Cycle>,
+    pub(crate) conflicts: Vec<Packed>,
     /// Capacity `|c|` left at each edge.
     pub(crate) residual: Vec<f64>,
     /// Lower bound on the kernel's objective.
@@ -34,49 +36,61 @@ impl Packing {
     /// The empty packing.
     pub(crate) fn new(kernel: &Kernel) -> Self {
         Self {
-            cycles: Vec::new(),
+            conflicts: Vec::new(),
             residual: kernel.costs.iter().map(|cost| cost.abs()).collect(),
             bound: kernel.negative_sum(),
         }
     }
 
-    /// Packs given cycles with given weights, as far as capacities allow: the weights are scaled down where an edge
-    /// is overfull.
-    pub(crate) fn from_weights(
+    /// Packs given conflicts, with their uses and weights, as far as capacities allow: the weights are scaled down
+    /// where an edge is overfull.
+    pub(crate) fn from_weights<'a>(
         kernel: &Kernel,
-        cycles: impl Iterator<Item = (Vec<u32>, Vec<u32>, f64)> + Clone,
+        conflicts: impl Iterator<Item = (&'a Conflict, &'a [(u32, u32)], f64)> + Clone,
     ) -> Self {
         let mut packing = Self::new(kernel);
         let mut load = vec![0.0; kernel.edge_count()];
-        for (_, edges, weight) in cycles.clone() {
-            for edge in edges {
-                load[edge as usize] += weight;
+        for (_, uses, weight) in conflicts.clone() {
+            for &(edge, times) in uses {
+                load[edge as usize] += f64::from(times) * weight;
             }
         }
-        for (nodes, edges, weight) in cycles {
-            let share = edges
+        for (conflict, uses, weight) in conflicts.clone() {
+            let share = uses
                 .iter()
-                .map(|&edge| kernel.costs[edge as usize].abs() / load[edge as usize])
+                .map(|&(edge, _)| kernel.costs[edge as usize].abs() / load[edge as usize])
                 .fold(1.0, f64::min);
-            let weight =
-                edges.iter().map(|&edge| packing.residual[edge as usize]).fold(weight * share, f64::min);
+            let weight = packing.room(uses).min(weight * share);
             if weight > 0.0 {
-                packing.add(nodes, &edges, weight);
+                packing.add(conflict.clone(), uses, weight);
+            }
+        }
+        // What is left is for cycles, which can be searched for; wheels cannot so fast.
+        for (conflict, uses, _) in conflicts.filter(|entry| matches!(entry.0, Conflict::Wheel(_))) {
+            let room = packing.room(uses);
+            if room > 0.0 {
+                packing.add(conflict.clone(), uses, room);
             }
         }
         packing
     }
 
-    fn add(&mut self, nodes: Vec<u32>, edges: &[u32], weight: f64) {
-        for &edge in edges {
-            let residual = &mut self.residual[edge as usize];
-            *residual = (*residual - weight).max(0.0);
-        }
-        self.bound += weight;
-        self.cycles.push(Cycle { nodes, weight });
+    /// The weight that still fits.
+    fn room(&self, uses: &[(u32, u32)]) -> f64 {
+        let room = |&(edge, times): &(u32, u32)| self.residual[edge as usize] / f64::from(times);
+        uses.iter().map(room).fold(f64::INFINITY, f64::min)
     }
 
-    /// Packs what still fits, shortest cycles first: for growing length and each repulsive edge with capacity left,
+    fn add(&mut self, conflict: Conflict, uses: &[(u32, u32)], weight: f64) {
+        for &(edge, times) in uses {
+            let residual = &mut self.residual[edge as usize];
+            *residual = (*residual - f64::from(times) * weight).max(0.0);
+        }
+        self.bound += conflict.least() * weight;
+        self.conflicts.push(Packed { conflict, weight });
+    }
+
+    /// Packs the cycles that still fit, shortest first: for growing length and each repulsive edge with capacity left,
     /// a shortest attractive path of edges with capacity left (iterated cycle packing, "ICP": Lange, Karrenbauer,
     /// Andres, ICML 2018, algorithm 1).
     ///
@@ -111,10 +125,10 @@ impl Packing {
                         return;
                     }
                     let Some(nodes) = path else { break };
-                    let edges = kernel.cycle_edges(&nodes);
-                    let weight =
-                        edges.iter().map(|&edge| self.residual[edge as usize]).fold(f64::INFINITY, f64::min);
-                    self.add(nodes, &edges, weight);
+                    let cycle = Conflict::Cycle(nodes);
+                    let uses = cycle.uses(kernel);
+                    let weight = self.room(&uses);
+                    self.add(cycle, &uses, weight);
                 }
             }
             if length >= kernel.node_count() {
@@ -143,7 +157,7 @@ const EFFORT: u64 = 60;
 /// that attracts is optimal.
 ///
 /// Asks first for what every such packing needs: at each node as much attraction as repulsion.
-pub(crate) fn pack_completely(graph: &SignedGraph, budget: &mut Budget) -> Option<Vec<Cycle>> {
+pub(crate) fn pack_completely(graph: &SignedGraph, budget: &mut Budget) -> Option<Vec<Packed>> {
     let mut arcs = 0;
     for node in graph.nodes() {
         let row = graph.arcs(node);
@@ -157,7 +171,7 @@ pub(crate) fn pack_completely(graph: &SignedGraph, budget: &mut Budget) -> Optio
     packing.extend(&kernel, EFFORT * kernel.edge_count() as u64, budget);
     let mut edges = 0..kernel.edge_count() as u32;
     let left = edges.any(|edge| kernel.costs[edge as usize] < 0.0 && packing.open(&kernel, edge));
-    (!left).then_some(packing.cycles)
+    (!left).then_some(packing.conflicts)
 }
 
 /// Breadth-first search for attractive paths between the ends of a repulsive edge.
@@ -244,7 +258,7 @@ mod tests {
         let kernel = Kernel::new(&graph);
         let mut packing = Packing::new(&kernel);
         packing.extend(&kernel, u64::MAX, &mut Budget::new(None, None));
-        assert_eq!((packing.bound, packing.cycles.len()), (-2.0, 1));
+        assert_eq!((packing.bound, packing.conflicts.len()), (-2.0, 1));
         assert_eq!(packing.residual, [0.0, 2.0, 1.0]);
     }
 
@@ -264,7 +278,8 @@ mod tests {
     fn overfull_weights_are_scaled_to_capacity() {
         let graph = SignedGraph::new(3, [(0, 1, 2.0), (1, 2, 3.0), (0, 2, -4.0)].into_iter());
         let kernel = Kernel::new(&graph);
-        let cycle = (vec![0, 1, 2], kernel.cycle_edges(&[0, 1, 2]), 50.0);
-        assert_eq!(Packing::from_weights(&kernel, std::iter::once(cycle)).bound, -2.0);
+        let cycle = Conflict::Cycle(vec![0, 1, 2]);
+        let uses = cycle.uses(&kernel);
+        assert_eq!(Packing::from_weights(&kernel, std::iter::once((&cycle, &uses[..], 50.0))).bound, -2.0);
     }
 }

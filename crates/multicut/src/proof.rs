@@ -3,17 +3,18 @@
 use std::io::Write;
 
 use crate::decomposition::Trace;
-use crate::packing::Cycle;
+use crate::conflict::Conflict;
+use crate::packing::Packed;
 use crate::reduction::Step;
 
 /// Why a kernel costs at least its bound. Nodes are those of the kernel.
 #[derive(Debug, Clone)]
 pub(crate) enum Proof {
-    /// Disjoint conflicted cycles.
-    Packing(Vec<Cycle>),
+    /// Disjoint conflicts.
+    Packing(Vec<Packed>),
     /// Cutting one of `edges` lifts the packing's bound by the edge's residual cost; the rest of the proof may reward
     /// joining them.
-    Fixed { cycles: Vec<Cycle>, edges: Vec<(u32, u32)>, reward: f64, rest: Reduced },
+    Fixed { conflicts: Vec<Packed>, edges: Vec<(u32, u32)>, reward: f64, rest: Reduced },
     /// The ends of an edge are joined or apart; either may be rewarded.
     Branch { edge: (u32, u32), reward: f64, joined: Reduced, apart: Reduced },
 }
@@ -40,15 +41,18 @@ pub(crate) struct Reduced {
 /// d KEPT GONE                    contract by dominance
 /// t KEPT GONE APEX               contract by the triangle rule
 /// piece 0 2 5 …                  a part of piece 0 with its edges; a kernel is followed by its proof:
-/// pack 3                         three cycles: weight, then nodes (numbered within the piece), the
-/// 1 0 1 4                        last and the first joined by the repulsive edge
-/// fix 1 2 99                     one cycle, two edges (tail head) fixed, reward; then reduce …
+/// pack 3                         three conflicts. A cycle: weight, then nodes (numbered within the
+/// 1 0 1 4                        piece), the last and the first joined by the repulsive edge. A wheel:
+/// wheel 1 1 2 3 / 0 1 / 0 2 / 0 3   weight, rim, and a spoke from the centre for each repulsive edge of
+///                                the rim, in order, to where the rim enters it
+/// fix 1 2 99                     one conflict, two edges (tail head) fixed, reward; then reduce …
 /// branch 3 8 99                  edge and reward; then reduce … if joined, and reduce … if apart
 /// end
 /// ```
 ///
 /// Bounds of parts add up, because no edge is in two of them; edges in no part count with their cost if negative.
-/// The bound of a kernel is the sum of its negative costs and the weights packed, rounded up if all its costs are
+/// The bound of a kernel is the sum of its negative costs and the weights packed (times (k + 1) / 2 for a wheel with k
+/// spokes), rounded up if all its costs are
 /// integers.
 #[derive(Debug, Clone)]
 pub struct Certificate {
@@ -93,8 +97,8 @@ fn write_reduced(output: &mut impl Write, reduced: &Reduced) -> std::io::Result<
                 Step::Triangle { kept, gone, apex } => writeln!(output, "t {kept} {gone} {apex}")?,
             }
         }
-        if let Some(cycles) = &piece.packed {
-            write_packing(output, cycles)?;
+        if let Some(conflicts) = &piece.packed {
+            write_packing(output, conflicts)?;
         } else if let Some(proof) = piece.kernel.and_then(|kernel| reduced.kernels.get(kernel)) {
             write_proof(output, proof)?;
         }
@@ -104,10 +108,10 @@ fn write_reduced(output: &mut impl Write, reduced: &Reduced) -> std::io::Result<
 
 fn write_proof(output: &mut impl Write, proof: &Proof) -> std::io::Result<()> {
     match proof {
-        Proof::Packing(cycles) => write_packing(output, cycles),
-        Proof::Fixed { cycles, edges, reward, rest } => {
-            writeln!(output, "fix {} {} {reward}", cycles.len(), edges.len())?;
-            write_cycles(output, cycles)?;
+        Proof::Packing(conflicts) => write_packing(output, conflicts),
+        Proof::Fixed { conflicts, edges, reward, rest } => {
+            writeln!(output, "fix {} {} {reward}", conflicts.len(), edges.len())?;
+            write_conflicts(output, conflicts)?;
             for (tail, head) in edges {
                 writeln!(output, "{tail} {head}")?;
             }
@@ -121,18 +125,29 @@ fn write_proof(output: &mut impl Write, proof: &Proof) -> std::io::Result<()> {
     }
 }
 
-fn write_packing(output: &mut impl Write, cycles: &[Cycle]) -> std::io::Result<()> {
-    writeln!(output, "pack {}", cycles.len())?;
-    write_cycles(output, cycles)
+fn write_packing(output: &mut impl Write, conflicts: &[Packed]) -> std::io::Result<()> {
+    writeln!(output, "pack {}", conflicts.len())?;
+    write_conflicts(output, conflicts)
 }
 
-fn write_cycles(output: &mut impl Write, cycles: &[Cycle]) -> std::io::Result<()> {
-    for cycle in cycles {
-        write!(output, "{}", cycle.weight)?;
-        for node in &cycle.nodes {
-            write!(output, " {node}")?;
+fn write_conflicts(output: &mut impl Write, conflicts: &[Packed]) -> std::io::Result<()> {
+    for Packed { conflict, weight } in conflicts {
+        match conflict {
+            Conflict::Cycle(nodes) => write_line(output, &weight.to_string(), nodes)?,
+            Conflict::Wheel(wheel) => {
+                write!(output, "wheel {weight}")?;
+                for node in &wheel.rim {
+                    write!(output, " {node}")?;
+                }
+                for spoke in &wheel.spokes {
+                    write!(output, " /")?;
+                    for node in spoke {
+                        write!(output, " {node}")?;
+                    }
+                }
+                writeln!(output)?;
+            }
         }
-        writeln!(output)?;
     }
     Ok(())
 }

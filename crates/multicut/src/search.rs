@@ -2,16 +2,16 @@
 
 use crate::budget::Budget;
 use crate::decomposition::decompose;
-use crate::greedy::{Preference, additive_edge_contraction, contractions};
+use crate::greedy::{Preference, additive_edge_contraction};
 use crate::kernel::Kernel;
 use crate::kernighan_lin::kernighan_lin_with_joins;
-use crate::local_search::{fuse, fuse_proposals, solve_contracted};
-use crate::node_moves::move_nodes;
+use crate::local_search::{fuse_proposals, solve_contracted};
 use crate::options::Solver;
 use crate::packing::Packing;
 use crate::proof::{Proof, Reduced};
 use crate::relaxation::{Relaxation, solve_relaxation};
 use crate::signed_graph::SignedGraph;
+use crate::start::contract;
 use crate::sum::Sum;
 use crate::union_find::UnionFind;
 
@@ -82,70 +82,6 @@ impl State {
     }
 }
 
-/// Edges from which on a kernel is contracted in one way alone where time counts most.
-const LARGE: usize = 200_000;
-
-/// Edges up to which Kernighan-Lin also starts from one cluster, which it has to split again and again.
-const SMALL: usize = 10_000;
-
-const PREFERENCES: [Preference; 3] = [Preference::Age, Preference::Degree, Preference::Balance];
-
-/// A solution of a kernel by contraction; no worse than joining everything, wherever a limit ends it. In kernels that are
-/// not large, the best of several contractions, fused with the others by contraction again.
-pub(crate) fn contract(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
-    let large = graph.edges().count() > LARGE;
-    let found = contractions(graph, if large { &PREFERENCES[..1] } else { &PREFERENCES }, budget);
-    let mut found = found.into_iter();
-    let mut best = found.next().unwrap_or_default();
-    let mut objective = graph.objective(&best);
-    for other in found {
-        if budget.is_over() || other.iter().all(|&label| label == 0) {
-            continue;
-        }
-        let fused = fuse(graph, &best, &other, move_nodes, budget);
-        let value = graph.objective(&fused);
-        if value < objective {
-            (best, objective) = (fused, value);
-        }
-    }
-    best
-}
-
-/// Work for each edge, and besides, after which [`contract_and_move`] starts nothing new: large kernels
-/// would take long, and gain little from more than the best two.
-const MOVING: (u64, u64) = (200, 1_000_000);
-const MOVING_IN_LARGE: u64 = 40;
-
-/// A solution of a kernel by contractions, Kernighan-Lin with joins from each, and fusions of the best with the
-/// others: the best contraction first, and as many others as limited work allows.
-pub(crate) fn contract_and_move(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
-    let edges = graph.edges().count();
-    let starts = contractions(graph, &PREFERENCES, budget);
-    let each = if edges > LARGE { MOVING_IN_LARGE } else { MOVING.0 };
-    let end = budget.spent() + each * edges as u64 + MOVING.1;
-    let mut best: Option<(f64, Vec<u32>)> = None;
-    for mut labels in starts {
-        if best.is_some() && (budget.spent() >= end || budget.is_over()) {
-            break;
-        }
-        if best.is_some() && edges > SMALL && labels.iter().all(|&label| label == 0) {
-            continue;
-        }
-        kernighan_lin_with_joins(graph, &mut labels, budget);
-        let mut candidates = vec![labels];
-        if let Some((_, best)) = &best {
-            candidates.push(fuse(graph, best, &candidates[0], kernighan_lin_with_joins, budget));
-        }
-        for labels in candidates {
-            let objective = graph.objective(&labels);
-            if best.as_ref().is_none_or(|best| objective < best.0) {
-                best = Some((objective, labels));
-            }
-        }
-    }
-    best.map_or_else(|| vec![0; graph.node_count()], |best| best.1)
-}
-
 /// Work on the first packing, for each edge and besides: long cycles in large kernels cost more than they bring.
 fn packing_effort(solver: Solver, edges: usize) -> u64 {
     let (each, besides) = match solver {
@@ -173,7 +109,7 @@ pub(crate) fn survey(
     packing.extend(&kernel, packing_effort(solver, kernel.edge_count()), budget);
     let objective = graph.objective(&labels);
     let tolerance = TOLERANCE * magnitude(graph);
-    let proof = record.then(|| Proof::Packing(packing.cycles.clone()));
+    let proof = record.then(|| Proof::Packing(packing.conflicts.clone()));
     let mut state =
         State { labels, objective, bound: kernel.rounded(packing.bound), tolerance, packing, proof };
     if solver == Solver::Klj && !kernel.integral && !state.is_closed() {
@@ -236,7 +172,7 @@ impl Tree {
         let relaxation = solve_relaxation(&kernel, packing, target, pays, budget);
         let packing = relaxation.packing.clone();
         let bound = kernel.rounded(packing.bound);
-        state.raise(bound, || Some(Proof::Packing(packing.cycles.clone())));
+        state.raise(bound, || Some(Proof::Packing(packing.conflicts.clone())));
         round(graph, &kernel, &relaxation, state, budget);
         if state.bound < goal(state) && !budget.is_over() {
             if let Some(fixed) = self.fix(graph, &kernel, &packing, goal(state)) {
@@ -245,8 +181,8 @@ impl Tree {
                     self.solve_within(fixed.graph, goal(state), state.proof.is_some(), budget);
                 state.offer(graph, labels);
                 state.raise(bound.min(fixed.left_out), || {
-                    let (cycles, edges) = (packing.cycles.clone(), fixed.edges);
-                    Some(Proof::Fixed { cycles, edges, reward: self.big, rest: proof? })
+                    let (conflicts, edges) = (packing.conflicts.clone(), fixed.edges);
+                    Some(Proof::Fixed { conflicts, edges, reward: self.big, rest: proof? })
                 });
             } else {
                 self.branch(graph, &kernel, &relaxation, state, cutoff, budget);

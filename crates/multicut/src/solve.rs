@@ -8,8 +8,9 @@ use crate::decomposition::{Decomposition, decompose};
 use crate::graph::Graph;
 use crate::options::{Options, Solver};
 use crate::proof::{Certificate, Reduced};
-use crate::search::{State, close, contract, contract_and_move, improve, survey};
+use crate::search::{State, close, improve, survey};
 use crate::signed_graph::SignedGraph;
+use crate::start::{contract, contract_and_move};
 use crate::sum::Sum;
 use crate::union_find::UnionFind;
 

@@ -2,7 +2,7 @@
 
 use std::io::BufRead;
 
-use crate::verified_part::{Part, ROUNDING};
+use crate::verified_part::Part;
 use crate::verify::VerifyError;
 
 /// Proofs nested deeper than this are refused, for the sake of the stack.
@@ -39,7 +39,7 @@ impl<B: BufRead> Checker<B> {
     }
 
     /// The word at a position as a number.
-    fn number<T: std::str::FromStr>(&self, place: usize) -> Result<T, VerifyError> {
+    pub(crate) fn number<T: std::str::FromStr>(&self, place: usize) -> Result<T, VerifyError> {
         let word = self.words.get(place).map(|word| word.parse());
         word.and_then(Result::ok).ok_or_else(|| self.refute(format!("word {} is no number", place + 1)))
     }
@@ -118,16 +118,16 @@ impl<B: BufRead> Checker<B> {
         };
         match self.words[0].as_str() {
             "pack" => {
-                let cycles = self.number(1)?;
+                let conflicts = self.number(1)?;
                 self.next()?;
-                Ok(round(self.packing(kernel, cycles)?.1))
+                Ok(round(self.packing(kernel, conflicts)?.1))
             }
             "fix" => {
-                let (cycles, edges): (usize, usize) = (self.number(1)?, self.number(2)?);
+                let (conflicts, edges): (usize, usize) = (self.number(1)?, self.number(2)?);
                 let reward: f64 = self.number(3)?;
                 self.check_reward(reward)?;
                 self.next()?;
-                let (residual, bound) = self.packing(kernel, cycles)?;
+                let (residual, bound) = self.packing(kernel, conflicts)?;
                 let mut rest = kernel.clone();
                 let mut left_out = f64::INFINITY;
                 for _ in 0..edges {
@@ -167,43 +167,5 @@ impl<B: BufRead> Checker<B> {
         } else {
             Err(self.refute("a reward must be a positive number".into()))
         }
-    }
-
-    /// Residual capacities and bound of packed cycles; leaves the reader on the line after them.
-    fn packing(&mut self, kernel: &Part, cycles: usize) -> Result<(Part, f64), VerifyError> {
-        let mut residual = kernel.clone();
-        for arcs in &mut residual.arcs {
-            for cost in arcs.values_mut() {
-                *cost = cost.abs();
-            }
-        }
-        let mut bound = kernel.negative_sum();
-        for _ in 0..cycles {
-            let weight: f64 = self.number(0)?;
-            let nodes =
-                (1..self.words.len()).map(|place| self.number(place)).collect::<Result<Vec<u32>, _>>()?;
-            if !(weight >= 0.0 && weight.is_finite()) || nodes.len() < 3 {
-                return Err(self.refute("a cycle needs a weight and three nodes".into()));
-            }
-            let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
-            let path = nodes.windows(2).map(|pair| (pair[0], pair[1], 1.0));
-            for (tail, head, sign) in path.chain([(last, first, -1.0)]) {
-                let cost = kernel.cost(tail, head) * sign;
-                let key = (tail.min(head), tail.max(head));
-                let left = residual.arcs.get_mut(key.0 as usize).and_then(|arcs| arcs.get_mut(&key.1));
-                let left = match left {
-                    Some(left) if cost > 0.0 => left,
-                    _ => return Err(self.refute(format!("edge {tail} {head} has the wrong sign"))),
-                };
-                *left -= weight;
-                if *left < -ROUNDING * cost {
-                    return Err(self.refute(format!("edge {tail} {head} is packed beyond its cost")));
-                }
-                *left = left.max(0.0);
-            }
-            bound += weight;
-            self.next()?;
-        }
-        Ok((residual, bound))
     }
 }
