@@ -2,8 +2,8 @@
 
 use std::io::Write;
 
-use crate::decomposition::Trace;
 use crate::conflict::Conflict;
+use crate::decomposition::Trace;
 use crate::packing::Packed;
 use crate::reduction::Step;
 

@@ -25,7 +25,8 @@ fn preferences(large: bool) -> &'static [Preference] {
 /// again.
 pub(crate) fn contract(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
     let large = graph.edges().count() > LARGE;
-    let mut found = contractions(graph, preferences(large), budget).into_iter().take(if large { 1 } else { usize::MAX });
+    let mut found =
+        contractions(graph, preferences(large), budget).into_iter().take(if large { 1 } else { usize::MAX });
     let mut best = found.next().unwrap_or_default();
     let mut objective = graph.objective(&best);
     for other in found {

@@ -60,8 +60,7 @@ impl<B: BufRead> Checker<B> {
     /// The edges of a wheel, each as often as it occurs: an odd number of repulsive ones around, and for each an
     /// attractive path from one centre to the node where the rim enters it.
     fn wheel(&self, kernel: &Part) -> Result<(Vec<(u32, u32)>, f64), VerifyError> {
-        let mut ends: Vec<usize> =
-            (2..self.words.len()).filter(|&place| self.words[place] == "/").collect();
+        let mut ends: Vec<usize> = (2..self.words.len()).filter(|&place| self.words[place] == "/").collect();
         ends.push(self.words.len());
         let rim = self.nodes(2..ends[0])?;
         let mut spokes = ends.windows(2).map(|pair| self.nodes(pair[0] + 1..pair[1]));
@@ -85,7 +84,9 @@ impl<B: BufRead> Checker<B> {
             uses.extend(self.attractive(kernel, &spoke)?);
         }
         if repulsive % 2 == 0 || spokes.next().is_some() {
-            return Err(self.refute("a wheel needs an odd number of repulsive edges, and a spoke for each".into()));
+            return Err(
+                self.refute("a wheel needs an odd number of repulsive edges, and a spoke for each".into())
+            );
         }
         Ok((uses, f64::from(repulsive.div_ceil(2))))
     }

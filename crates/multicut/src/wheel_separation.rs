@@ -106,13 +106,14 @@ impl<'a> WheelSeparation<'a> {
             let repels = |&(node, edge): &(u32, u32)| {
                 self.kernel.costs[edge as usize] < 0.0 && self.radius[node as usize].is_finite()
             };
-            if radius < NEAR || radius > 1.0 - NEAR || !self.kernel.arcs(start).iter().any(repels) {
+            if !(NEAR..=1.0 - NEAR).contains(&radius) || !self.kernel.arcs(start).iter().any(repels) {
                 continue;
             }
             if let Some(rim) = self.odd_walk(start, paid, budget) {
                 let wheel = Conflict::Wheel(self.wheel(centre, rim));
                 let uses = wheel.uses(self.kernel);
-                let value: f64 = uses.iter().map(|&(edge, times)| f64::from(times) * paid[edge as usize]).sum();
+                let value: f64 =
+                    uses.iter().map(|&(edge, times)| f64::from(times) * paid[edge as usize]).sum();
                 if value < wheel.least() - LEAST {
                     found.push(wheel);
                 }
@@ -279,7 +280,8 @@ mod tests {
             let pays = pays(&kernel);
             // Any metric makes wheels, be it violated or not: walks of random weights.
             for _ in 0..20 {
-                let paid: Vec<f64> = (0..kernel.edge_count()).map(|_| random.random_range(0.0..0.45)).collect();
+                let paid: Vec<f64> =
+                    (0..kernel.edge_count()).map(|_| random.random_range(0.0..0.45)).collect();
                 let mut separation = WheelSeparation::new(&kernel);
                 for wheel in separation.violated(&paid, &mut Budget::new(None, None)) {
                     let uses = wheel.uses(&kernel);
@@ -297,7 +299,8 @@ mod tests {
     fn a_wheel_is_found_where_spokes_are_half_cut() {
         for ring in [3, 5, 7] {
             let kernel = Kernel::new(&wheel_graph(ring, 1.0, 1.0));
-            let paid: Vec<f64> = kernel.costs.iter().map(|&cost| if cost > 0.0 { 0.5 } else { 0.0 }).collect();
+            let paid: Vec<f64> =
+                kernel.costs.iter().map(|&cost| if cost > 0.0 { 0.5 } else { 0.0 }).collect();
             let found = WheelSeparation::new(&kernel).violated(&paid, &mut Budget::new(None, None));
             let [Conflict::Wheel(wheel)] = &found[..] else { panic!("{found:?}") };
             assert_eq!((wheel.rim.len(), wheel.spokes.len()), (ring as usize, ring as usize));
@@ -319,7 +322,11 @@ mod tests {
             let mut packing = Packing::new(&kernel);
             packing.extend(&kernel, u64::MAX, budget);
             let relaxation = solve_relaxation(&kernel, packing, optimum, |_| false, budget);
-            assert!((relaxation.packing.bound - optimum).abs() < 1e-6, "{ring} {optimum} {:?}", relaxation.packing);
+            assert!(
+                (relaxation.packing.bound - optimum).abs() < 1e-6,
+                "{ring} {optimum} {:?}",
+                relaxation.packing
+            );
             // Cycles alone give half a spoke for each node of the ring.
             let cycles = kernel.negative_sum() + 0.25 * f64::from(ring);
             assert!(relaxation.packing.bound > cycles + 0.1);
@@ -334,7 +341,13 @@ mod tests {
             .map(|alone| {
                 let apart = |node: u32| node > 0 && (alone >> (node - 1)) & 1 == 1;
                 let cut = |&(tail, head): &(u32, u32)| apart(tail) || apart(head);
-                kernel.ends.iter().zip(&kernel.costs).filter(|entry| cut(entry.0)).map(|entry| entry.1).sum::<f64>()
+                kernel
+                    .ends
+                    .iter()
+                    .zip(&kernel.costs)
+                    .filter(|entry| cut(entry.0))
+                    .map(|entry| entry.1)
+                    .sum::<f64>()
             })
             .fold(0.0, f64::min)
     }
