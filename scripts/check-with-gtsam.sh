@@ -149,8 +149,8 @@ if not edges or not rejected or worst > 1e-3:
     sys.exit("posecut and gtsam disagree on covariances")
 PYTHON
 
-# Poses: gtsam starts where the chordal relaxation does and must end where posecut ends: within 1e-6 m where the optimum is well
-# determined. Its own factor between two poses leaves the derivative of the logarithm out of its Jacobians; here it gets whole ones.
+# Poses: gtsam starts where the chordal relaxation does and must end where posecut ends: within 1e-6 m where its steps settle. Its
+# own factor between two poses leaves the derivative of the logarithm out of its Jacobians; here it gets whole ones.
 for name in drive smallGrid3D CSAIL MIT M3500; do
   if [ "$name" = drive ]; then
     "$programs/posecut-oracle" -q testdata/graph.jsonl -o "$work/$name.jsonl"
@@ -160,13 +160,13 @@ for name in drive smallGrid3D CSAIL MIT M3500; do
     echo "skipped: no data: $name"
     continue
   fi
-  "$programs/posecut-optimize" -q --cost-tolerance 1e-15 "$work/$name.jsonl" -o "$work/$name.ours.jsonl"
+  "$programs/posecut-optimize" -q --cost-tolerance 0 "$work/$name.jsonl" -o "$work/$name.ours.jsonl" --stats "$work/$name.stats.json"
   "$programs/posecut-optimize" -q --initialisation chordal --max-iterations 0 "$work/$name.jsonl" -o "$work/$name.start.jsonl"
   "$programs/posecut-convert" -q "$work/$name.ours.jsonl" -o "$work/$name.ours.g2o"
   "$programs/posecut-convert" -q "$work/$name.start.jsonl" -o "$work/$name.start.g2o"
 done
 "$environment/bin/python" - "$work" <<'PYTHON'
-import pathlib, sys
+import json, pathlib, sys
 import gtsam
 import numpy as np
 
@@ -202,16 +202,22 @@ for name in ("drive", "smallGrid3D", "CSAIL", "MIT", "M3500"):
     first = min(ours.keys())
     prior = gtsam.PriorFactorPose3 if spatial else gtsam.PriorFactorPose2
     graph.add(prior(first, pose(ours, first), gtsam.noiseModel.Isotropic.Sigma(6 if spatial else 3, 1e-3)))
-    theirs = start
+    theirs, steps = start, []
     for _ in range(40):  # linear convergence where measurements contradict each other
         delta = graph.linearize(theirs).optimize()
+        steps.append(max(np.abs(delta.at(key)).max() for key in theirs.keys()))
         theirs = theirs.retract(delta)
     # Both hold the first pose: nothing is left to align.
     far = max(np.linalg.norm(np.subtract(pose(ours, key).translation(), pose(theirs, key).translation())) for key in ours.keys())
     cost, other = 2.0 * graph.error(ours), 2.0 * graph.error(theirs)
-    print(f"{name}: poses within {far:.1e} m of gtsam's, whose cost is {other - cost:.1e} above {cost:.10g}")
-    # Where the optimum is weakly determined gtsam's steps stop gaining 1e-11 to 1e-10 of the cost above ours.
+    left = json.loads((work / f"{name}.stats.json").read_text())["last_step"]
+    print(f"{name}: poses within {far:.1e} m of gtsam's, whose last steps are up to {max(steps[-5:]):.0e} and ours {left:.0e}; "
+          f"its cost is {other - cost:.1e} above {cost:.10g}")
+    # In space gtsam's steps shrink to rounding. In the plane they do not: they wander about the optimum by what its arithmetic leaves
+    # open where poses are held weakly, and so does the distance, while our steps shrink on.
     reach = {"drive": 1e-3, "MIT": 1e-5, "M3500": 2e-5}.get(name, 1e-6)
-    if not -1e-11 < (other - cost) / cost < 1e-9 or far > reach:
+    if left > {"MIT": 1e-5}.get(name, 1e-8):
+        sys.exit(f"{name}: our steps do not shrink")
+    if abs(other - cost) > 1e-9 * cost or far > reach:
         sys.exit(f"{name}: gtsam ends elsewhere")
 PYTHON

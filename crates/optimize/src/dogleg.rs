@@ -50,7 +50,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             };
             damping = 0.0;
             outcome.last = newton_step;
-            let met = newton_step.met(outcome.cost, options);
+            let met = newton_step.met(outcome.cost, false, options);
             let newton = self.step.clone();
             let cauchy = self.cauchy_step();
             if radius.is_infinite() {

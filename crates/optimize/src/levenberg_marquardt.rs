@@ -87,6 +87,8 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
             outcome.termination = Termination::Gradient;
             return outcome;
         }
+        // The longest component of the last undamped step.
+        let mut undamped_before = f64::INFINITY;
         while outcome.iterations < options.max_iterations {
             outcome.iterations += 1;
             outcome.factorizations += 1;
@@ -98,14 +100,18 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
                 }
                 continue;
             };
+            let undamped = damping.value == 0.0;
+            let shrinks = undamped && step.largest < undamped_before;
+            if undamped {
+                undamped_before = step.largest;
+            }
             outcome.last = step;
             self.retract(poses);
-            let undamped = damping.value == 0.0;
-            let met = if damping.value <= 1e-3 { step.met(outcome.cost, options) } else { None };
+            let met = if damping.value <= 1e-3 { step.met(outcome.cost, shrinks, options) } else { None };
             // The gradient at the trial is what the next step starts from, if it is taken.
             let cost =
                 if undamped && met.is_none() { self.trial_gradient(edges) } else { self.trial_cost(edges) };
-            let lower = cost < outcome.cost;
+            let lower = cost < outcome.cost || (shrinks && options.is_hidden(step.promised, outcome.cost));
             if lower || (met.is_some() && cost <= outcome.cost) {
                 poses.copy_from_slice(&self.trial);
                 let gain = (outcome.cost - cost) / step.promised;
@@ -119,6 +125,9 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
                 {
                     outcome.termination = termination;
                     break;
+                }
+                if undamped {
+                    undamped_before = outcome.last.largest;
                 }
                 outcome.cost = self.assemble(edges, poses);
                 outcome.gradient = self.equations.largest_gradient();
@@ -233,9 +242,10 @@ pub(crate) struct Step {
 }
 
 impl Step {
-    /// The tolerance it meets at this cost.
-    pub(crate) fn met(&self, cost: f64, options: &Options) -> Option<Termination> {
-        if self.promised <= options.promise_tolerance(cost) {
+    /// The tolerance it meets at this cost; `shrinks` if it is a full step, and shorter than the one before.
+    pub(crate) fn met(&self, cost: f64, shrinks: bool, options: &Options) -> Option<Termination> {
+        let goes_on = shrinks && options.is_hidden(self.promised, cost);
+        if self.promised <= options.promise_tolerance(cost) && !goes_on {
             Some(Termination::Cost)
         } else if self.largest <= options.step_tolerance {
             Some(Termination::Step)

@@ -38,7 +38,9 @@ pub struct Options {
     pub method: Method,
     /// Most steps tried per connected part, rejected ones included.
     pub max_iterations: usize,
-    /// Converged when a full Gauss-Newton step promises to lower the cost by less than this share of it.
+    /// Converged when a full Gauss-Newton step promises to lower the cost by less than this share of it. With zero, and not by
+    /// the dogleg, steps go on where the cost no longer shows their gain, until they no longer shrink: poses that the edges hold
+    /// weakly then are as exact as the gradient is, by some digits more than the cost can tell.
     pub cost_tolerance: f64,
     /// Converged when no component of a full Gauss-Newton step exceeds this (metres, radians).
     pub step_tolerance: f64,
@@ -51,7 +53,15 @@ pub struct Options {
 /// Cost below which only rounding is left to lower: a graph without noise never meets a relative tolerance.
 const NOISELESS: f64 = 1e-5;
 
+/// Share of the cost under which the gain of a step is lost in the rounding of the sum.
+const HIDDEN: f64 = 1e-12;
+
 impl Options {
+    /// Whether a step goes on by the gradient alone, since the cost is too coarse to judge it.
+    pub(crate) fn is_hidden(&self, promised: f64, cost: f64) -> bool {
+        self.cost_tolerance == 0.0 && promised <= HIDDEN * cost.max(NOISELESS)
+    }
+
     /// The promise of a step that ends the iteration at this cost.
     pub(crate) fn promise_tolerance(&self, cost: f64) -> f64 {
         // A promise below the rounding of the sum cannot be seen kept.

@@ -44,7 +44,9 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             if !(ratio < SLOW) {
                 return None;
             }
-            let met = step.met(outcome.cost, options);
+            let shrinks = step.largest < outcome.last.largest;
+            let met = step.met(outcome.cost, shrinks, options);
+            let hidden = shrinks && options.is_hidden(step.promised, outcome.cost);
             if met.is_none()
                 && !pays(step.promised, ratio, slowdown * ratio, options.promise_tolerance(outcome.cost))
             {
@@ -54,8 +56,8 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             outcome.last = step;
             self.retract(poses);
             let cost = if met.is_some() { self.trial_cost(edges) } else { self.trial_gradient(edges) };
-            let kept = cost <= outcome.cost - KEPT * step.promised;
-            if cost < outcome.cost || (met.is_some() && cost <= outcome.cost) {
+            let kept = hidden || cost <= outcome.cost - KEPT * step.promised;
+            if cost < outcome.cost || hidden || (met.is_some() && cost <= outcome.cost) {
                 poses.copy_from_slice(&self.trial);
                 outcome.cost = cost;
             } else if met.is_none() {

@@ -127,6 +127,37 @@ fn all_methods_find_the_same_minimum() {
     assert_eq!(solve(&far, Method::GaussNewton).components[0].termination, Termination::Stalled);
 }
 
+/// A long chain that one edge closes: its middle is held weakly, so that the cost cannot tell micrometres there.
+#[test]
+fn without_a_tolerance_of_the_cost_every_start_ends_at_the_same_poses() {
+    let mut random = ChaCha8Rng::seed_from_u64(41);
+    let nodes = 400;
+    let step = SE2::new(1.0, 0.0, std::f64::consts::TAU / nodes as f64);
+    let truth: Vec<SE2> =
+        std::iter::successors(Some(SE2::identity()), |pose| Some(pose.compose(&step))).take(nodes).collect();
+    let information = Matrix3::from_diagonal(&Vector3::new(400.0, 400.0, 1e4));
+    let mut edge = |from: usize, to: usize, kind| {
+        let noise = Vector3::from_fn(|row, _| random.random_range(-1.7..1.7) / [20.0, 20.0, 100.0][row]);
+        Edge::new(from, to, truth[from].between(&truth[to]).compose(&SE2::exp(&noise)), information, kind)
+    };
+    let mut edges: Vec<_> = (1..nodes).map(|node| edge(node - 1, node, EdgeKind::Odometry)).collect();
+    edges.push(edge(0, nodes - 1, EdgeKind::Landmark));
+    edges.push(edge(nodes / 4, nodes / 4 + 2, EdgeKind::Landmark));
+    let solve = |initialisation, cost_tolerance| {
+        let problem = Problem::new(disturbed(&truth, 0.01, 42), edges.clone()).unwrap();
+        optimize(&problem, &Options { initialisation, cost_tolerance, ..Options::default() })
+    };
+    let distance = |cost_tolerance| {
+        let first = solve(Initialisation::Chordal, cost_tolerance);
+        let second = solve(Initialisation::Given, cost_tolerance);
+        assert!(first.converged && second.converged, "{:?} {:?}", first.components, second.components);
+        let distances = first.poses.iter().zip(&second.poses).map(|(a, b)| a.between(b).log().amax());
+        distances.fold(0.0, f64::max)
+    };
+    assert!(distance(1e-15) > 3.0 * distance(0.0), "{} {}", distance(1e-15), distance(0.0));
+    assert!(distance(0.0) < 2e-9, "{}", distance(0.0));
+}
+
 #[test]
 fn graphs_with_nothing_to_do_are_solved() {
     let empty = optimize(&Problem::<SE2, 3>::new(vec![], vec![]).unwrap(), &Options::default());
