@@ -186,6 +186,8 @@ fn bad_input_is_refused_by_line() {
     assert!(said.contains("line 7") && said.contains("pose 3 has not come yet"), "{said}");
     let said = with(9, r#"{"kind":"retract","id":6}"#);
     assert!(said.contains("line 10") && said.contains("field \"edge\""), "{said}");
+    let said = with(9, r#"{"kind":"readmit","edge":"six"}"#);
+    assert!(said.contains("found \"six\"; give a whole number"), "{said}");
     let said = with(9, r#"{"kind":"readmit","edge":1}"#);
     assert!(said.contains("edge 1 is in use"), "{said}");
     let said = with(9, r#"{"kind":"landmark","id":8,"from":0,"to":2,"retract":"six"}"#);

@@ -19,10 +19,12 @@ pub(super) struct Located {
     pub(super) arrival: Arrival,
 }
 
-/// A record of the kinds that only the incremental mode knows.
+/// A record of the kinds that only the incremental mode knows; its edge is looked at once the kind is known.
 #[derive(Deserialize)]
 struct Decision {
-    edge: u64,
+    kind: String,
+    #[serde(default)]
+    edge: serde_json::Value,
 }
 
 /// Reads records and hands them on in the order of time; records of unknown kind go to `unknown`.
@@ -66,19 +68,15 @@ fn arrival(record: Record, unknown: &mut Vec<String>) -> anyhow::Result<Option<A
         Record::Node(node) => Some(Arrival::Node(node)),
         Record::Edge(edge) => Some(Arrival::Edge(edge)),
         Record::Unknown(text) => {
-            #[derive(Deserialize)]
-            struct Kind {
-                kind: String,
-            }
-            let Kind { kind } = serde_json::from_str(&text)?;
-            let decision = || {
-                serde_json::from_str::<Decision>(&text)
-                    .map(|decision| decision.edge)
-                    .with_context(|| format!("{kind}: expected the id of an edge in the field \"edge\""))
+            let Decision { kind, edge } = serde_json::from_str(&text)?;
+            let edge = || {
+                edge.as_u64().with_context(|| {
+                    format!("{kind}, field \"edge\": expected the id of an earlier edge, found {edge}; give a whole number")
+                })
             };
             match kind.as_str() {
-                "retract" => Some(Arrival::Retract(decision()?)),
-                "readmit" => Some(Arrival::Readmit(decision()?)),
+                "retract" => Some(Arrival::Retract(edge()?)),
+                "readmit" => Some(Arrival::Readmit(edge()?)),
                 _ => {
                     unknown.push(text);
                     None
