@@ -6,13 +6,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 programs=${1:-target/release}
-environment=target/evo
-if ! "$environment/bin/python" -c 'import evo' 2>/dev/null; then
-  if ! { python3 -m venv "$environment" && "$environment/bin/pip" install --quiet evo; } >/dev/null 2>&1; then
-    echo 'skipped: evo cannot be installed here'
-    exit 0
-  fi
-fi
+python=$(scripts/python-environment.sh evo) || { echo 'skipped: evo cannot be installed here'; exit 0; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -24,7 +18,7 @@ for name in reference estimate; do
 done
 "$programs/posecut-convert" -q "$work/estimate.jsonl" --reference "$work/reference.jsonl" --align se3 -o "$work/result.zip"
 "$programs/posecut-evaluate" -q "$work/estimate.jsonl" --reference "$work/reference.jsonl" --align se3 -o "$work/result.json"
-"$environment/bin/python" - "$work" <<'PYTHON'
+"$python" - "$work" <<'PYTHON'
 import json, sys
 import numpy
 from evo.core import metrics, sync
@@ -71,5 +65,5 @@ compare("zip, its trajectories as they stand", again.get_all_statistics())
 if list(result.np_arrays["timestamps"]) != list(reference.timestamps):
     sys.exit("zip: the times are not those of its trajectories")
 PYTHON
-"$environment/bin/evo_res" "$work/result.zip" >"$work/evo_res.txt" || { cat "$work/evo_res.txt"; exit 1; }
+"${python%python}evo_res" "$work/result.zip" >"$work/evo_res.txt" || { cat "$work/evo_res.txt"; exit 1; }
 echo "evo_res reads the result file"

@@ -6,14 +6,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 programs=${1:-target/release}
-environment=target/gtsam
-if ! "$environment/bin/python" -c 'import gtsam' 2>/dev/null; then
-  if ! { python3 -m venv "$environment" && "$environment/bin/pip" install --quiet gtsam; } >/dev/null 2>&1 ||
-     ! "$environment/bin/python" -c 'import gtsam' 2>/dev/null; then
-    echo 'skipped: gtsam cannot be installed here'
-    exit 0
-  fi
-fi
+python=$(scripts/python-environment.sh gtsam) || { echo 'skipped: gtsam cannot be installed here'; exit 0; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -46,7 +39,7 @@ cp testdata/graph.jsonl "$work/plane.jsonl"
 for name in plane space; do
   "$programs/posecut-convert" -q "$work/$name.jsonl" -o "$work/$name.g2o"
 done
-"$environment/bin/python" - "$work" <<'PYTHON'
+"$python" - "$work" <<'PYTHON'
 import json, sys
 import gtsam
 import numpy
@@ -102,7 +95,7 @@ PYTHON
 
 "$programs/posecut-oracle" -q testdata/graph.jsonl | "$programs/posecut-optimize" -q --marginals landmark -o "$work/ours.jsonl" --stats "$work/stats.json"
 "$programs/posecut-convert" -q "$work/ours.jsonl" -o "$work/ours.g2o"
-"$environment/bin/python" - "$work" <<'PYTHON'
+"$python" - "$work" <<'PYTHON'
 import json, sys
 import gtsam
 
@@ -165,7 +158,7 @@ for name in drive smallGrid3D CSAIL MIT M3500; do
   "$programs/posecut-convert" -q "$work/$name.ours.jsonl" -o "$work/$name.ours.g2o"
   "$programs/posecut-convert" -q "$work/$name.start.jsonl" -o "$work/$name.start.g2o"
 done
-"$environment/bin/python" - "$work" <<'PYTHON'
+"$python" - "$work" <<'PYTHON'
 import json, pathlib, sys
 import gtsam
 import numpy as np

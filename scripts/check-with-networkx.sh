@@ -5,14 +5,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 programs=${1:-target/release}
-environment=target/networkx
-if ! "$environment/bin/python" -c 'import networkx' 2>/dev/null; then
-  if ! { python3 -m venv "$environment" && "$environment/bin/pip" install --quiet networkx; } >/dev/null 2>&1 ||
-     ! "$environment/bin/python" -c 'import networkx' 2>/dev/null; then
-    echo 'skipped: networkx cannot be installed here'
-    exit 0
-  fi
-fi
+python=$(scripts/python-environment.sh networkx) || { echo 'skipped: networkx cannot be installed here'; exit 0; }
 cargo build --release --locked --quiet -p posecut-pcm --example draw
 draw=${CARGO_TARGET_DIR:-target}/release/examples/draw
 work=$(mktemp -d)
@@ -29,7 +22,7 @@ for graph in "$work"/*.jsonl; do
   name=${graph%.jsonl}
   "$programs/posecut-pcm" -q "$graph" -o "$name.pcm" --stats "$name.stats" --consistency-graph "$name.dimacs"
 done
-"$environment/bin/python" - "$work"/*.stats <<'PYTHON'
+"$python" - "$work"/*.stats <<'PYTHON'
 import json, pathlib, sys
 import networkx
 

@@ -8,21 +8,15 @@ write=
 [ "${1:-}" != --write ] || { write=yes; shift; }
 programs=${1:-target/release}
 document=docs/other-tools.md
-environment=target/pandas
-if ! "$environment/bin/python" -c 'import pandas' 2>/dev/null; then
-  if ! { python3 -m venv "$environment" && "$environment/bin/pip" install --quiet pandas; } >/dev/null 2>&1; then
-    echo 'skipped: pandas cannot be installed here'
-    exit 0
-  fi
-fi
+python=$(scripts/python-environment.sh pandas) || { echo 'skipped: pandas cannot be installed here'; exit 0; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 scripts/extract.sh "$document" recipe.py >"$work/recipe.py"
 "$programs/posecut-pcm" -q testdata/graph.jsonl | "$programs/posecut-optimize" -q -o "$work/graph.jsonl"
 "$programs/posecut-evaluate" -q "$work/graph.jsonl" -o "$work/result.json"
-{ echo; echo '```'; "$environment/bin/python" "$work/recipe.py" "$work/graph.jsonl"; echo '```'; echo; } >"$work/shown"
+{ echo; echo '```'; "$python" "$work/recipe.py" "$work/graph.jsonl"; echo '```'; echo; } >"$work/shown"
 cat "$work/shown"
-"$environment/bin/python" - "$work" <<'PYTHON'
+"$python" - "$work" <<'PYTHON'
 import json, sys
 
 work = sys.argv[1]
