@@ -133,35 +133,31 @@ pub(crate) fn covariance<const DOF: usize>(
     covariance_from_information(&information).map_err(|error| refused(error.to_string()))
 }
 
-/// log(E)^T Sigma^-1 log(E) by Cholesky factorisation of the lower triangle; `None` if Sigma is not positive definite.
+/// log(E)^T Sigma^-1 log(E) by elimination of the lower triangle, L D L^T; `None` if Sigma is not positive definite. One
+/// division a column: a square root and a division an entry, as Cholesky's has, would take as long as all the rest.
 #[inline(always)]
 pub(crate) fn squared_mahalanobis<const DOF: usize>(
     covariance: &SMatrix<f64, DOF, DOF>,
     error: &SVector<f64, DOF>,
 ) -> Option<f64> {
-    let mut factor = *covariance;
-    let mut whitened = *error;
+    let mut remaining = covariance.data.0;
+    let mut whitened = error.data.0[0];
     let mut sum = 0.0;
-    for row in 0..DOF {
-        for column in 0..=row {
-            let mut value = factor[(row, column)];
-            for earlier in 0..column {
-                value -= factor[(row, earlier)] * factor[(column, earlier)];
-            }
-            if row == column {
-                if !(value > 0.0) {
-                    return None;
-                }
-                factor[(row, row)] = value.sqrt();
-            } else {
-                factor[(row, column)] = value / factor[(column, column)];
+    for column in 0..DOF {
+        let pivot = remaining[column][column];
+        if !(pivot > 0.0) {
+            return None;
+        }
+        let inverse = 1.0 / pivot;
+        sum += whitened[column] * whitened[column] * inverse;
+        let eliminated = remaining[column];
+        for later in column + 1..DOF {
+            let ratio = eliminated[later] * inverse;
+            whitened[later] -= ratio * whitened[column];
+            for (value, term) in remaining[later][later..].iter_mut().zip(&eliminated[later..]) {
+                *value -= ratio * term;
             }
         }
-        for earlier in 0..row {
-            whitened[row] -= factor[(row, earlier)] * whitened[earlier];
-        }
-        whitened[row] /= factor[(row, row)];
-        sum += whitened[row] * whitened[row];
     }
     sum.is_finite().then_some(sum)
 }

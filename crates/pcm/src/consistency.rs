@@ -9,6 +9,7 @@ use serde::Serialize;
 use crate::candidate::{Candidate, Group};
 use crate::chain::{Chain, Chains};
 use crate::clique::BitGraph;
+use crate::distance::{Carried, squared_distance_with};
 pub use crate::distance::{squared_distance, squared_distance_to_odometry};
 use crate::pretest::{PreTest, Verdict};
 use crate::spread::Spatial;
@@ -130,7 +131,19 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
     /// that of the earlier candidate. O(1).
     #[inline(always)]
     pub fn consistent(&self, one: usize, other: usize, gate: Gate, counts: &mut PairCounts) -> bool {
-        let (one, other) = (one.min(other), one.max(other));
+        self.consistent_with(one.min(other), one.max(other), gate, counts, &mut Carried::default())
+    }
+
+    /// The same for one candidate and many later ones in a row.
+    #[inline(always)]
+    fn consistent_with(
+        &self,
+        one: usize,
+        other: usize,
+        gate: Gate,
+        counts: &mut PairCounts,
+        carried: &mut Carried<DOF>,
+    ) -> bool {
         counts.pairs += 1;
         let limit = gate.squared_distance;
         let consistent = match gate.per_step {
@@ -144,7 +157,9 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
                     false
                 }
                 Verdict::Open => {
-                    let distance = self.squared_distance(one, other);
+                    let (a, b) = (&self.candidates[one], &self.candidates[other]);
+                    let distance =
+                        squared_distance_with(self.chain_a, self.chain_b, self.same_chain, a, b, carried);
                     counts.indefinite += usize::from(distance.is_none());
                     distance.is_some_and(|distance| distance <= limit)
                 }
@@ -210,10 +225,18 @@ impl<G: Spatial<DOF>, const DOF: usize> WithSimd for Strip<'_, '_, G, DOF> {
         for start in (first..chosen.len()).step_by(TILE) {
             let end = (start + TILE).min(chosen.len());
             for (row, words) in words.chunks_mut(stride).enumerate() {
-                let one = first + row;
-                for other in start.max(one + 1)..end {
-                    if pairs.consistent(chosen[one], chosen[other], gate, &mut counts) {
-                        words[other / 64] |= 1 << (other % 64);
+                let row = first + row;
+                let one = chosen[row];
+                let mut carried = Carried::default();
+                for column in start.max(row + 1)..end {
+                    let other = chosen[column];
+                    let consistent = if one < other {
+                        pairs.consistent_with(one, other, gate, &mut counts, &mut carried)
+                    } else {
+                        pairs.consistent(one, other, gate, &mut counts)
+                    };
+                    if consistent {
+                        words[column / 64] |= 1 << (column % 64);
                     }
                 }
             }

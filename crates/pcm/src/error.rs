@@ -34,6 +34,14 @@ pub enum PcmError {
         "--readmit takes one scale, for a marginal covariance does not fall into odometry's part and landmark edges'; give one number, or auto"
     )]
     TwoScales,
+    /// A scale for a test that does not look at covariances.
+    #[error(
+        "{option} has no effect on --test threshold, which reads no covariances; leave one of the two out"
+    )]
+    ScaleUnused {
+        /// The option.
+        option: &'static str,
+    },
     /// A landmark edge without a usable `predicted_covariance`.
     #[error(
         "{edge}: its field predicted_covariance {reason}; re-admission needs the optimiser's marginals, as posecut-optimize --marginals landmark writes them"

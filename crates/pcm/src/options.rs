@@ -179,6 +179,15 @@ impl Options {
                 return Err(PcmError::NotPositive { option, value });
             }
         }
+        if self.test == Test::Threshold && !self.readmit {
+            for (option, used) in
+                [("--scale", self.scale != Scale::Fixed(Scales::ONE)), ("--calibrate", self.calibrate)]
+            {
+                if used {
+                    return Err(PcmError::ScaleUnused { option });
+                }
+            }
+        }
         Ok(())
     }
 

@@ -1,10 +1,9 @@
-//! Cells, growth and calibration on drawn scenarios, and candidates that come one by one.
+//! Cells and growth on drawn scenarios, and candidates that come one by one.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use posecut_geometry::{SE2, SE3};
 use posecut_graph::{EdgeKind, PoseGraph};
-use posecut_pcm::calibration::{Scales, estimate_scales};
 use posecut_pcm::candidate::group;
 use posecut_pcm::cells::solve_by_cells;
 use posecut_pcm::chain::Chains;
@@ -96,58 +95,6 @@ fn too_few_members_grow_nothing() {
     let grouped = group(&graph, &chains).unwrap();
     let pairs = Pairs::new(&chains, &grouped.groups[0]);
     assert!(grow(&pairs, &[0, 1], gate::<3>(0.9999)).0.is_empty());
-}
-
-/// Graphs whose covariances are wrong by two factors: what the estimate makes of them, 1 where it is right.
-fn estimated<G: Spatial<DOF>, const DOF: usize>(
-    wrong: Scales,
-    outliers: f64,
-    falsehood: Falsehood,
-) -> Scales {
-    let mut graph = Scenario { candidates: 2000, outliers, falsehood, seed: 4 }.draw::<G, DOF>();
-    for (name, model) in &mut graph.header.noise_models {
-        let factor = if name == "odometry" { wrong.odometry } else { wrong.landmark };
-        model.information.iter_mut().for_each(|term| *term *= factor);
-    }
-    let chains = Chains::<G, DOF>::of(&graph).unwrap();
-    let grouped = group(&graph, &chains).unwrap();
-    let estimate = estimate_scales(&chains, &grouped.groups).unwrap();
-    if falsehood == Falsehood::Uniform && outliers <= 0.5 {
-        // Correct edges lie along one line, false ones all over the square: neighbours are of one sort.
-        let correct = 1.0 - outliers;
-        assert!((estimate.correct - correct).abs() < 0.06, "{} of {correct}", estimate.correct);
-    }
-    let Scales { odometry, landmark } = estimate.scales;
-    Scales { odometry: odometry / wrong.odometry, landmark: landmark / wrong.landmark }
-}
-
-#[test]
-fn both_scales_of_wrong_covariances_are_found_among_false_edges() {
-    for (odometry, landmark) in [(0.02, 0.02), (50.0, 50.0), (5.0, 0.1), (0.1, 5.0)] {
-        for (outliers, falsehood) in [
-            (0.0, Falsehood::Uniform),
-            (0.5, Falsehood::Uniform),
-            (0.9, Falsehood::Uniform),
-            (0.5, Falsehood::Grouped),
-            (0.9, Falsehood::Grouped),
-        ] {
-            let wrong = Scales { odometry, landmark };
-            let plane = estimated::<SE2, 3>(wrong, outliers, falsehood);
-            // One pair of factors is enough in space, where an estimate takes long.
-            let space = (odometry > landmark).then(|| estimated::<SE3, 6>(wrong, outliers, falsehood));
-            println!("{wrong:?} {outliers} {falsehood:?}: {plane:?} {space:?}");
-            for Scales { odometry, landmark } in std::iter::once(plane).chain(space) {
-                assert!(
-                    (0.7..1.4).contains(&odometry),
-                    "{wrong:?} {outliers} {falsehood:?}: odometry {odometry}"
-                );
-                assert!(
-                    (0.7..1.4).contains(&landmark),
-                    "{wrong:?} {outliers} {falsehood:?}: landmark {landmark}"
-                );
-            }
-        }
-    }
 }
 
 /// Candidates one by one end with a clique of the same size, a proof, and the same graph.

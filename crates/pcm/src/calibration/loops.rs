@@ -5,7 +5,7 @@ use nalgebra::{SMatrix, SVector};
 use crate::candidate::{Candidate, Group};
 use crate::chain::{Chain, Chains};
 use crate::consistency::Pairs;
-use crate::distance::add_odometry;
+use crate::distance::{Carried, add_odometry};
 use crate::nearest::Nearest;
 use crate::spread::Spatial;
 
@@ -118,7 +118,15 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Closing<'a, G, DOF> {
     fn pair(&self, one: usize, other: usize, class: usize) -> Loop<DOF> {
         let (a, b) = (&self.candidates[one], &self.candidates[other]);
         let mut odometry = SMatrix::zeros();
-        add_odometry(&mut odometry, self.chain_a, self.chain_b, self.same_chain, a, b);
+        add_odometry(
+            &mut odometry,
+            self.chain_a,
+            self.chain_b,
+            self.same_chain,
+            a,
+            b,
+            &mut Carried::default(),
+        );
         odometry.fill_upper_triangle_with_lower_triangle();
         let error = a.from_a.compose(&b.alignment).log();
         Loop { class, error, odometry, landmark: a.covariance + b.covariance }
