@@ -71,6 +71,32 @@ pub(super) fn optimize(input: &[u8]) -> Outcome {
     graph_stage::<posecut_optimize::stage::StageOptions>(input, &["--max-iterations", "5"])
 }
 
+pub(super) fn gnc(input: &[u8]) -> Outcome {
+    graph_stage::<posecut_optimize::stage::StageOptions>(
+        input,
+        &["--gnc", "--reject-below", "0.5", "--max-iterations", "5"],
+    )
+}
+
+pub(super) fn ransac(input: &[u8]) -> Outcome {
+    graph_stage::<posecut_ransac::Options>(input, &["--set-size", "2", "--most-trials", "100"]);
+    graph_stage::<posecut_ransac::Options>(input, &["--most-trials", "100"])
+}
+
+pub(super) fn islands(input: &[u8]) -> Outcome {
+    graph_stage::<posecut_islands::Options>(input, &[])
+}
+
+pub(super) fn densest(input: &[u8]) -> Outcome {
+    graph_stage::<posecut_densest::Options>(input, &["--select", "rounded"]);
+    graph_stage::<posecut_densest::Options>(input, &[])
+}
+
+pub(super) fn voting(input: &[u8]) -> Outcome {
+    graph_stage::<posecut_voting::Options>(input, &["--election", "joint"]);
+    graph_stage::<posecut_voting::Options>(input, &[])
+}
+
 pub(super) fn oracle(input: &[u8]) -> Outcome {
     graph_stage::<posecut_oracle::Options>(input, &[])
 }
