@@ -6,8 +6,9 @@ use posecut_graph::{Dimension, PoseGraph};
 use posecut_pcm::candidate::{Group, group};
 use posecut_pcm::chain::Chains;
 use posecut_pcm::consistency::squared_distance;
+use posecut_pcm::selection::Selection;
 use posecut_pcm::{Gate, Test};
-use posecut_stage::{Context, GraphStage, counted, info, random, warn};
+use posecut_stage::{Context, GraphStage, counted, info, random};
 use serde::Serialize;
 
 use crate::{Affinity, densest_clique};
@@ -87,12 +88,8 @@ impl GraphStage for Options {
 
 #[derive(Default)]
 struct Summary {
-    groups: usize,
-    candidates: usize,
-    unmeasured: usize,
-    rejected_before: usize,
+    selection: Selection,
     consistent_pairs: usize,
-    kept: usize,
     density: f64,
     steps: usize,
 }
@@ -102,12 +99,7 @@ impl Options {
         let gate = Gate::new(Test::Mahalanobis, self.probability, DOF)?;
         let chains = Chains::<G, DOF>::of(graph)?;
         let grouped = group(graph, &chains)?;
-        let mut summary = Summary {
-            groups: grouped.groups.len(),
-            unmeasured: grouped.unmeasured,
-            rejected_before: grouped.rejected_before,
-            ..Summary::default()
-        };
+        let mut summary = Summary { selection: Selection::of(&grouped), ..Summary::default() };
         for (number, group) in grouped.groups.iter().enumerate() {
             let affinity = self.affinity(&chains, group, gate);
             let mut draw = random(self.seed, &format!("densest {number}"));
@@ -116,14 +108,8 @@ impl Options {
                 Select::Clique => densest.vertices.clone(),
                 Select::Rounded => densest.rounded(),
             };
-            for (place, candidate) in group.candidates.iter().enumerate() {
-                if kept.binary_search(&place).is_err() {
-                    graph.edges[candidate.edge].reject(Self::NAME);
-                }
-            }
-            summary.candidates += group.candidates.len();
+            summary.selection.keep(graph, group, &kept, Self::NAME);
             summary.consistent_pairs += affinity.pairs();
-            summary.kept += kept.len();
             summary.density += densest.density;
             summary.steps += densest.steps;
         }
@@ -153,25 +139,15 @@ impl Summary {
     fn note(&self, context: &mut Context) {
         info!(
             "{} of {} kept, {}, density {:.3}",
-            self.kept,
-            counted(self.candidates, "landmark edge"),
-            counted(self.groups, "group"),
+            self.selection.kept,
+            counted(self.selection.candidates, "landmark edge"),
+            counted(self.selection.groups, "group"),
             self.density
         );
-        if self.unmeasured > 0 {
-            warn!(
-                "{} landmark edges have no measurement and are neither tested nor rejected",
-                self.unmeasured
-            );
-        }
+        self.selection.note(context);
         let statistics = &mut context.statistics;
-        statistics.note("candidates", self.candidates);
-        statistics.note("groups", self.groups);
-        statistics.note("unmeasured", self.unmeasured);
-        statistics.note("rejected_before", self.rejected_before);
         statistics.note("consistent_pairs", self.consistent_pairs);
         statistics.note("density", self.density);
         statistics.note("gradient_steps", self.steps);
-        statistics.note("rejected", self.candidates - self.kept);
     }
 }

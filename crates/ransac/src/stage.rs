@@ -6,6 +6,7 @@ use posecut_graph::{Dimension, PoseGraph};
 use posecut_pcm::candidate::group;
 use posecut_pcm::chain::Chains;
 use posecut_pcm::consistency::squared_distance;
+use posecut_pcm::selection::Selection;
 use posecut_pcm::{Gate, Test};
 use posecut_stage::{Context, GraphStage, counted, info, random, warn};
 use serde::Serialize;
@@ -66,11 +67,7 @@ impl GraphStage for Options {
 
 #[derive(Default)]
 struct Summary {
-    groups: usize,
-    candidates: usize,
-    unmeasured: usize,
-    rejected_before: usize,
-    kept: usize,
+    selection: Selection,
     trials: u64,
     unsure: usize,
 }
@@ -85,12 +82,7 @@ impl Options {
         };
         let chains = Chains::<G, DOF>::of(graph)?;
         let grouped = group(graph, &chains)?;
-        let mut summary = Summary {
-            groups: grouped.groups.len(),
-            unmeasured: grouped.unmeasured,
-            rejected_before: grouped.rejected_before,
-            ..Summary::default()
-        };
+        let mut summary = Summary { selection: Selection::of(&grouped), ..Summary::default() };
         for (number, group) in grouped.groups.iter().enumerate() {
             let candidates = &group.candidates;
             let (chain_a, chain_b) = (&chains.chains[group.a], &chains.chains[group.b]);
@@ -104,13 +96,7 @@ impl Options {
             let consensus = largest_consensus(candidates.len(), &search, &mut draw, agree);
             let kept: &[usize] =
                 if consensus.members.len() < self.minimum_consensus { &[] } else { &consensus.members };
-            for (place, candidate) in candidates.iter().enumerate() {
-                if kept.binary_search(&place).is_err() {
-                    graph.edges[candidate.edge].reject(Self::NAME);
-                }
-            }
-            summary.candidates += candidates.len();
-            summary.kept += kept.len();
+            summary.selection.keep(graph, group, kept, Self::NAME);
             summary.trials += consensus.trials;
             summary.unsure += usize::from(!consensus.confident);
         }
@@ -122,9 +108,9 @@ impl Summary {
     fn note(&self, context: &mut Context) {
         info!(
             "{} of {} kept, {}, {}",
-            self.kept,
-            counted(self.candidates, "landmark edge"),
-            counted(self.groups, "group"),
+            self.selection.kept,
+            counted(self.selection.candidates, "landmark edge"),
+            counted(self.selection.groups, "group"),
             counted(self.trials as usize, "trial")
         );
         if self.unsure > 0 {
@@ -133,19 +119,9 @@ impl Summary {
                 counted(self.unsure, "group")
             );
         }
-        if self.unmeasured > 0 {
-            warn!(
-                "{} landmark edges have no measurement and are neither tested nor rejected",
-                self.unmeasured
-            );
-        }
+        self.selection.note(context);
         let statistics = &mut context.statistics;
-        statistics.note("candidates", self.candidates);
-        statistics.note("groups", self.groups);
-        statistics.note("unmeasured", self.unmeasured);
-        statistics.note("rejected_before", self.rejected_before);
         statistics.note("trials", self.trials);
         statistics.note("groups_not_confident", self.unsure);
-        statistics.note("rejected", self.candidates - self.kept);
     }
 }
