@@ -310,6 +310,16 @@ fn output_and_statistics_may_not_be_one_file() {
     }
 }
 
+/// A file of the name `-` was made.
+#[test]
+fn statistics_do_not_go_to_standard_output() {
+    for row in streams() {
+        let output = row.run(&["--stats", "-"]);
+        assert_eq!(output.status.code(), Some(2), "{}", row.name);
+        assert!(String::from_utf8_lossy(&output.stderr).contains("name a file"), "{}", row.name);
+    }
+}
+
 #[test]
 fn a_closed_pipe_is_no_error() {
     for row in streams() {

@@ -56,7 +56,7 @@ pub fn main() -> ExitCode {
         identity,
         |command| &command.common,
         |command, context| {
-            command.check()?;
+            command.check(context)?;
             match (&command.verify, command.format) {
                 (Some(certificate), _) => command.check_certificate(certificate, context),
                 (None, Format::Mc) => command.cut_instance(context),
@@ -68,7 +68,7 @@ pub fn main() -> ExitCode {
 
 impl Command {
     /// Refuses options without a meaning here, and files that would overwrite each other.
-    fn check(&self) -> anyhow::Result<()> {
+    fn check(&self, context: &Context) -> anyhow::Result<()> {
         let options = &self.stage;
         options.solver_options(false)?;
         if self.format == Format::Mc {
@@ -81,15 +81,7 @@ impl Command {
                 "--delta, --costs, --graph, --odometry-cost and --drop-rejected are for pose graphs; an mc file has its costs, so leave them out"
             );
         }
-        if let Some(certificate) = &self.certificate {
-            let others = [self.common.output.path(), self.common.stats.as_deref()];
-            anyhow::ensure!(
-                !others.contains(&Some(certificate.as_path())) || certificate.starts_with("/dev"),
-                "{}: is named for --certificate and for another output, and one would overwrite the other; name two files",
-                certificate.display()
-            );
-        }
-        Ok(())
+        self.certificate.as_ref().map_or(Ok(()), |file| context.check_further_output("--certificate", file))
     }
 
     fn cut_pose_graph(&self, context: &mut Context) -> anyhow::Result<Outcome> {

@@ -70,7 +70,7 @@ impl Command {
                 *stage == StageOptions { robust: kernels, ..defaults.stage },
                 "of the options of the batch solver, --solver isam2 takes --kernel-odometry and --kernel-landmark only; leave the others out"
             );
-            return incremental.run(&self.input, stage, &self.common, context);
+            return incremental.run(&self.input, stage, context);
         }
         anyhow::ensure!(
             *incremental == defaults.incremental,

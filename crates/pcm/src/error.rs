@@ -15,7 +15,7 @@ pub enum PcmError {
     },
     /// A probability outside (0, 1).
     #[error(
-        "a probability is {value}, and must lie between 0 and 1, both excluded; see --probability, --grow, --admit and --drop"
+        "a probability is {value}, and must lie between 0 and 1, both excluded; --help marks the options that take one by P"
     )]
     Probability {
         /// What was given.

@@ -25,6 +25,9 @@ impl GraphStage for Options {
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
         self.check()?;
+        if let Some(path) = &self.consistency_graph {
+            context.check_further_output("--consistency-graph", path)?;
+        }
         if self.readmit {
             note_readmission(&readmit(graph, &self.readmission()?)?, context);
             return Ok(());

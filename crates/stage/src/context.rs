@@ -14,6 +14,9 @@ use crate::{CommonArguments, Identity, Source, Statistics, input, output};
 /// The largest input that is held whole: 1 GiB.
 const LARGEST_WHOLE: u64 = 1 << 30;
 
+/// What says where the statistics go.
+const STATS: &str = "--stats";
+
 /// Inputs read so far, statistics, and the common arguments.
 pub struct Context {
     /// Figures for `--stats`.
@@ -110,18 +113,28 @@ impl Context {
         ProgressBar::with_draw_target(Some(length), target).with_style(style).with_message(what.to_owned())
     }
 
-    /// Refuses outputs that would overwrite each other.
-    pub(crate) fn check_outputs(&self) -> anyhow::Result<()> {
-        let (Some(output), Some(stats)) = (self.common.output.path(), self.common.stats.as_deref()) else {
-            return Ok(());
-        };
-        if same_file(output, stats) && !is_device(output) {
-            bail!(
-                "{}: is named both as output and for --stats, and one would overwrite the other; name two files",
-                output.display()
-            );
+    /// Refuses a file to be written beside the result, named by `option`, that would overwrite another output or be called `-`.
+    ///
+    /// To be asked before the work is done.
+    pub fn check_further_output(&self, option: &str, path: &Path) -> anyhow::Result<()> {
+        if path == Path::new("-") {
+            bail!("{option} is -, which stands for standard output and belongs to --output; name a file");
+        }
+        let stats = self.common.stats.as_deref().filter(|_| option != STATS);
+        for (other, what) in [(self.common.output.path(), "as output"), (stats, "for --stats")] {
+            if other.is_some_and(|other| same_file(other, path) && !is_device(other)) {
+                bail!(
+                    "{}: is named both {what} and for {option}, and one would overwrite the other; name two files",
+                    path.display()
+                );
+            }
         }
         Ok(())
+    }
+
+    /// Refuses outputs that every program has and that would overwrite each other.
+    pub(crate) fn check_outputs(&self) -> anyhow::Result<()> {
+        self.common.stats.as_deref().map_or(Ok(()), |stats| self.check_further_output(STATS, stats))
     }
 
     pub(crate) fn write_statistics(&self) -> anyhow::Result<()> {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_graph::{Dimension, InputDigest, PoseGraph, RecordReader};
-use posecut_stage::{CommonArguments, Context, Source, counted, info, open, warn, write_atomically};
+use posecut_stage::{Context, Source, counted, info, open, warn, write_atomically};
 use serde::Serialize;
 
 use super::replay::{Located, empty, for_each};
@@ -99,18 +99,11 @@ impl IncrementalStageOptions {
         &self,
         input: &Source,
         batch: &StageOptions,
-        common: &CommonArguments,
         context: &mut Context,
     ) -> anyhow::Result<PoseGraph> {
         anyhow::ensure!(self.every != Some(0), "--every is 0, and must be a positive number of steps");
         let Some(path) = &self.estimates else { return self.dispatch(input, batch, None, context) };
-        for (what, other) in [("the output", common.output.path()), ("--stats", common.stats.as_deref())] {
-            anyhow::ensure!(
-                other != Some(path.as_path()),
-                "{}: is named both for --estimates and for {what}, and one would overwrite the other; name two files",
-                path.display()
-            );
-        }
+        context.check_further_output("--estimates", path)?;
         let mut graph = None;
         write_atomically(path, |writer| {
             graph = Some(self.dispatch(input, batch, Some(writer), context)?);

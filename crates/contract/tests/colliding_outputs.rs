@@ -1,0 +1,33 @@
+//! No program writes two of its outputs to one file.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use posecut_contract::{run, samples};
+
+/// The consistency graph took the place of the graph, and the graph that of the consistency graph, without a word.
+#[test]
+fn files_beside_the_result_may_be_neither_it_nor_the_statistics() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("same.json");
+    let (file, spelt_otherwise) = (file.to_str().unwrap(), folder.path().join(".").join("same.json"));
+    let graph = samples().path("graph.jsonl");
+    let commands: [(&str, &[&str]); 3] = [
+        ("pcm", &["--consistency-graph"]),
+        ("multicut", &["--certificate"]),
+        ("optimize", &["--solver", "isam2", "--every", "50", "--estimates"]),
+    ];
+    for (name, options) in commands {
+        for other in ["--output", "--stats"] {
+            let mut arguments = vec![graph.as_str(), other, file];
+            arguments.extend(options);
+            arguments.push(spelt_otherwise.to_str().unwrap());
+            let output = run(name, &arguments, b"");
+            let said = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{name} {other}: {said}");
+            assert!(said.contains("overwrite"), "{name} {other}: {said}");
+            assert!(!std::path::Path::new(file).exists(), "{name} {other}");
+        }
+        let dash = run(name, &[&[graph.as_str()], options, &["-"]].concat(), b"");
+        assert_eq!(dash.status.code(), Some(2), "{name}");
+    }
+}
