@@ -1,12 +1,12 @@
 //! How far apart two edges may be and still count as consistent.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::PcmError;
 
 /// What is compared with what.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Test {
     /// The squared Mahalanobis distance, which is chi-square distributed: passes the stated share of true pairs
@@ -18,7 +18,7 @@ pub enum Test {
 }
 
 /// What the probability of a gate refers to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Correction {
     /// One pair: of N correct edges some are lost, for each must agree with all others

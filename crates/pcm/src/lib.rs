@@ -32,6 +32,7 @@ mod nearest;
 mod options;
 pub mod pretest;
 pub mod readmission;
+pub mod replay;
 pub mod selection;
 mod spread;
 pub mod stage;

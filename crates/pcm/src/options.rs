@@ -5,9 +5,11 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::{Duration, Instant};
 
-use serde::{Serialize, Serializer};
+use clap::{Args as _, FromArgMatches as _};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::calibration::Scales;
+use crate::calibration::{ScaleEstimate, Scales};
 use crate::clique::Limits;
 use crate::readmission::Readmission;
 use crate::{Correction, Gate, PcmError, Test, corrected};
@@ -16,7 +18,7 @@ use crate::{Correction, Gate, PcmError, Test, corrected};
 const MOST_EXACT: usize = 20_000;
 
 /// How a group is solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scheme {
     /// All pairs up to 20000 candidates between two chains, cells beyond
@@ -88,8 +90,27 @@ impl Serialize for Scale {
     }
 }
 
-/// The options of PCM.
-#[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
+impl<'de> Deserialize<'de> for Scale {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Written {
+            Word(String),
+            One(f64),
+            Two([f64; 2]),
+        }
+        let text = match Written::deserialize(deserializer)? {
+            Written::Word(word) => word,
+            Written::One(factor) => factor.to_string(),
+            Written::Two([odometry, landmark]) => format!("{odometry},{landmark}"),
+        };
+        text.parse().map_err(D::Error::custom)
+    }
+}
+
+/// The options of PCM. From the history of a graph they are read back with defaults for what it does not say.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, clap::Args)]
+#[serde(default)]
 #[allow(clippy::struct_excessive_bools, reason = "flags of a command line")]
 pub struct Options {
     /// When two edges are consistent
@@ -166,6 +187,14 @@ pub struct Options {
     pub consistency_graph: Option<PathBuf>,
 }
 
+impl Default for Options {
+    fn default() -> Self {
+        let command = Self::augment_args(clap::Command::new("pcm").no_binary_name(true));
+        let matches = command.get_matches_from([""; 0]);
+        Self::from_arg_matches(&matches).expect("no option is needed, so defaults are enough")
+    }
+}
+
 impl Options {
     /// Refuses numbers that mean nothing.
     pub(crate) fn check(&self) -> Result<(), PcmError> {
@@ -203,6 +232,19 @@ impl Options {
             return Ok(Gate::per_step(self.translation_per_step, self.rotation_per_step));
         }
         Gate::new(self.test, probability, degrees_of_freedom)
+    }
+
+    /// Whether the scales of covariances are to be estimated.
+    pub(crate) fn wants_estimate(&self) -> bool {
+        self.calibrate || self.scale == Scale::Auto
+    }
+
+    /// The scales to apply, given what was estimated.
+    pub(crate) fn scales(&self, estimate: Option<ScaleEstimate>) -> Scales {
+        match self.scale {
+            Scale::Fixed(scales) => scales,
+            Scale::Auto => estimate.map_or(Scales::ONE, |estimate| estimate.scales),
+        }
     }
 
     /// The limits of a run that starts now.

@@ -7,7 +7,7 @@ use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 use posecut_stage::{Context, GraphStage, write_atomically};
 
 use crate::calibration::{Scales, estimate_scales};
-use crate::candidate::{Group, group_with};
+use crate::candidate::{Group, Grouped, group_with};
 use crate::cells::solve_by_cells;
 use crate::chain::{Chains, Covariances};
 use crate::clique::{BitGraph, Limits, maximum_clique};
@@ -16,7 +16,7 @@ use crate::dimacs::{NamedGraph, write_dimacs};
 use crate::growth::grow;
 use crate::readmission::{divide_information, readmit};
 use crate::summary::{Summary, note_readmission};
-use crate::{Options, PcmError, Scale, Scheme, Spatial, Test};
+use crate::{Options, PcmError, Scheme, Spatial, Test};
 
 impl GraphStage for Options {
     const NAME: &'static str = "pcm";
@@ -92,10 +92,7 @@ fn reject<G: Spatial<DOF>, const DOF: usize>(
     options: &Options,
     graph: &mut PoseGraph,
 ) -> Result<(Summary, Vec<NamedGraph>), PcmError> {
-    let covariances =
-        if options.test == Test::Threshold { Covariances::Ignored } else { Covariances::Needed };
-    let mut chains = Chains::<G, DOF>::with(graph, covariances)?;
-    let mut grouped = group_with(graph, &chains, covariances)?;
+    let (mut chains, mut grouped) = candidates::<G, DOF>(options, graph)?;
     let mut summary = Summary {
         unmeasured: grouped.unmeasured,
         rejected_before: grouped.rejected_before,
@@ -123,6 +120,18 @@ fn reject<G: Spatial<DOF>, const DOF: usize>(
     Ok((summary, graphs))
 }
 
+/// The chains of a graph and its candidates; without covariances where no test looks at them.
+pub(crate) fn candidates<G: Spatial<DOF>, const DOF: usize>(
+    options: &Options,
+    graph: &PoseGraph,
+) -> Result<(Chains<G, DOF>, Grouped<G, DOF>), PcmError> {
+    let covariances =
+        if options.test == Test::Threshold { Covariances::Ignored } else { Covariances::Needed };
+    let chains = Chains::with(graph, covariances)?;
+    let grouped = group_with(graph, &chains, covariances)?;
+    Ok((chains, grouped))
+}
+
 /// Estimates scales where they are asked for, and applies those of the options to chains and candidates.
 fn calibrate<G: Spatial<DOF>, const DOF: usize>(
     options: &Options,
@@ -132,14 +141,13 @@ fn calibrate<G: Spatial<DOF>, const DOF: usize>(
     summary: &mut Summary,
 ) {
     let start = Instant::now();
-    if options.calibrate || options.scale == Scale::Auto {
+    if options.wants_estimate() {
         summary.scale_wanted = true;
         summary.scale = estimate_scales(chains, groups);
     }
-    let estimated = summary.scale.map_or(Scales::ONE, |estimate| estimate.scales);
-    let scales = if let Scale::Fixed(scales) = options.scale { scales } else { estimated };
-    scales.apply(chains, groups);
+    options.scales(summary.scale).apply(chains, groups);
     if options.calibrate {
+        let estimated = summary.scale.map_or(Scales::ONE, |estimate| estimate.scales);
         divide_information(graph, EdgeKind::Odometry, estimated.odometry);
         divide_information(graph, EdgeKind::Landmark, estimated.landmark);
     }

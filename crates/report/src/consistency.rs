@@ -3,13 +3,10 @@
 use std::collections::BTreeMap;
 
 use anyhow::Context as _;
-use clap::ValueEnum as _;
-use posecut_geometry::{SE2, SE3};
-use posecut_graph::{Dimension, PoseGraph};
-use posecut_pcm::candidate::group;
-use posecut_pcm::chain::Chains;
-use posecut_pcm::consistency::consistency_graph;
-use posecut_pcm::{Gate, Spatial, Test};
+use posecut_graph::PoseGraph;
+use posecut_pcm::calibration::Scales;
+use posecut_pcm::replay::{GroupConsistency, consistency};
+use posecut_pcm::{Gate, Options, Scale};
 use serde_json::Value;
 
 /// The name of the stage, in histories and marks.
@@ -24,8 +21,8 @@ pub struct Matrix {
     pub group: Vec<usize>,
     /// Whether each was kept: in the clique.
     pub clique: Vec<bool>,
-    /// The largest squared Mahalanobis distance of a consistent pair.
-    pub gate: f64,
+    /// When a pair is consistent, in words.
+    pub gate: String,
     consistent: Vec<bool>,
 }
 
@@ -43,13 +40,20 @@ impl Matrix {
 
 /// Whether a graph has been through PCM.
 pub fn went_through_pcm(graph: &PoseGraph) -> bool {
-    graph.header.provenance.iter().any(|entry| stage(entry) == Some(PCM))
+    place_of_pcm(graph).is_some()
 }
 
-/// The matrix of a graph that went through PCM, with the gate of its history; marks of PCM and later stages are
+/// Where in the history of a graph PCM looked for a clique; re-admission looks at none.
+fn place_of_pcm(graph: &PoseGraph) -> Option<usize> {
+    let looks =
+        |entry: &Value| stage(entry) == Some(PCM) && entry["arguments"]["readmit"] != Value::Bool(true);
+    graph.header.provenance.iter().position(looks)
+}
+
+/// The matrix of a graph that went through PCM, by the options in its history; marks of PCM and later stages are
 /// taken back first. `None` if it did not. O(candidates^2).
 pub fn matrix(graph: &PoseGraph) -> anyhow::Result<Option<Matrix>> {
-    let Some(place) = graph.header.provenance.iter().position(|entry| stage(entry) == Some(PCM)) else {
+    let Some(place) = place_of_pcm(graph) else {
         return Ok(None);
     };
     let earlier: Vec<&str> = graph.header.provenance[..place].iter().filter_map(stage).collect();
@@ -59,67 +63,70 @@ pub fn matrix(graph: &PoseGraph) -> anyhow::Result<Option<Matrix>> {
             edge.rejected_by = None;
         }
     }
-    let arguments = &graph.header.provenance[place]["arguments"];
-    let degrees = match graph.header.dimension {
-        Dimension::Two => 3,
-        Dimension::Three => 6,
-    };
-    let gate = gate(arguments, degrees)?;
-    let matrix = match graph.header.dimension {
-        Dimension::Two => of::<SE2, 3>(&before, gate)?,
-        Dimension::Three => of::<SE3, 6>(&before, gate)?,
-    };
-    Ok(Some(marked(graph, matrix)))
+    let options = options(&graph.header.provenance[place]["arguments"])?;
+    Ok(Some(of(graph, &consistency(&options, &before)?)))
 }
 
 fn stage(entry: &Value) -> Option<&str> {
     entry.get("stage")?.as_str()
 }
 
-fn gate(arguments: &Value, degrees: usize) -> anyhow::Result<Gate> {
-    let said = || format!("the history's arguments of pcm do not tell its gate: {arguments}");
-    let test = arguments.get("test").and_then(Value::as_str).with_context(said)?;
-    let test = Test::from_str(test, false).map_err(anyhow::Error::msg).with_context(said)?;
-    let probability = arguments.get("probability").and_then(Value::as_f64).with_context(said)?;
-    Ok(Gate::new(test, probability, degrees)?)
+/// The options that the graph was decided on with, for the informations that it has now.
+fn options(arguments: &Value) -> anyhow::Result<Options> {
+    let mut options: Options = serde_json::from_value(arguments.clone()).with_context(|| {
+        format!("the history's arguments of pcm are none that this version knows: {arguments}")
+    })?;
+    if options.calibrate {
+        // Informations are divided by what was estimated, and an estimate would divide them again.
+        anyhow::ensure!(
+            options.scale == Scale::Auto,
+            "pcm divided informations by one scale (--calibrate) and tested with another (--scale {}), so its consistency \
+             cannot be told from the graph; call it with --scale auto",
+            options.scale
+        );
+        options.calibrate = false;
+        options.scale = Scale::Fixed(Scales::ONE);
+    }
+    Ok(options)
 }
 
-fn of<G: Spatial<DOF>, const DOF: usize>(graph: &PoseGraph, gate: Gate) -> anyhow::Result<Matrix> {
-    let chains = Chains::<G, DOF>::of(graph)?;
-    let grouped = group(graph, &chains)?;
-    let count = grouped.groups.iter().map(|group| group.candidates.len()).sum();
+fn of(graph: &PoseGraph, groups: &[GroupConsistency]) -> Matrix {
+    let count = groups.iter().map(|group| group.places.len()).sum();
     let mut matrix = Matrix {
         edges: Vec::with_capacity(count),
         group: Vec::with_capacity(count),
-        clique: Vec::new(),
-        gate: gate.squared_distance,
+        clique: Vec::with_capacity(count),
+        gate: in_words(groups),
         consistent: vec![false; count * count],
     };
-    for (number, group) in grouped.groups.iter().enumerate() {
+    for (number, group) in groups.iter().enumerate() {
         let start = matrix.edges.len();
-        let consistency = consistency_graph(&chains, group, gate);
         // Along the first chain, then the second.
-        let mut order: Vec<usize> = (0..group.candidates.len()).collect();
-        order.sort_by_key(|&vertex| {
-            let candidate = &group.candidates[vertex];
-            (candidate.i, candidate.k, candidate.edge)
-        });
+        let mut order: Vec<usize> = (0..group.places.len()).collect();
+        order.sort_by_key(|&vertex| group.places[vertex]);
         for (row, &one) in order.iter().enumerate() {
-            matrix.edges.push(group.candidates[one].edge);
+            let (_, _, edge) = group.places[one];
+            matrix.edges.push(edge);
             matrix.group.push(number);
+            matrix.clique.push(graph.edges[edge].rejected_by.as_deref() != Some(PCM));
             for (column, &other) in order.iter().enumerate() {
                 matrix.consistent[(start + row) * count + start + column] =
-                    row == column || consistency.graph.connected(one, other);
+                    row == column || group.agree(one, other);
             }
         }
     }
-    Ok(matrix)
+    matrix
 }
 
-fn marked(graph: &PoseGraph, mut matrix: Matrix) -> Matrix {
-    matrix.clique =
-        matrix.edges.iter().map(|&edge| graph.edges[edge].rejected_by.as_deref() != Some(PCM)).collect();
-    matrix
+/// The gates of all groups, which differ where they are corrected for the number of pairs.
+fn in_words(groups: &[GroupConsistency]) -> String {
+    let gates: Vec<Gate> = groups.iter().map(|group| group.gate).collect();
+    if let Some(Gate { per_step: Some(per_step), .. }) = gates.first() {
+        return format!("{} m and {} rad a step", per_step.translation, per_step.rotation);
+    }
+    let least = gates.iter().map(|gate| gate.squared_distance).fold(f64::INFINITY, f64::min);
+    let most = gates.iter().map(|gate| gate.squared_distance).fold(f64::NEG_INFINITY, f64::max);
+    if least < most { format!("{least:.2} to {most:.2}") } else { format!("{least:.2}") }
 }
 
 /// The order in which a matrix is drawn: within each group the clique first, then the others by how many of

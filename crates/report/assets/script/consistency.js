@@ -107,7 +107,7 @@ if (byId("consistency-map")) {
       return;
     }
     const { list, kept } = shown, wrong = list.filter((one) => one.truth === "f"), through = wrong.filter((one) => one.kept);
-    const summary = `${list.length} candidates, ${kept.length} kept; ${wrong.length} incorrect, ${through.length} of them kept; gate ${view.consistency.gate.toFixed(2)} (${view.consistency.method})`;
+    const summary = `${list.length} candidates, ${kept.length} kept; ${wrong.length} incorrect, ${through.length} of them kept; gate ${view.consistency.gate} (${view.consistency.method})`;
     byId("consistency-summary").textContent = summary;
     canvas.setAttribute("aria-label", `Consistency matrix: ${summary}.`);
     legend(byId("consistency-legend"), [

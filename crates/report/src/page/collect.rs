@@ -301,7 +301,7 @@ fn matrix(graph: &PoseGraph, edges: &Edges, method: &str) -> Option<Consistency>
                 .flat_map(|row| (row + 1..count).map(move |column| (row, column)))
                 .map(|(row, column)| matrix.consistent(row, column)),
         ),
-        gate: matrix.gate,
+        gate: matrix.gate.clone(),
         method: method.to_owned(),
     })
 }

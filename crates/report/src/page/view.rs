@@ -127,8 +127,8 @@ pub struct Consistency {
     pub clique: String,
     /// The upper triangle row by row, without the diagonal, as bits.
     pub pairs: String,
-    /// The largest squared Mahalanobis distance of a consistent pair.
-    pub gate: f64,
+    /// When a pair is consistent, in words.
+    pub gate: String,
     /// The method whose PCM it is.
     pub method: String,
 }
