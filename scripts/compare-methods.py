@@ -170,6 +170,9 @@ def measure(name, graphs, methods, work):
     """{graph: {method: [one result a seed]}}, the methods that are not named from the time before."""
     kept = KEPT / f"{name}.json"
     found = json.loads(kept.read_text()) if kept.is_file() and methods != list(METHODS) else {}
+    others = set(METHODS) - set(methods)
+    if others and not (found and all(others <= set(results) for results in found.values())):
+        sys.exit(f"{kept} has not all other methods of the table; measure {name} once without --method")
     for results in found.values():
         for method in methods:
             results.pop(method, None)

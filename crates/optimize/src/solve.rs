@@ -123,7 +123,8 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
         reports.push(report);
     }
     let robust = edges.iter().any(|edge| edge.kernel.is_some());
-    let total = |of: fn(&ComponentReport) -> f64| reports.iter().map(of).sum::<f64>();
+    // `sum` of nothing is -0.
+    let total = |of: fn(&ComponentReport) -> f64| reports.iter().map(of).fold(0.0, |sum, part| sum + part);
     Solution {
         chi2_given: if robust { chi2(problem, problem.poses()) } else { total(|report| report.cost_given) },
         chi2_initial: if robust { chi2(problem, &starts) } else { total(|report| report.cost_start) },

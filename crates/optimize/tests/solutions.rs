@@ -162,6 +162,7 @@ fn without_a_tolerance_of_the_cost_every_start_ends_at_the_same_poses() {
 fn graphs_with_nothing_to_do_are_solved() {
     let empty = optimize(&Problem::<SE2, 3>::new(vec![], vec![]).unwrap(), &Options::default());
     assert!(empty.converged && empty.poses.is_empty() && empty.components.is_empty() && empty.chi2 == 0.0);
+    assert!(empty.chi2.is_sign_positive() && empty.cost.is_sign_positive(), "no \"chi2 -0.000000\"");
     let poses = vec![SE3::from_euler(1.0, 2.0, 3.0, 0.1, 0.2, 0.3), SE3::identity()];
     let edgeless = optimize(&Problem::<SE3, 6>::new(poses.clone(), vec![]).unwrap(), &Options::default());
     assert_eq!(edgeless.poses, poses);

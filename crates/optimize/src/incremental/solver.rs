@@ -219,7 +219,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     }
 
     pub(super) fn cost_at(&self, poses: &[G]) -> f64 {
-        self.edges.list().map(|(_, edge)| edge.cost(poses)).sum()
+        self.edges.list().map(|(_, edge)| edge.cost(poses)).fold(0.0, |sum, cost| sum + cost)
     }
 
     /// Memory held for cliques and edges, bytes. It depends on the graph and on how large it has been, not on how often
