@@ -26,6 +26,8 @@ import tempfile
 from functools import partial
 from pathlib import Path
 
+from splice import splice
+
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAMS = Path(os.environ.get("PROGRAMS", ROOT / "target/release"))
 DOCUMENT = ROOT / "docs/methods.md"
@@ -220,12 +222,6 @@ def table(graphs):
                                      for place, cell in enumerate(line)) + " |\n" for line in lines)
 
 
-def splice(name, text):
-    before, rest = DOCUMENT.read_text().split(f"<!-- begin: {name} -->\n", 1)
-    _, after = rest.split(f"<!-- end: {name} -->", 1)
-    DOCUMENT.write_text(f"{before}<!-- begin: {name} -->\n\n{text}\n<!-- end: {name} -->{after}")
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("data", type=Path)
@@ -241,7 +237,7 @@ def main():
     for family in families:
         with tempfile.TemporaryDirectory() as folder:
             work = Path(folder)
-            splice(family, table(measure(family, FAMILIES[family](arguments.data, work), arguments.methods or list(METHODS), work)))
+            splice(DOCUMENT, family, table(measure(family, FAMILIES[family](arguments.data, work), arguments.methods or list(METHODS), work)))
 
 
 FOLDERS = {

@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 """Plants three faults, each one changed line of a copy of the sources, holds the table of the copy's program to
 pipelines/expected.toml, and puts what `make check-results` says into docs/experiments.md (--write). Exits with 1 if a fault is
-not blamed on its stage.
-Usage: scripts/plant-faults.py [--write]"""
+not blamed on its stage."""
 
+import argparse
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+
+from splice import splice
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCUMENT = ROOT / "docs/experiments.md"
@@ -58,13 +60,14 @@ def said(stage: str, program: Path) -> str:
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--write", action="store_true", help="put what the check says into docs/experiments.md")
+    write = parser.parse_args().write
     for fault in FAULTS:
         text = said(fault[0], plant(*fault))
         print(text, end="\n\n")
-        if "--write" in sys.argv[1:]:
-            before, rest = DOCUMENT.read_text().split(f"<!-- begin: {fault[0]} -->\n", 1)
-            _, after = rest.split(f"<!-- end: {fault[0]} -->", 1)
-            DOCUMENT.write_text(f"{before}<!-- begin: {fault[0]} -->\n\n```\n{text}\n```\n\n<!-- end: {fault[0]} -->{after}")
+        if write:
+            splice(DOCUMENT, fault[0], f"```\n{text}\n```\n")
 
 
 main()

@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 """Times the paper's experiment on simulated sessions (20 seeds, 4 sessions, 5 methods, two threads), from nothing, and puts the
-table into docs/experiments.md (--write). The programs must be built.
-Usage: scripts/time-experiment.py [--write] [DIRECTORY_OF_PROGRAMS]"""
+table into docs/experiments.md (--write). The programs must be built."""
 
+import argparse
 import json
 import subprocess
-import sys
 import tempfile
 from datetime import date
 from pathlib import Path
+
+from splice import splice
 
 SEEDS = 20
 METHODS = ["none", "pcm", "gc", "pcm+gc", "oracle"]
@@ -36,16 +37,15 @@ def table(stats: dict, results: int) -> str:
 
 
 def main() -> None:
-    arguments = sys.argv[1:]
-    write = "--write" in arguments
-    programs = Path(next((word for word in arguments if word != "--write"), "target/release"))
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("programs", type=Path, nargs="?", default=Path("target/release"), help="their directory")
+    parser.add_argument("--write", action="store_true", help="put the table into docs/experiments.md")
+    arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as work:
-        text = table(*run(programs, Path(work)))
+        text = table(*run(arguments.programs, Path(work)))
     print(text)
-    if write:
-        before, rest = DOCUMENT.read_text().split("<!-- begin: time -->\n", 1)
-        _, after = rest.split("<!-- end: time -->", 1)
-        DOCUMENT.write_text(f"{before}<!-- begin: time -->\n\n{text}\n<!-- end: time -->{after}")
+    if arguments.write:
+        splice(DOCUMENT, "time", text)
 
 
 main()
