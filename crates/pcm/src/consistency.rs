@@ -45,10 +45,10 @@ impl std::ops::AddAssign for PairCounts {
 
 /// The candidates of a group with all that testing a pair needs.
 pub struct Pairs<'a, G, const DOF: usize> {
-    chain_a: &'a Chain<G, DOF>,
-    chain_b: &'a Chain<G, DOF>,
-    same_chain: bool,
-    candidates: &'a [Candidate<G, DOF>],
+    pub(crate) chain_a: &'a Chain<G, DOF>,
+    pub(crate) chain_b: &'a Chain<G, DOF>,
+    pub(crate) same_chain: bool,
+    pub(crate) candidates: &'a [Candidate<G, DOF>],
     pretest: PreTest,
     odometry_test: bool,
 }
@@ -174,6 +174,14 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
         };
         counts.consistent += usize::from(consistent);
         consistent
+    }
+
+    /// The candidates that the odometry alone does not refute, and their consistency graph.
+    pub fn tested_graph(&self, gate: Gate) -> (Vec<usize>, BitGraph, PairCounts) {
+        let tested: Vec<usize> =
+            (0..self.len()).filter(|&candidate| self.agrees_with_odometry(candidate, gate)).collect();
+        let (graph, counts) = self.graph_of(&tested, gate);
+        (tested, graph, counts)
     }
 
     /// The consistency graph: N (N - 1) / 2 pairs in tiles, strips of 64 rows in parallel; the same at any number of

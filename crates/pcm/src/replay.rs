@@ -3,11 +3,10 @@
 use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, PoseGraph};
 
-use crate::calibration::estimate_scales;
 use crate::candidate::Group;
 use crate::clique::BitGraph;
 use crate::consistency::Pairs;
-use crate::stage::candidates;
+use crate::stage::{candidates, scale};
 use crate::{Gate, Options, PcmError, Spatial};
 
 /// A group of candidates and which of them agree, as the stage decides on them.
@@ -44,21 +43,17 @@ fn consistency_of<G: Spatial<DOF>, const DOF: usize>(
     graph: &PoseGraph,
 ) -> Result<Vec<GroupConsistency>, PcmError> {
     let (mut chains, mut grouped) = candidates::<G, DOF>(options, graph)?;
-    let estimate = options.wants_estimate().then(|| estimate_scales(&chains, &grouped.groups)).flatten();
-    options.scales(estimate).apply(&mut chains, &mut grouped.groups);
+    scale(options, &mut chains, &mut grouped.groups);
     let of_group = |group: &Group<G, DOF>| {
         let gate = options.gate(options.probability, group.candidates.len(), DOF)?;
         let places =
             group.candidates.iter().map(|candidate| (candidate.i, candidate.k, candidate.edge)).collect();
         let pairs = Pairs::new(&chains, group).with_odometry_test(!options.no_odometry_test);
-        let tested: Vec<usize> = (0..group.candidates.len())
-            .filter(|&candidate| pairs.agrees_with_odometry(candidate, gate))
-            .collect();
+        let (tested, graph, _) = pairs.tested_graph(gate);
         let mut vertices = vec![None; group.candidates.len()];
         for (vertex, &candidate) in tested.iter().enumerate() {
             vertices[candidate] = Some(vertex);
         }
-        let (graph, _) = pairs.graph_of(&tested, gate);
         Ok(GroupConsistency { places, gate, vertices, graph })
     };
     grouped.groups.iter().map(of_group).collect()

@@ -6,7 +6,7 @@ use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 use posecut_stage::{Context, GraphStage, write_atomically};
 
-use crate::calibration::{Scales, estimate_scales};
+use crate::calibration::{ScaleEstimate, Scales, estimate_scales};
 use crate::candidate::{Group, Grouped, group_with};
 use crate::cells::solve_by_cells;
 use crate::chain::{Chains, Covariances};
@@ -133,6 +133,17 @@ pub(crate) fn candidates<G: Spatial<DOF>, const DOF: usize>(
 }
 
 /// Estimates scales where they are asked for, and applies those of the options to chains and candidates.
+pub(crate) fn scale<G: Spatial<DOF>, const DOF: usize>(
+    options: &Options,
+    chains: &mut Chains<G, DOF>,
+    groups: &mut [Group<G, DOF>],
+) -> Option<ScaleEstimate> {
+    let estimate = if options.wants_estimate() { estimate_scales(chains, groups) } else { None };
+    options.scales(estimate).apply(chains, groups);
+    estimate
+}
+
+/// [`scale`], and with `--calibrate` the same for the informations of the graph.
 fn calibrate<G: Spatial<DOF>, const DOF: usize>(
     options: &Options,
     graph: &mut PoseGraph,
@@ -141,11 +152,8 @@ fn calibrate<G: Spatial<DOF>, const DOF: usize>(
     summary: &mut Summary,
 ) {
     let start = Instant::now();
-    if options.wants_estimate() {
-        summary.scale_wanted = true;
-        summary.scale = estimate_scales(chains, groups);
-    }
-    options.scales(summary.scale).apply(chains, groups);
+    summary.scale_wanted = options.wants_estimate();
+    summary.scale = scale(options, chains, groups);
     if options.calibrate {
         let estimated = summary.scale.map_or(Scales::ONE, |estimate| estimate.scales);
         divide_information(graph, EdgeKind::Odometry, estimated.odometry);
@@ -191,10 +199,8 @@ fn judge<G: Spatial<DOF>, const DOF: usize>(
         return Ok(Judged::new(solution.degrees, &solution.members, &solution.grown, None));
     }
     let start = Instant::now();
-    let tested: Vec<usize> =
-        (0..count).filter(|&candidate| pairs.agrees_with_odometry(candidate, gate)).collect();
+    let (tested, graph, counts) = pairs.tested_graph(gate);
     summary.against_odometry += count - tested.len();
-    let (graph, counts) = pairs.graph_of(&tested, gate);
     summary.seconds_pairs += start.elapsed().as_secs_f64();
     summary.counts += counts;
     let start = Instant::now();

@@ -233,3 +233,23 @@ fn subtract_chunk<const D: usize, const W: usize>(
     }
     *target = sums;
 }
+
+/// The product of every column with a vector, in `W` partial sums each: one alone would wait for its own last addition.
+#[inline(always)]
+pub(crate) fn products<const D: usize, const W: usize>(columns: &[&[f64]; D], vector: &[f64]) -> [f64; D] {
+    let mut sums = [[0.0_f64; W]; D];
+    let whole = vector.len() - vector.len() % W;
+    for start in (0..whole).step_by(W) {
+        let Some(values) = vector[start..].first_chunk::<W>() else { break };
+        for (sums, column) in sums.iter_mut().zip(columns) {
+            let Some(entries) = column[start..].first_chunk::<W>() else { break };
+            for ((sum, entry), value) in sums.iter_mut().zip(entries).zip(values) {
+                *sum = entry.mul_add(*value, *sum);
+            }
+        }
+    }
+    std::array::from_fn(|index| {
+        let rest = columns[index][whole..].iter().zip(&vector[whole..]);
+        sums[index].iter().sum::<f64>() + rest.map(|(entry, value)| entry * value).sum::<f64>()
+    })
+}

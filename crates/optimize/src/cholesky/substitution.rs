@@ -8,7 +8,7 @@
 use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::SVector;
 
-use super::dense::subtract_columns;
+use super::dense::{products, subtract_columns};
 use super::factor::Factor;
 use super::symbolic::{Front, Symbolic};
 
@@ -46,6 +46,21 @@ impl<const D: usize> WithSimd for Substitute<'_, D> {
     }
 }
 
+/// The columns of a front, and working memory for all its rows with the front's own values in it.
+#[inline(always)]
+fn open<'a, const D: usize>(
+    front: &Front,
+    panels: &'a [f64],
+    x: &[f64],
+    local: &'a mut [f64],
+) -> (&'a [f64], &'a mut [f64]) {
+    let height = front.height() * D;
+    let columns = front.columns * D;
+    let local = &mut local[..height];
+    local[..columns].copy_from_slice(&x[front.first * D..][..columns]);
+    (&panels[front.panel * D * D..][..columns * height], local)
+}
+
 /// `x_1 = L^-1 x_1`, then `x_2 -= M x_1`, for the columns of one front. `local` is working memory.
 #[inline(always)]
 pub(super) fn forward<const D: usize>(
@@ -55,11 +70,8 @@ pub(super) fn forward<const D: usize>(
     x: &mut [f64],
     local: &mut [f64],
 ) {
-    let height = front.height() * D;
-    let columns = front.columns * D;
-    let panel = &panels[front.panel * D * D..][..columns * height];
-    let local = &mut local[..height];
-    local[..columns].copy_from_slice(&x[front.first * D..][..columns]);
+    let (panel, local) = open::<D>(front, panels, x, local);
+    let (height, columns) = (local.len(), front.columns * D);
     local[columns..].fill(0.0);
     for (block_index, block) in panel.chunks_exact(D * height).enumerate() {
         let start = block_index * D;
@@ -95,11 +107,8 @@ pub(super) fn backward<const D: usize>(
     x: &mut [f64],
     local: &mut [f64],
 ) {
-    let height = front.height() * D;
-    let columns = front.columns * D;
-    let panel = &panels[front.panel * D * D..][..columns * height];
-    let local = &mut local[..height];
-    local[..columns].copy_from_slice(&x[front.first * D..][..columns]);
+    let (panel, local) = open::<D>(front, panels, x, local);
+    let (height, columns) = (local.len(), front.columns * D);
     for (&row, values) in symbolic.rows[front.rows.clone()].iter().zip(local[columns..].chunks_exact_mut(D)) {
         values.copy_from_slice(&x[row * D..][..D]);
     }
@@ -119,24 +128,4 @@ pub(super) fn backward<const D: usize>(
         }
     }
     x[front.first * D..][..columns].copy_from_slice(&local[..columns]);
-}
-
-/// The product of every column with a vector, in `W` partial sums each: one alone would wait for its own last addition.
-#[inline(always)]
-fn products<const D: usize, const W: usize>(columns: &[&[f64]; D], vector: &[f64]) -> [f64; D] {
-    let mut sums = [[0.0_f64; W]; D];
-    let whole = vector.len() - vector.len() % W;
-    for start in (0..whole).step_by(W) {
-        let Some(values) = vector[start..].first_chunk::<W>() else { break };
-        for (sums, column) in sums.iter_mut().zip(columns) {
-            let Some(entries) = column[start..].first_chunk::<W>() else { break };
-            for ((sum, entry), value) in sums.iter_mut().zip(entries).zip(values) {
-                *sum = entry.mul_add(*value, *sum);
-            }
-        }
-    }
-    std::array::from_fn(|index| {
-        let rest = columns[index][whole..].iter().zip(&vector[whole..]);
-        sums[index].iter().sum::<f64>() + rest.map(|(entry, value)| entry * value).sum::<f64>()
-    })
 }

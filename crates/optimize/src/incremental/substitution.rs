@@ -11,6 +11,7 @@ use nalgebra::SVector;
 use super::tree::Clique;
 use super::{IncrementalSolver, UpdateReport};
 use crate::PoseGroup;
+use crate::cholesky::dense::products;
 
 /// Lanes of a sum: one vector register.
 const LANES: usize = 4;
@@ -29,7 +30,9 @@ fn solve<const D: usize>(clique: &Clique, values: &[SVector<f64, D>], known: &mu
     for (place, block) in clique.panel.chunks_exact(D * height).enumerate().rev() {
         let start = place * D;
         let (own, later) = known[start..].split_at_mut(D);
-        let sums = dots::<D>(std::array::from_fn(|column| &block[column * height + start + D..]), later);
+        let sources: [&[f64]; D] =
+            std::array::from_fn(|column| &block[column * height + start + D..][..later.len()]);
+        let sums = products::<D, LANES>(&sources, later);
         for column in (0..D).rev() {
             let entries = &block[column * height..][..height];
             let mut rest = entries[rows] - sums[column];
@@ -39,27 +42,6 @@ fn solve<const D: usize>(clique: &Clique, values: &[SVector<f64, D>], known: &mu
             own[column] = rest / entries[start + column];
         }
     }
-}
-
-/// The products of `D` columns with a vector. All at a time: one sum alone would wait for its own last addition.
-#[inline(always)]
-fn dots<const D: usize>(columns: [&[f64]; D], vector: &[f64]) -> [f64; D] {
-    let columns = columns.map(|column| &column[..vector.len()]);
-    let mut sums = [[0.0; LANES]; D];
-    let whole = vector.len() / LANES * LANES;
-    for start in (0..whole).step_by(LANES) {
-        let Some(factors) = vector[start..].first_chunk::<LANES>() else { break };
-        for (sum, column) in sums.iter_mut().zip(&columns) {
-            let Some(entries) = column[start..].first_chunk::<LANES>() else { break };
-            for lane in 0..LANES {
-                sum[lane] = entries[lane].mul_add(factors[lane], sum[lane]);
-            }
-        }
-    }
-    std::array::from_fn(|index| {
-        let rest: f64 = columns[index][whole..].iter().zip(&vector[whole..]).map(|(a, b)| a * b).sum();
-        sums[index].iter().sum::<f64>() + rest
-    })
 }
 
 impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {

@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use crate::candidate::{Candidate, Group};
-use crate::chain::{Chain, Chains};
+use crate::chain::Chains;
 use crate::consistency::Pairs;
 use crate::distance::{Carried, add_odometry};
 use crate::nearest::Nearest;
@@ -55,7 +55,7 @@ pub(super) fn sample<G: Spatial<DOF>, const DOF: usize>(
     for group in groups {
         let count = group.candidates.len();
         let pairs = Pairs::new(chains, group);
-        let closing = Closing::new(chains, group);
+        let closing = Closing(&pairs);
         let all: Vec<usize> = (0..count).collect();
         let nearest = Nearest::new(&pairs, &all, [1.0, 1.0]);
         // Steps of the golden section spread over all candidates without a pattern.
@@ -97,32 +97,18 @@ fn log_volume<const DOF: usize>(errors: &[SVector<f64, DOF>]) -> f64 {
 }
 
 /// Closes loops of a group. Errors are those of [`crate::distance`], in the frame of chain B.
-struct Closing<'a, G, const DOF: usize> {
-    chain_a: &'a Chain<G, DOF>,
-    chain_b: &'a Chain<G, DOF>,
-    same_chain: bool,
-    candidates: &'a [Candidate<G, DOF>],
-}
+struct Closing<'a, G, const DOF: usize>(&'a Pairs<'a, G, DOF>);
 
-impl<'a, G: Spatial<DOF>, const DOF: usize> Closing<'a, G, DOF> {
-    fn new(chains: &'a Chains<G, DOF>, group: &'a Group<G, DOF>) -> Self {
-        Self {
-            chain_a: &chains.chains[group.a],
-            chain_b: &chains.chains[group.b],
-            same_chain: group.a == group.b,
-            candidates: &group.candidates,
-        }
-    }
-
+impl<G: Spatial<DOF>, const DOF: usize> Closing<'_, G, DOF> {
     /// The loop through two candidates.
     fn pair(&self, one: usize, other: usize, class: usize) -> Loop<DOF> {
-        let (a, b) = (&self.candidates[one], &self.candidates[other]);
+        let (a, b) = (&self.0.candidates[one], &self.0.candidates[other]);
         let mut odometry = SMatrix::zeros();
         add_odometry(
             &mut odometry,
-            self.chain_a,
-            self.chain_b,
-            self.same_chain,
+            self.0.chain_a,
+            self.0.chain_b,
+            self.0.same_chain,
             a,
             b,
             &mut Carried::default(),
@@ -134,19 +120,19 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Closing<'a, G, DOF> {
 
     /// The loop through one candidate and the odometry; between two chains there is none.
     fn odometry(&self, one: usize) -> Option<Loop<DOF>> {
-        let candidate = &self.candidates[one];
-        self.same_chain.then(|| Loop {
+        let candidate = &self.0.candidates[one];
+        self.0.same_chain.then(|| Loop {
             class: ODOMETRY,
             error: candidate.from_a.log(),
-            odometry: self.chain_a.covariance_between(candidate.i, candidate.k),
+            odometry: self.0.chain_a.covariance_between(candidate.i, candidate.k),
             landmark: candidate.covariance,
         })
     }
 
     /// The alignment that a candidate would claim if it had measured what another has.
     fn exchanged(&self, candidate: usize, donor: usize) -> G {
-        let (candidate, donor) = (&self.candidates[candidate], &self.candidates[donor]);
-        let poses = |of: &Candidate<G, DOF>| (self.chain_a.poses[of.i], self.chain_b.poses[of.k]);
+        let (candidate, donor) = (&self.0.candidates[candidate], &self.0.candidates[donor]);
+        let poses = |of: &Candidate<G, DOF>| (self.0.chain_a.poses[of.i], self.0.chain_b.poses[of.k]);
         let ((donor_a, donor_b), (pose_a, pose_b)) = (poses(donor), poses(candidate));
         let measurement = donor_a.inverse().compose(&donor.alignment).compose(&donor_b);
         pose_a.compose(&measurement).compose(&pose_b.inverse())
@@ -154,7 +140,7 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Closing<'a, G, DOF> {
 
     /// The error of a pair if the second had measured what a third has, seen at the first one's place in chain B.
     fn pair_exchanged(&self, one: usize, other: usize, donor: usize) -> SVector<f64, DOF> {
-        let error = self.candidates[one].from_a.compose(&self.exchanged(other, donor));
+        let error = self.0.candidates[one].from_a.compose(&self.exchanged(other, donor));
         self.seen_at_place(one, &error)
     }
 
@@ -166,7 +152,7 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Closing<'a, G, DOF> {
     /// Far from the origin of the chain a small turn moves much; at the place itself errors fill a compact region, whose
     /// volume is the same in any frame.
     fn seen_at_place(&self, candidate: usize, error: &G) -> SVector<f64, DOF> {
-        let place = self.chain_b.poses[self.candidates[candidate].k];
+        let place = self.0.chain_b.poses[self.0.candidates[candidate].k];
         place.inverse().compose(error).compose(&place).log()
     }
 }
