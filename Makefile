@@ -158,7 +158,7 @@ $$(RESULTS)/%/trajectories.$(1): run $$(REPORT)
 	@$$(REPORT) consistency --quiet "PCM=$$*/pcm.jsonl" -o $$@
 
 %/components.$(1): run $$(REPORT)
-	@$$(REPORT) components --quiet "PCM+GC=$$*/pcm+gc.jsonl" -o $$@
+	@$$(REPORT) components --quiet "PCM+GC=$$*/pcm+gc.optimized.jsonl" -o $$@
 
 %/error.$(1): run $$(REPORT)
 	@$$(REPORT) error --quiet "PCM=$$*/pcm.optimized.jsonl" "PCM+GC=$$*/pcm+gc.optimized.jsonl" \

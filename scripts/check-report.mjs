@@ -16,6 +16,8 @@ const faults = [];
 const check = (holds, sentence) => {
   if (!holds) faults.push(sentence);
 };
+// The same message a hundred times is one fault.
+const said = (sentence) => check(faults.includes(sentence), sentence);
 
 const context = await chromium.launchPersistentContext(profile, {
   executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
@@ -27,8 +29,8 @@ const context = await chromium.launchPersistentContext(profile, {
 try {
   const page = context.pages()[0] ?? (await context.newPage());
   const requests = [];
-  page.on("console", (message) => faults.push(`the console says: ${message.type()}: ${message.text()}`));
-  page.on("pageerror", (error) => faults.push(`a script fails: ${error.message}`));
+  page.on("console", (message) => said(`the console says: ${message.type()}: ${message.text()}`));
+  page.on("pageerror", (error) => said(`a script fails: ${error.message}`));
   page.on("request", (request) => requests.push(request.url()));
   await page.goto(address);
   await settled(page);
@@ -162,6 +164,7 @@ async function layersAndZoom(page) {
   await page.click("#graph-buttons button:first-child");
   await settled(page);
   const zoomed = await both();
+  if (shots) await (await page.$("#graphs")).screenshot({ path: join(shots, "zoomed.png") });
   check(zoomed !== start, "the zoom button does nothing");
   const box = await (await page.$("#graph-left-map")).boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
@@ -223,6 +226,26 @@ async function regimes(page) {
     await page.selectOption("#regimes-quantity", quantity);
     check((await page.$$("#regimes-maps .cell")).length > 0, `there is no map of ${quantity}`);
   }
+  // Every kind of false edges on every session: numbers in cells, and points in both charts, or the words that there are none.
+  const values = (id) => page.$$eval(`#${id} option`, (all) => all.map((one) => one.value));
+  const [session, kind] = [await page.inputValue("#regimes-session"), await page.inputValue("#regimes-kind")];
+  check(kind === "uniform" || !(await values("regimes-kind")).includes("uniform"), "the map does not begin with uniform false edges");
+  for (const one of await values("regimes-session")) {
+    await page.selectOption("#regimes-session", one);
+    for (const other of await values("regimes-kind")) {
+      await page.selectOption("#regimes-kind", other);
+      const { numbers, points, words } = await page.evaluate(() => ({
+        numbers: [...document.querySelectorAll("#regimes-maps .cell text")].filter((text) => text.textContent !== "–").length,
+        points: ["rate", "scale"].map((name) => document.querySelectorAll(`#regimes-over-${name} circle`).length),
+        words: document.getElementById("regimes-maps").textContent,
+      }));
+      const none = /no results/.test(words);
+      check(none ? numbers === 0 : numbers > 0 && points.every((count) => count > 0), `${other} false edges on ${one}: an empty map or chart`);
+    }
+    if (one === session) await shot(page, "kind", {});
+  }
+  await page.selectOption("#regimes-session", session);
+  await page.selectOption("#regimes-kind", kind);
 }
 
 async function themes(page) {

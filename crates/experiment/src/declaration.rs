@@ -14,6 +14,8 @@ pub struct Experiment {
     pub name: String,
     /// Names of sessions.
     pub sessions: Vec<String>,
+    /// Names of sessions where they are simulated, if others.
+    pub simulated_sessions: Option<Vec<String>>,
     /// Seeds 1 to this number.
     pub seeds: u64,
     /// Methods to run, in the order of tables.
@@ -81,6 +83,8 @@ pub struct Grid {
     pub methods: Option<Vec<String>>,
     /// Instead of the experiment's sessions.
     pub sessions: Option<Vec<String>>,
+    /// Sessions that are left out, whichever were asked for.
+    pub except: Vec<String>,
     /// Instead of the experiment's number of seeds.
     pub seeds: Option<u64>,
 }
@@ -93,6 +97,7 @@ struct File {
     #[expect(dead_code, reason = "for readers of the file")]
     about: Option<String>,
     sessions: Option<Vec<String>>,
+    simulated_sessions: Option<Vec<String>>,
     seeds: Option<u64>,
     methods: Option<Vec<String>>,
     reference: Option<String>,
@@ -134,6 +139,7 @@ impl Experiment {
         Self {
             name: String::new(),
             sessions: Vec::new(),
+            simulated_sessions: None,
             seeds: 1,
             methods: Vec::new(),
             reference: "oracle".to_owned(),
@@ -149,6 +155,7 @@ impl Experiment {
     fn overlay(&mut self, file: File, stem: String) -> anyhow::Result<()> {
         self.name = file.name.unwrap_or(stem);
         self.sessions = file.sessions.unwrap_or(std::mem::take(&mut self.sessions));
+        self.simulated_sessions = file.simulated_sessions.or(self.simulated_sessions.take());
         self.seeds = file.seeds.unwrap_or(self.seeds);
         self.methods = file.methods.unwrap_or(std::mem::take(&mut self.methods));
         self.reference = file.reference.unwrap_or(std::mem::take(&mut self.reference));
@@ -258,6 +265,7 @@ fn grid(table: &BTreeMap<String, Value>) -> anyhow::Result<Grid> {
         match name.as_str() {
             "methods" => grid.methods = Some(list()?),
             "sessions" => grid.sessions = Some(list()?),
+            "except" => grid.except = list()?,
             "seeds" => {
                 let seeds = value.as_integer().and_then(|seeds| u64::try_from(seeds).ok());
                 grid.seeds = Some(seeds.context("a grid's seeds are a number of seeds")?);

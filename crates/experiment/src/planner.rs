@@ -51,7 +51,8 @@ pub fn plan(
         let single = [Grid::default()];
         let grids = if experiment.grids.is_empty() { &single[..] } else { &experiment.grids };
         for grid in grids {
-            for session in grid.sessions.as_ref().unwrap_or(&experiment.sessions) {
+            let sessions = grid.sessions.as_ref().unwrap_or(&experiment.sessions);
+            for session in sessions.iter().filter(|session| !grid.except.contains(session)) {
                 let Some(data) = source.session(session) else {
                     missing.insert(session.clone());
                     continue;

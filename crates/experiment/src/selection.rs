@@ -63,6 +63,8 @@ impl Selection {
         for experiment in &mut experiments {
             if !self.sessions.is_empty() {
                 experiment.sessions.clone_from(&self.sessions);
+            } else if let (None, Some(simulated)) = (&self.nclt, &experiment.simulated_sessions) {
+                experiment.sessions.clone_from(simulated);
             }
             experiment.seeds = self.seeds.unwrap_or(experiment.seeds);
             if !self.methods.is_empty() {

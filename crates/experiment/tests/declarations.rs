@@ -85,6 +85,30 @@ fn a_declaration_builds_on_another() {
 }
 
 #[test]
+fn real_and_simulated_sessions_and_exceptions_are_as_declared() {
+    let declared = EXPERIMENT.replace("seeds = 2", "seeds = 2\nsimulated_sessions = [\"two\", \"three\"]");
+    let workshop = Workshop::new(&declared);
+    for name in ["one", "two"] {
+        std::fs::create_dir_all(workshop.path("nclt").join(name)).unwrap();
+    }
+    let results = |more: &[&str]| {
+        let more = [more, &["--format", "results"]].concat();
+        let text = String::from_utf8(workshop.call("plan", &more).stdout).unwrap();
+        ["one", "two", "three"].map(|name| text.matches(&format!("/{name}/")).count())
+    };
+    assert_eq!(results(&[]), [0, 4, 4]);
+    assert_eq!(results(&["--nclt", "nclt"]), [4, 4, 0]);
+    assert_eq!(results(&["--sessions", "one"]), [4, 0, 0], "the command line has the last word");
+    // A block of a grid may leave a session out.
+    let workshop =
+        Workshop::new(&GRID.replace("sessions = [\"one\"]\nseeds = 1", "except = [\"one\"]\nseeds = 1"));
+    let text = String::from_utf8(workshop.call("plan", &["--format", "results"]).stdout).unwrap();
+    let grouped: Vec<&str> = text.lines().filter(|line| line.contains("kind=grouped")).collect();
+    assert!(grouped.len() == 2 && grouped.iter().all(|line| line.contains("/two/")), "{text}");
+    assert!(text.contains("/one/"));
+}
+
+#[test]
 fn runs_that_would_overwrite_each_other_are_refused() {
     // Two blocks with the same point and other methods are one; a parameter that nobody names is still told apart.
     let twice = GRID.replace("[[grid]]\nkind = [\"grouped\"]", "[[grid]]\nkind = [\"uniform\"]");

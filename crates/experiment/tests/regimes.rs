@@ -29,8 +29,6 @@ fn the_published_table_is_a_point_of_the_map() {
         construct.iter().filter(|word| !["--incorrect-kind", "uniform"].contains(&word.as_str())).collect();
     assert_eq!(without, paper.stages["construct"].options.iter().collect::<Vec<_>>());
     assert!(filled("pcm").starts_with(&paper.stages["pcm"].options));
-    assert_eq!(
-        (&map.sessions, filled("multicut")),
-        (&paper.sessions, paper.stages["multicut"].options.clone())
-    );
+    assert_eq!(filled("multicut"), paper.stages["multicut"].options);
+    assert!(paper.sessions.iter().all(|session| map.sessions.contains(session)), "{:?}", map.sessions);
 }

@@ -2,12 +2,14 @@
 //! and the share of false edges.
 //!
 //! - [`statistics`]: confidence intervals and tests over seeds.
+//! - `runs`: runs by their places in the map.
 //! - [`map`]: means and intervals of every cell, and the effect of the graph cut on every cell.
 //! - [`table`]: the same as Markdown and CSV.
 //! - [`document`]: the tables of docs/regimes.md.
 
 pub mod document;
 pub mod map;
+mod runs;
 pub mod statistics;
 pub mod table;
 

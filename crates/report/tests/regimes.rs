@@ -108,6 +108,27 @@ fn a_cell_without_results_and_a_session_without_the_cell_are_no_data() {
         "a mean over other sessions would be another quantity"
     );
     assert!(table::markdown(&map, &map.sessions, &map.kinds).contains("no data"));
+    // Not every session has a place for every kind of false edges; the others are taken together, and it is said.
+    text += &(line("s", "pcm", "1", "\"0.1\"", 1, 7.0).replace("uniform", "corridor") + "\n");
+    let map = Map::new(&results(&text).unwrap(), &[]).unwrap();
+    assert_eq!(map.kinds, ["uniform", "corridor"]);
+    assert_eq!(map.of("all sessions", "corridor", "pcm").unwrap().cells[0].unwrap().mean, 7.0);
+    assert_eq!(map.of("t", "corridor", "pcm").unwrap().cells, [None, None]);
+    let kinds = sections(&map).into_iter().find(|(name, _)| *name == "kinds").unwrap().1;
+    assert!(
+        kinds.contains("No corridor mistakes on t; means over sessions are over the others there."),
+        "{kinds}"
+    );
+}
+
+#[test]
+fn methods_stand_after_what_they_are_compared_with() {
+    let names = ["pcm+gc", "gc", "none", "pcm-root", "pcm"];
+    let text = names.map(|name| line("s", name, "1", "\"0.1\"", 1, 1.0)).join("\n");
+    let all = results(&text).unwrap();
+    let order = |asked: &[String]| Map::new(&all, asked).unwrap().methods;
+    assert_eq!(order(&[]), ["none", "pcm", "pcm-root", "gc", "pcm+gc"]);
+    assert_eq!(order(&["gc".to_owned()]), ["gc", "none", "pcm", "pcm-root", "pcm+gc"]);
 }
 
 #[test]

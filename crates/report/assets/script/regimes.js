@@ -25,17 +25,29 @@ if (byId("regimes-maps")) {
       redraw();
     });
   }
+  /** What was swept for the kind of false edges chosen: other kinds than the uniform one have fewer points. */
+  function swept() {
+    const columns = map.scales.length, cells = ofChoice(map.maps).map((one) => one.cells);
+    const known = (rate, scale) => cells.some((list) => list[rate * columns + scale]);
+    const rates = map.rates.map((_, rate) => rate).filter((rate) => map.scales.some((_, scale) => known(rate, scale)));
+    const scales = map.scales.map((_, scale) => scale).filter((scale) => map.rates.some((_, rate) => known(rate, scale)));
+    const nearest = (list, place) => list.reduce((best, one) => (Math.abs(one - place) < Math.abs(best - place) ? one : best), list[0] ?? place);
+    return { rates, scales, nearest };
+  }
   const ofChoice = (list) => list.filter((one) => one.session === chosen.session && one.kind === chosen.kind);
   const signed = (value) => (Math.abs(value) < 0.005 ? "0.00" : `${value < 0 ? "−" : "+"}${metres(Math.abs(value))}`);
 
   /** A panel of cells: rates upwards, scales to the right. `show(cell)` gives fill, text and description. */
   function panel(title, cells, show) {
-    const left = 46, bottom = 40, width = 340, cellWidth = (width - left - 6) / map.scales.length, cellHeight = 30;
-    const height = cellHeight * map.rates.length + bottom + 6;
-    const drawing = svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": `${title}: ${map.rates.length} rates by ${map.scales.length} covariance scales.` });
-    cells.forEach((cell, index) => {
-      const rate = Math.floor(index / map.scales.length), scale = index % map.scales.length;
-      const x = left + scale * cellWidth, y = 4 + (map.rates.length - 1 - rate) * cellHeight;
+    const { rates, scales } = swept();
+    const left = 58, bottom = 40, width = 340, cellHeight = 32;
+    const cellWidth = Math.min(90, (width - left - 6) / Math.max(1, scales.length));
+    const height = cellHeight * rates.length + bottom + 6, right = left + cellWidth * scales.length;
+    const drawing = svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": `${title}: ${rates.length} rates by ${scales.length} covariance scales.` });
+    const above = (row) => 4 + (rates.length - 1 - row) * cellHeight;
+    rates.forEach((rate, row) => scales.forEach((scale, column) => {
+      const cell = cells[rate * map.scales.length + scale];
+      const x = left + column * cellWidth, y = above(row);
       const { fill, dark, text, about, dot } = cell ? show(cell) : { fill: "none", dark: false, text: "–", about: "no data" };
       const ink = dark ? "#ffffff" : cell ? "#14181d" : colour("soft");
       const size = Math.min(12.5, (cellWidth / Math.max(4, text.length)) * 1.55);
@@ -48,19 +60,21 @@ if (byId("regimes-maps")) {
       svg("text", { x: x + cellWidth / 2, y: y + cellHeight / 2 + 4, "text-anchor": "middle", style: null, "font-size": size, fill: ink }, text),
       dot ? svg("circle", { cx: x + cellWidth - 7, cy: y + 7, r: 2.6, fill: ink }) : null,
       svg("title", {}, `covariance × ${short(map.scales[scale])}, ${percent(map.rates[rate])} false: ${about}`)));
-    });
+    }));
     // Style sheets win over attributes: numbers in cells have their own size and colour.
     for (const text of drawing.querySelectorAll(".cell text")) {
       text.style.fill = text.getAttribute("fill");
       text.style.fontSize = `${text.getAttribute("font-size")}px`;
     }
-    map.rates.forEach((rate, index) => drawing.append(svg("text", {
-      x: left - 6, y: 4 + (map.rates.length - 1 - index) * cellHeight + cellHeight / 2 + 4, "text-anchor": "end",
-    }, percent(rate))));
-    map.scales.forEach((scale, index) => drawing.append(svg("text", {
-      x: left + (index + 0.5) * cellWidth, y: height - bottom + 12, "text-anchor": "middle",
-    }, `× ${short(scale)}`)));
-    drawing.append(svg("text", { x: left + (width - left) / 2, y: height - 8, "text-anchor": "middle" }, "scale of the odometry's covariance"));
+    rates.forEach((rate, row) => drawing.append(svg("text", {
+      x: left - 6, y: above(row) + cellHeight / 2 + 4, "text-anchor": "end",
+    }, percent(map.rates[rate]))));
+    scales.forEach((scale, column) => drawing.append(svg("text", {
+      x: left + (column + 0.5) * cellWidth, y: height - bottom + 12, "text-anchor": "middle",
+    }, `× ${short(map.scales[scale])}`)));
+    drawing.append(svg("text", { x: (left + right) / 2, y: height - 8, "text-anchor": "middle" }, scales.length > 2 ? "scale of the odometry's covariance" : "covariance"));
+    const middle = 4 + (rates.length * cellHeight) / 2;
+    drawing.append(svg("text", { x: 10, y: middle, transform: `rotate(-90 10 ${middle})`, "text-anchor": "middle" }, rates.length > 2 ? "share of false edges" : "false"));
     return element("div", {}, element("h4", {}, title), drawing);
   }
 
@@ -95,7 +109,9 @@ if (byId("regimes-maps")) {
 
   function drawMaps() {
     const named = quantities.find(([value]) => value === chosen.quantity)[1];
-    byId("regimes-maps").replaceChildren(...ofChoice(map.maps).map((one) => panel(one.method, one.cells, shows[chosen.quantity])));
+    const drawnHere = ofChoice(map.maps).filter((one) => one.cells.some(Boolean));
+    byId("regimes-maps").replaceChildren(...drawnHere.map((one) => panel(one.method, one.cells, shows[chosen.quantity])));
+    if (!drawnHere.length) byId("regimes-maps").replaceChildren(element("p", {}, "There are no results with these false edges on this session."));
     if (chosen.quantity === "mean") {
       const ticks = [];
       for (let power = floor; power <= top * 1.001; power *= 10) ticks.push([shareOf(power), power === floor ? "≤ 0.1" : short(power)]);
@@ -107,7 +123,7 @@ if (byId("regimes-maps")) {
     const limit = roundUp(widest);
     ramp(byId("regimes-difference-scale"), (at) => along(at < 0.5 ? better : worse, Math.abs(2 * at - 1)).css,
       [[0, `−${short(limit)}`], [(1 - bend(1)) / 2, "−1"], [0.5, "0"], [(1 + bend(1)) / 2, "+1"], [1, `+${short(limit)}`]], "difference of RMSE, metres");
-    const comparisons = ofChoice(map.comparisons);
+    const comparisons = ofChoice(map.comparisons).filter((one) => one.cells.some(Boolean));
     byId("regimes-differences").replaceChildren(...comparisons.map((one) => {
       const count = (verdict) => one.cells.filter((cell) => cell?.verdict === verdict).length;
       const drawn = panel(`${one.with} against ${one.without}`, one.cells, effect);
@@ -118,13 +134,14 @@ if (byId("regimes-maps")) {
   }
 
   function curves(place, values, cellAt, x, xLabel) {
-    const lines = ofChoice(map.maps).map((one) => ({ one, style: methodStyle(one.method, map.methods), cells: values.map((value, index) => cellAt(one.cells, index)) }));
+    const lines = ofChoice(map.maps).filter((one) => one.cells.some(Boolean)).map((one) => ({ one, style: methodStyle(one.method, map.methods), cells: values.map((value, index) => cellAt(one.cells, index)) }));
     const { drawing, x: xScale, y } = chart(place, {
       height: 330, x, y: (start, end) => logarithmic(floor, top, start, end), xLabel, yLabel: "mean RMSE (m)",
       description: `${xLabel}: ${lines.map(({ one, cells }) => `${one.method} ${cells.map((cell) => (cell ? metres(cell.mean) : "no data")).join(", ")}`).join("; ")}.`,
     });
     for (const { style, cells } of lines) {
       const known = cells.map((cell, index) => (cell ? [values[index], cell] : null)).filter(Boolean);
+      if (known.length < 2) continue;
       const band = [...known.map(([value, cell]) => [xScale(value), y(cell.high)]), ...known.reverse().map(([value, cell]) => [xScale(value), y(cell.low)])];
       drawing.append(svg("path", { d: `${path(band)}Z`, fill: style.colour, "fill-opacity": 0.16 }));
     }
@@ -138,8 +155,10 @@ if (byId("regimes-maps")) {
 
   figure(() => {
     for (const [name, list] of Object.entries(choices)) offer(byId(`regimes-${name}`), list, chosen[name]);
-    offer(byId("regimes-at-scale"), map.scales.map((scale, index) => [index, `× ${short(scale)}`]), chosen.scale);
-    offer(byId("regimes-at-rate"), map.rates.map((rate, index) => [index, percent(rate)]), chosen.rate);
+    const { rates, scales, nearest } = swept();
+    Object.assign(chosen, { scale: nearest(scales, chosen.scale), rate: nearest(rates, chosen.rate) });
+    offer(byId("regimes-at-scale"), scales.map((scale) => [scale, `× ${short(map.scales[scale])}`]), chosen.scale);
+    offer(byId("regimes-at-rate"), rates.map((rate) => [rate, percent(map.rates[rate])]), chosen.rate);
     drawMaps();
     const columns = map.scales.length, ticked = (scale, values, text) => Object.assign(scale, { ticks: values.map((value) => [value, text(value)]) });
     const [lowest, highest] = [Math.min(...map.scales), Math.max(...map.scales)];

@@ -83,7 +83,10 @@ pub fn document(page: &Page, parts: &Parts) -> anyhow::Result<String> {
         "published" => Some(if parts.published.is_empty() {
             String::new()
         } else {
-            format!("<p class=\"note\">Published figures: {}.</p>", escape(&parts.published))
+            format!(
+                "<p class=\"note\">Published figures: {}. Their mean is over all sessions published.</p>",
+                escape(&parts.published)
+            )
         }),
         "missing" => Some(if parts.missing.is_empty() {
             String::new()

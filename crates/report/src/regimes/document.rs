@@ -4,12 +4,10 @@ use std::fmt::Write as _;
 
 use anyhow::{Context as _, bail};
 
+use super::runs::UNIFORM;
 use super::table::{percent, short, signed};
 use super::{Cell, Effect, Map, Verdict};
 use crate::table::{grid, metres};
-
-/// The kind of false edges that the whole grid is swept for.
-const UNIFORM: &str = "uniform";
 
 /// The tables with the names of their markers, Markdown.
 pub fn sections(map: &Map) -> Vec<(&'static str, String)> {
@@ -80,6 +78,17 @@ fn uniform(map: &Map) -> String {
 
 fn kinds(map: &Map) -> String {
     let mut text = "RMSE in metres, mean over seeds with its 95 % interval.\n\n".to_owned();
+    for kind in &map.kinds {
+        let without = |session: &&String| map.has(session, UNIFORM) && !map.has(session, kind);
+        let without: Vec<&str> = map.singles().filter(without).map(String::as_str).collect();
+        if !without.is_empty() {
+            let _ = writeln!(
+                text,
+                "No {kind} mistakes on {}; means over sessions are over the others there.\n",
+                without.join(", ")
+            );
+        }
+    }
     for session in &map.sessions {
         let _ = writeln!(text, "{session}:\n");
         table(&mut text, map, &["covariance", "incorrect edges", "kind"], each_kind(map, session, error));

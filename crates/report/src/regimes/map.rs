@@ -6,6 +6,7 @@ use anyhow::{Context as _, bail};
 use posecut_stage::random;
 use serde::Serialize;
 
+use super::runs::{Place, Run, SIMULATED, Seeds, UNIFORM, having, kind, number, session, strata};
 use super::statistics::{adjusted, bootstrap_interval, mean_of_means, sign_flip_p};
 use crate::results::RunResult;
 
@@ -18,18 +19,16 @@ pub const ALL_SESSIONS: &str = "all sessions";
 /// The names of the maps over sessions where there are both: real, simulated.
 pub const BY_SOURCE: [&str; 2] = ["real sessions", "simulated sessions"];
 
-/// What the names of simulated sessions end with: a real one may have the same date.
-const SIMULATED: &str = " (simulated)";
-
 /// Seed of resampling; fixed, so that the same results give the same intervals.
 const SEED: u64 = 1;
 
 /// All cells of an experiment over regimes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Map {
-    /// Sessions, sorted; before them, where there are several, [`ALL_SESSIONS`] or [`BY_SOURCE`].
+    /// Sessions, sorted; before them, where there are several, [`ALL_SESSIONS`] or [`BY_SOURCE`]: over those of them
+    /// that the kind of false edges was drawn for, in the cells that all these have.
     pub sessions: Vec<String>,
-    /// Kinds of false edges, sorted.
+    /// Kinds of false edges: the uniform one first, then sorted.
     pub kinds: Vec<String>,
     /// Methods in the order asked for.
     pub methods: Vec<String>,
@@ -128,22 +127,10 @@ impl Verdict {
     }
 }
 
-/// One run in its place.
-struct Run {
-    rmse: f64,
-    precision: Option<f64>,
-    recall: Option<f64>,
-}
-
-/// Runs by seed.
-type Seeds = BTreeMap<String, Run>;
-
-/// Place in the map: session, kind, method, rate, scale.
-type Place = (String, String, String, usize, usize);
-
 impl Map {
     /// The map of results labelled `covariance_scale`, `incorrect_rate`, `session`, `method` and `seed` (and
-    /// `incorrect_kind`, else `uniform`). `order` names methods first in the order of rows.
+    /// `incorrect_kind`, else `uniform`). `order` names methods first in the order of rows; others follow: none, those
+    /// without the graph cut, the graph cut alone, those with it.
     pub fn new(results: &[RunResult], order: &[String]) -> anyhow::Result<Self> {
         let axis = |name: &str| -> anyhow::Result<Vec<f64>> {
             let mut values =
@@ -196,10 +183,14 @@ impl Map {
         let found = distinct(|place| &place.2);
         let mut methods: Vec<String> =
             order.iter().filter(|method| found.contains(method)).cloned().collect();
-        methods.extend(found.into_iter().filter(|method| !order.contains(method)));
+        let mut others: Vec<String> = found.into_iter().filter(|method| !order.contains(method)).collect();
+        others.sort_by_key(|method| rank(method));
+        methods.extend(others);
+        let mut kinds = distinct(|place| &place.1);
+        kinds.sort_by_key(|kind| kind != UNIFORM);
         let mut map = Self {
             sessions: distinct(|place| &place.0),
-            kinds: distinct(|place| &place.1),
+            kinds,
             methods,
             scales,
             rates,
@@ -218,6 +209,25 @@ impl Map {
     /// A method's map.
     pub fn of(&self, session: &str, kind: &str, method: &str) -> Option<&MethodMap> {
         self.maps.iter().find(|map| map.session == session && map.kind == kind && map.method == method)
+    }
+
+    /// The places of rates and of scales that have any result of a session with a kind of false edges: other kinds
+    /// than the uniform one are swept at fewer points.
+    pub fn swept(&self, session: &str, kind: &str) -> (Vec<usize>, Vec<usize>) {
+        let own: Vec<&MethodMap> =
+            self.maps.iter().filter(|map| map.session == session && map.kind == kind).collect();
+        let known =
+            |rate: usize, scale: usize| own.iter().any(|map| map.cells[self.index(rate, scale)].is_some());
+        let (rates, scales) = (0..self.rates.len(), 0..self.scales.len());
+        (
+            rates.clone().filter(|&rate| scales.clone().any(|scale| known(rate, scale))).collect(),
+            scales.clone().filter(|&scale| rates.clone().any(|rate| known(rate, scale))).collect(),
+        )
+    }
+
+    /// Whether there is any result of a session with a kind of false edges.
+    pub fn has(&self, session: &str, kind: &str) -> bool {
+        !self.swept(session, kind).0.is_empty()
     }
 
     /// Sessions by themselves, without those taken together.
@@ -239,8 +249,9 @@ impl Map {
 
     fn fill(&mut self, runs: &BTreeMap<Place, Seeds>) {
         let groups = groups(&self.sessions);
-        for (name, members) in &groups {
+        for (name, sessions) in &groups {
             for kind in &self.kinds {
+                let members = &having(runs, sessions, kind);
                 for method in &self.methods {
                     let cells = self
                         .cells(|rate, scale| Cell::of(&strata(runs, members, kind, method, rate, scale)?));
@@ -287,6 +298,16 @@ fn groups(singles: &[String]) -> Vec<(String, Vec<String>)> {
     together.map(|(name, members)| (name.to_owned(), members)).chain(each).collect()
 }
 
+/// Where a method stands among others: what it is compared with comes before it.
+fn rank(method: &str) -> u8 {
+    match method {
+        "none" => 0,
+        "gc" => 2,
+        _ if method.ends_with("+gc") => 3,
+        _ => 1,
+    }
+}
+
 /// Methods with the graph cut and their counterparts: `gc` and `none`, `x+gc` and `x`.
 fn pairs(methods: &[String]) -> Vec<(String, String)> {
     methods
@@ -295,21 +316,6 @@ fn pairs(methods: &[String]) -> Vec<(String, String)> {
             let without = if method == "gc" { "none" } else { method.strip_suffix("+gc")? };
             methods.iter().any(|known| known == without).then(|| (method.clone(), without.to_owned()))
         })
-        .collect()
-}
-
-/// One stratum a session; `None` unless every session has runs there.
-fn strata<'a>(
-    runs: &'a BTreeMap<Place, Seeds>,
-    sessions: &[String],
-    kind: &str,
-    method: &str,
-    rate: usize,
-    scale: usize,
-) -> Option<Vec<&'a Seeds>> {
-    sessions
-        .iter()
-        .map(|session| runs.get(&(session.clone(), kind.to_owned(), method.to_owned(), rate, scale)))
         .collect()
 }
 
@@ -364,33 +370,4 @@ fn judged(mut cells: Vec<Option<Effect>>) -> Vec<Option<Effect>> {
         };
     }
     cells
-}
-
-/// A simulated session is told by its pipeline.
-fn session(result: &RunResult) -> String {
-    let suffix = if result.label("pipeline").ends_with("-simulated") { SIMULATED } else { "" };
-    format!("{}{suffix}", result.label("session"))
-}
-
-fn kind(result: &RunResult) -> String {
-    let kind = result.label("incorrect_kind");
-    if kind.is_empty() { "uniform".to_owned() } else { kind }
-}
-
-fn number(result: &RunResult, name: &str) -> anyhow::Result<f64> {
-    let text = result.label(name);
-    let said = || {
-        let run = format!(
-            "{} on {}, seed {}",
-            result.label("method"),
-            result.label("session"),
-            result.label("seed")
-        );
-        if text.is_empty() {
-            format!("the result of {run} has no label {name}; evaluate with --label {name}=NUMBER")
-        } else {
-            format!("the result of {run} has the label {name}={text}, and a finite number was expected")
-        }
-    };
-    text.parse::<f64>().ok().filter(|value| value.is_finite()).with_context(said)
 }

@@ -101,7 +101,13 @@ impl Regimes {
                 return grids(&title, &panels, &ramp, 3)?.write(&extension);
             }
             Show::Curves => {
-                let (scale, rate) = (nearest(&map.scales, self.scale), nearest(&map.rates, self.rate));
+                let (rates, scales) = map.swept(session, kind);
+                let near = |places: &[usize], values: &[f64], wanted: f64| {
+                    let values: Vec<f64> = places.iter().map(|&place| values[place]).collect();
+                    places.get(nearest(&values, wanted)).copied().unwrap_or(0)
+                };
+                let scale = near(&scales, &map.scales, self.scale);
+                let rate = near(&rates, &map.rates, self.rate);
                 return charts(&curves(&map, session, kind, scale, rate), 2)?.write(&extension);
             }
         };
