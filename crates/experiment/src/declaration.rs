@@ -154,8 +154,10 @@ impl Experiment {
 
     fn overlay(&mut self, file: File, stem: String) -> anyhow::Result<()> {
         self.name = file.name.unwrap_or(stem);
+        // Sessions of its own are meant wherever they come from.
+        let inherited = self.simulated_sessions.take().filter(|_| file.sessions.is_none());
+        self.simulated_sessions = file.simulated_sessions.or(inherited);
         self.sessions = file.sessions.unwrap_or(std::mem::take(&mut self.sessions));
-        self.simulated_sessions = file.simulated_sessions.or(self.simulated_sessions.take());
         self.seeds = file.seeds.unwrap_or(self.seeds);
         self.methods = file.methods.unwrap_or(std::mem::take(&mut self.methods));
         self.reference = file.reference.unwrap_or(std::mem::take(&mut self.reference));

@@ -99,6 +99,12 @@ fn real_and_simulated_sessions_and_exceptions_are_as_declared() {
     assert_eq!(results(&[]), [0, 4, 4]);
     assert_eq!(results(&["--nclt", "nclt"]), [4, 4, 0]);
     assert_eq!(results(&["--sessions", "one"]), [4, 0, 0], "the command line has the last word");
+    // Who builds on it and names sessions means these, simulated too.
+    workshop.write("ground.toml", &declared);
+    workshop.write("trial.toml", "base = \"ground.toml\"\nseeds = 1\n");
+    assert_eq!(results(&[]), [0, 2, 2]);
+    workshop.write("trial.toml", "base = \"ground.toml\"\nseeds = 1\nsessions = [\"one\"]\n");
+    assert_eq!(results(&[]), [2, 0, 0]);
     // A block of a grid may leave a session out.
     let workshop =
         Workshop::new(&GRID.replace("sessions = [\"one\"]\nseeds = 1", "except = [\"one\"]\nseeds = 1"));
