@@ -22,6 +22,7 @@ mod greedy;
 mod kernel;
 mod limits;
 mod local_search;
+mod recolouring;
 mod search;
 
 pub use bits::BitGraph;
@@ -31,6 +32,7 @@ pub(crate) use bits::BitSet;
 use component::complement_components;
 use degeneracy::Degeneracy;
 use local_search::LocalSearch;
+use recolouring::fewer_colours;
 use search::{Outcome, colour_bound, search};
 
 /// Rounds of local search without success, on the whole graph and on each component.
@@ -200,10 +202,13 @@ impl Part {
         }
         let graph = graph.induced(&vertices);
         let all = BitSet::full(graph.len());
-        let upper_bound = colour_bound(&graph);
+        let mut upper_bound = colour_bound(&graph);
         let mut clique = greedy::fewest_conflicts(&graph, &all);
         if clique.len() < upper_bound {
             clique = LocalSearch::new(&graph, &all, &clique).run(upper_bound, ROUNDS);
+        }
+        if clique.len() < upper_bound {
+            upper_bound = upper_bound.min(fewer_colours(&graph, clique.len()));
         }
         Self { vertices, graph, clique, upper_bound }
     }

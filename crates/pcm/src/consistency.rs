@@ -6,17 +6,20 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::block::{Block, Row};
 use crate::candidate::{Candidate, Group};
 use crate::chain::{Chain, Chains};
 use crate::clique::BitGraph;
-use crate::distance::{Carried, squared_distance_with};
+use crate::distance::Shared;
 pub use crate::distance::{squared_distance, squared_distance_to_odometry};
+use crate::lanes::WIDTH;
 use crate::pretest::{PreTest, Verdict};
 use crate::spread::Spatial;
 use crate::{Gate, PerStep};
 
-/// Columns looked at for 64 rows before the next ones are: what the tests read of them stays in the cache.
-const TILE: usize = 512;
+/// Blocks of columns that are held against 64 rows before the next ones are: what the tests read of them stays in the
+/// nearest cache.
+const TILE: usize = 4;
 
 /// How many pairs were tested, and how they fared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -127,23 +130,10 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
         [self.chain_a.travelled[candidate.i], self.chain_b.travelled[candidate.k]]
     }
 
-    /// Whether two different candidates agree. The order does not matter to a squared distance; an error per step is
-    /// that of the earlier candidate. O(1).
-    #[inline(always)]
+    /// Whether two different candidates agree. To first order their order does not matter to a squared distance; here it is
+    /// that of the earlier candidate with the later, and so is an error per step. O(1).
     pub fn consistent(&self, one: usize, other: usize, gate: Gate, counts: &mut PairCounts) -> bool {
-        self.consistent_with(one.min(other), one.max(other), gate, counts, &mut Carried::default())
-    }
-
-    /// The same for one candidate and many later ones in a row.
-    #[inline(always)]
-    fn consistent_with(
-        &self,
-        one: usize,
-        other: usize,
-        gate: Gate,
-        counts: &mut PairCounts,
-        carried: &mut Carried<DOF>,
-    ) -> bool {
+        let (one, other) = (one.min(other), one.max(other));
         counts.pairs += 1;
         let limit = gate.squared_distance;
         let consistent = match gate.per_step {
@@ -157,9 +147,7 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
                     false
                 }
                 Verdict::Open => {
-                    let (a, b) = (&self.candidates[one], &self.candidates[other]);
-                    let distance =
-                        squared_distance_with(self.chain_a, self.chain_b, self.same_chain, a, b, carried);
+                    let distance = self.squared_distance(one, other);
                     counts.indefinite += usize::from(distance.is_none());
                     distance.is_some_and(|distance| distance <= limit)
                 }
@@ -193,14 +181,37 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
 
     /// The consistency graph of some of the candidates, numbered in the order given.
     pub fn graph_of(&self, chosen: &[usize], gate: Gate) -> (BitGraph, PairCounts) {
+        if chosen.is_sorted() {
+            return self.graph_of_ascending(chosen, gate);
+        }
+        // A pair is that of the earlier candidate with the later, whatever order they are numbered in.
+        let mut ascending = chosen.to_vec();
+        ascending.sort_unstable();
+        let (graph, counts) = self.graph_of_ascending(&ascending, gate);
+        let places: Vec<usize> =
+            chosen.iter().map(|candidate| ascending.partition_point(|other| other < candidate)).collect();
+        (graph.induced(&places), counts)
+    }
+
+    fn graph_of_ascending(&self, chosen: &[usize], gate: Gate) -> (BitGraph, PairCounts) {
         let count = chosen.len();
         let mut graph = BitGraph::new(count);
         let stride = graph.stride().max(1);
+        let blocks = if gate.per_step.is_none() { self.blocks(chosen) } else { Vec::new() };
+        let blocks = &blocks;
         let strips: Vec<(usize, &mut [u64])> = graph.strips().enumerate().collect();
         let counts: Vec<PairCounts> = strips
             .into_par_iter()
             .map(|(strip, words)| {
-                Arch::new().dispatch(Strip { pairs: self, chosen, words, stride, first: 64 * strip, gate })
+                Arch::new().dispatch(Strip {
+                    pairs: self,
+                    chosen,
+                    blocks,
+                    words,
+                    stride,
+                    first: 64 * strip,
+                    gate,
+                })
             })
             .collect();
         graph.mirror();
@@ -217,6 +228,7 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
 struct Strip<'a, 'b, G, const DOF: usize> {
     pairs: &'a Pairs<'b, G, DOF>,
     chosen: &'a [usize],
+    blocks: &'a [Block<DOF>],
     words: &'a mut [u64],
     stride: usize,
     first: usize,
@@ -227,29 +239,121 @@ impl<G: Spatial<DOF>, const DOF: usize> WithSimd for Strip<'_, '_, G, DOF> {
     type Output = PairCounts;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> PairCounts {
-        let Self { pairs, chosen, words, stride, first, gate } = self;
+    fn with_simd<S: Simd>(self, simd: S) -> PairCounts {
         let mut counts = PairCounts::default();
-        for start in (first..chosen.len()).step_by(TILE) {
-            let end = (start + TILE).min(chosen.len());
+        if self.gate.per_step.is_some() {
+            self.one_by_one(&mut counts);
+            return counts;
+        }
+        let Self { pairs, chosen, blocks, words, stride, first, gate } = self;
+        for start in (first / WIDTH..blocks.len()).step_by(TILE) {
+            let end = (start + TILE).min(blocks.len());
             for (row, words) in words.chunks_mut(stride).enumerate() {
                 let row = first + row;
-                let one = chosen[row];
-                let mut carried = Carried::default();
-                for column in start.max(row + 1)..end {
-                    let other = chosen[column];
-                    let consistent = if one < other {
-                        pairs.consistent_with(one, other, gate, &mut counts, &mut carried)
-                    } else {
-                        pairs.consistent(one, other, gate, &mut counts)
-                    };
-                    if consistent {
-                        words[column / 64] |= 1 << (column % 64);
+                if row + 1 >= WIDTH * end {
+                    continue;
+                }
+                let one = pairs.row(chosen[row]);
+                for (block, columns) in blocks[start..end].iter().zip(start..) {
+                    for lane in (0..WIDTH).step_by(S::F64_LANES) {
+                        let column = WIDTH * columns + lane;
+                        let asked = asked(row, column, S::F64_LANES, chosen.len());
+                        if asked != 0 {
+                            let consistent =
+                                pairs.block(simd, &one, block, lane, asked, gate, &mut counts, |other| {
+                                    (chosen[row], chosen[column + other])
+                                });
+                            words[column / 64] |= consistent << (column % 64);
+                        }
                     }
                 }
             }
         }
         counts
+    }
+}
+
+/// The lanes of a register that stand for columns above the row.
+#[inline(always)]
+fn asked(row: usize, column: usize, lanes: usize, count: usize) -> u64 {
+    let all = |lanes: usize| (1_u64 << lanes) - 1;
+    let below = (row + 1).saturating_sub(column).min(lanes);
+    let within = count.saturating_sub(column).min(lanes);
+    all(within) & !all(below)
+}
+
+impl<G: Spatial<DOF>, const DOF: usize> Strip<'_, '_, G, DOF> {
+    fn one_by_one(self, counts: &mut PairCounts) {
+        for (row, words) in self.words.chunks_mut(self.stride).enumerate() {
+            let row = self.first + row;
+            for column in row + 1..self.chosen.len() {
+                if self.pairs.consistent(self.chosen[row], self.chosen[column], self.gate, counts) {
+                    words[column / 64] |= 1 << (column % 64);
+                }
+            }
+        }
+    }
+}
+
+impl<G: Spatial<DOF>, const DOF: usize> Pairs<'_, G, DOF> {
+    fn blocks(&self, chosen: &[usize]) -> Vec<Block<DOF>> {
+        let mut blocks = Vec::new();
+        blocks.resize_with(chosen.len().div_ceil(WIDTH), Block::default);
+        for (place, &candidate) in chosen.iter().enumerate() {
+            blocks[place / WIDTH].set(
+                place % WIDTH,
+                (&self.pretest.turns[candidate], &self.pretest.places[candidate]),
+                &self.candidates[candidate],
+                (self.chain_a, self.chain_b),
+            );
+        }
+        blocks
+    }
+
+    fn row(&self, candidate: usize) -> Row<'_, DOF> {
+        Row::new(
+            (&self.pretest.turns[candidate], &self.pretest.places[candidate]),
+            &self.candidates[candidate],
+            (self.chain_a, self.chain_b),
+        )
+    }
+
+    /// The lanes of a register that are consistent with a row, among those asked for; `pair` names the candidates.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments, reason = "what a pair is made of")]
+    fn block<S: Simd>(
+        &self,
+        simd: S,
+        row: &Row<'_, DOF>,
+        block: &Block<DOF>,
+        lane: usize,
+        asked: u64,
+        gate: Gate,
+        counts: &mut PairCounts,
+        pair: impl Fn(usize) -> (usize, usize),
+    ) -> u64 {
+        let limit = gate.squared_distance;
+        let verdicts = row.test::<G, S>(simd, block, lane, asked, (limit, self.pretest.doubled));
+        counts.pairs += asked.count_ones() as usize;
+        counts.skipped_by_rotation += verdicts.rotation.count_ones() as usize;
+        counts.skipped_by_translation += verdicts.translation.count_ones() as usize;
+        let mut open = asked & !verdicts.rotation & !verdicts.translation;
+        let mut consistent = 0;
+        while open != 0 {
+            let other = open.trailing_zeros() as usize;
+            open &= open - 1;
+            let (a, b) = pair(other);
+            let shared = self.same_chain && Shared::of(&self.candidates[a], &self.candidates[b]).is_some();
+            let distance = if shared {
+                self.squared_distance(a, b).unwrap_or(f64::NAN)
+            } else {
+                verdicts.distances.0[other]
+            };
+            counts.indefinite += usize::from(!distance.is_finite());
+            consistent |= u64::from(distance <= limit) << other;
+        }
+        counts.consistent += consistent.count_ones() as usize;
+        consistent
     }
 }
 

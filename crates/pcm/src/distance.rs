@@ -29,37 +29,10 @@ pub fn squared_distance<G: LieGroup<DOF>, const DOF: usize>(
     a: &Candidate<G, DOF>,
     b: &Candidate<G, DOF>,
 ) -> Option<f64> {
-    squared_distance_with(chain_a, chain_b, same_chain, a, b, &mut Carried::default())
-}
-
-/// The same for one candidate and many others in a row.
-#[inline(always)]
-pub(crate) fn squared_distance_with<G: LieGroup<DOF>, const DOF: usize>(
-    chain_a: &Chain<G, DOF>,
-    chain_b: &Chain<G, DOF>,
-    same_chain: bool,
-    a: &Candidate<G, DOF>,
-    b: &Candidate<G, DOF>,
-    carried: &mut Carried<DOF>,
-) -> Option<f64> {
     let error = a.from_a.compose(&b.alignment).log();
     let mut covariance = a.covariance + b.covariance;
-    add_odometry(&mut covariance, chain_a, chain_b, same_chain, a, b, carried);
+    add_odometry(&mut covariance, chain_a, chain_b, same_chain, a, b);
     squared_mahalanobis(&covariance, &error)
-}
-
-/// The covariance of chain A between a candidate and the place of the last other one, in the frame of B, at least its
-/// lower triangle. Others that begin at the same place, as most do whose edges are sorted and many, share it.
-#[derive(Clone, Debug)]
-pub(crate) struct Carried<const DOF: usize> {
-    place: Option<usize>,
-    covariance: SMatrix<f64, DOF, DOF>,
-}
-
-impl<const DOF: usize> Default for Carried<DOF> {
-    fn default() -> Self {
-        Self { place: None, covariance: SMatrix::zeros() }
-    }
 }
 
 /// Adds the odometry's part of a pair's covariance, at least to the lower triangle.
@@ -71,7 +44,6 @@ pub(crate) fn add_odometry<G: LieGroup<DOF>, const DOF: usize>(
     same_chain: bool,
     a: &Candidate<G, DOF>,
     b: &Candidate<G, DOF>,
-    carried: &mut Carried<DOF>,
 ) {
     if same_chain && let Some(shared) = Shared::of(a, b) {
         let both = shared.effect(&a.to_b);
@@ -81,12 +53,8 @@ pub(crate) fn add_odometry<G: LieGroup<DOF>, const DOF: usize>(
         add_congruence(covariance, &a.to_b, &rest);
         *covariance += chain_b.covariance_between(a.k, b.k) - steps;
     } else {
-        if carried.place != Some(b.i) {
-            carried.covariance = SMatrix::zeros();
-            add_congruence(&mut carried.covariance, &a.to_b, &chain_a.covariance_between(a.i, b.i));
-            carried.place = Some(b.i);
-        }
-        *covariance += chain_b.covariance_between(a.k, b.k) + carried.covariance;
+        add_congruence(covariance, &a.to_b, &chain_a.covariance_between(a.i, b.i));
+        *covariance += chain_b.covariance_between(a.k, b.k);
     }
 }
 
@@ -135,7 +103,7 @@ fn add_congruence<const DOF: usize>(
 }
 
 /// Steps that belong to both stretches of odometry, i to j and l to k.
-struct Shared {
+pub(crate) struct Shared {
     first: usize,
     last: usize,
     same_direction: bool,
@@ -143,7 +111,7 @@ struct Shared {
 
 impl Shared {
     #[inline(always)]
-    fn of<G, const DOF: usize>(a: &Candidate<G, DOF>, b: &Candidate<G, DOF>) -> Option<Self> {
+    pub(crate) fn of<G, const DOF: usize>(a: &Candidate<G, DOF>, b: &Candidate<G, DOF>) -> Option<Self> {
         let first = a.i.min(b.i).max(a.k.min(b.k));
         let last = a.i.max(b.i).min(a.k.max(b.k));
         // The first stretch runs from i to j, the second from l back to k.

@@ -15,6 +15,7 @@
 //! - [`incremental`]: candidates one by one.
 //! - [`stage`]: all of it on a pose graph.
 
+mod block;
 pub mod calibration;
 pub mod candidate;
 pub mod cells;
@@ -28,6 +29,8 @@ mod gate;
 pub mod generate;
 pub mod growth;
 pub mod incremental;
+mod lanes;
+mod logarithm;
 mod nearest;
 mod options;
 pub mod pretest;

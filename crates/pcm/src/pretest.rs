@@ -9,7 +9,7 @@ use crate::chain::Chains;
 use crate::spread::{Spatial, Spread, largest_turn};
 
 /// Rounding must not turn a bound into a rejection.
-const SLACK: f64 = 1.0 + 1e-6;
+pub(crate) const SLACK: f64 = 1.0 + 1e-6;
 
 /// What an earlier test said about a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,32 +34,32 @@ pub enum Verdict {
 ///
 /// Within one chain, steps that both stretches share may count up to four times instead of twice: both are doubled.
 pub struct PreTest {
-    turns: Vec<Turn>,
-    places: Vec<Place>,
-    doubled: f64,
+    pub(crate) turns: Vec<Turn>,
+    pub(crate) places: Vec<Place>,
+    pub(crate) doubled: f64,
 }
 
 /// What the test of rotations reads.
-struct Turn {
-    quaternion: [f64; 4],
-    own: f64,
-    a: f64,
-    b: f64,
+pub(crate) struct Turn {
+    pub(crate) quaternion: [f64; 4],
+    pub(crate) own: f64,
+    pub(crate) a: f64,
+    pub(crate) b: f64,
 }
 
 /// What the test of positions reads.
-struct Place {
-    rotation: Matrix3<f64>,
-    translation: Vector3<f64>,
+pub(crate) struct Place {
+    pub(crate) rotation: Matrix3<f64>,
+    pub(crate) translation: Vector3<f64>,
     /// The place k in the frame of chain B.
-    point: Vector3<f64>,
+    pub(crate) point: Vector3<f64>,
     /// The same in the frame of chain A, as the candidate claims.
-    claimed: Vector3<f64>,
-    own: Spread,
-    a: Spread,
-    b: Spread,
+    pub(crate) claimed: Vector3<f64>,
+    pub(crate) own: Spread,
+    pub(crate) a: Spread,
+    pub(crate) b: Spread,
     /// i and k.
-    steps: [usize; 2],
+    pub(crate) steps: [usize; 2],
 }
 
 impl PreTest {

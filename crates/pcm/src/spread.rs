@@ -40,10 +40,10 @@ impl Spatial<6> for SE3 {
 /// those of a stretch of odometry are differences of accumulated ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Spread {
-    translation: f64,
-    lever: [f64; 3],
+    pub(crate) translation: f64,
+    pub(crate) lever: [f64; 3],
     /// tr S_omega I - S_omega: xx, yy, zz, xy, xz, yz.
-    rotation: [f64; 6],
+    pub(crate) rotation: [f64; 6],
     /// A bound on the largest eigenvalue of S_omega; it adds up along a stretch.
     pub(crate) turn: f64,
 }

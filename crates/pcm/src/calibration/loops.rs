@@ -5,7 +5,7 @@ use nalgebra::{SMatrix, SVector};
 use crate::candidate::{Candidate, Group};
 use crate::chain::Chains;
 use crate::consistency::Pairs;
-use crate::distance::{Carried, add_odometry};
+use crate::distance::add_odometry;
 use crate::nearest::Nearest;
 use crate::spread::Spatial;
 
@@ -104,15 +104,7 @@ impl<G: Spatial<DOF>, const DOF: usize> Closing<'_, G, DOF> {
     fn pair(&self, one: usize, other: usize, class: usize) -> Loop<DOF> {
         let (a, b) = (&self.0.candidates[one], &self.0.candidates[other]);
         let mut odometry = SMatrix::zeros();
-        add_odometry(
-            &mut odometry,
-            self.0.chain_a,
-            self.0.chain_b,
-            self.0.same_chain,
-            a,
-            b,
-            &mut Carried::default(),
-        );
+        add_odometry(&mut odometry, self.0.chain_a, self.0.chain_b, self.0.same_chain, a, b);
         odometry.fill_upper_triangle_with_lower_triangle();
         let error = a.from_a.compose(&b.alignment).log();
         Loop { class, error, odometry, landmark: a.covariance + b.covariance }

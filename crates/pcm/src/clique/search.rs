@@ -9,6 +9,10 @@ use super::{BitGraph, BitSet, Limits};
 /// of the largest that they find is taken: the answer does not depend on who finishes first.
 const ROUND: usize = 16;
 
+/// Classes that recolouring looks at for each candidate of a node, at most: with hundreds of colours, all pairs of classes
+/// would take a hundred times as long as the colouring itself.
+const CHECKS: usize = 8;
+
 /// What a search found out about one graph.
 #[derive(Clone, Debug)]
 pub(crate) struct Outcome {
@@ -171,10 +175,12 @@ pub(super) fn colour_bound(graph: &BitGraph) -> usize {
 struct Colours {
     /// Vertices that need more colours than were `spare`, each with the number of colours used up to it.
     order: Vec<(usize, usize)>,
-    classes: Vec<BitSet>,
+    /// Their members: of dense graphs a few each, so that looking at them takes less than a row of bits.
+    classes: Vec<Vec<usize>>,
     uncoloured: BitSet,
     class: BitSet,
-    vertices: usize,
+    /// Classes that recolouring may still look at.
+    budget: usize,
 }
 
 impl Colours {
@@ -184,13 +190,14 @@ impl Colours {
             classes: Vec::new(),
             uncoloured: BitSet::new(vertices),
             class: BitSet::new(vertices),
-            vertices,
+            budget: 0,
         }
     }
 
     /// Colours the candidates. Those that fit into `spare` colours cannot lead to a larger clique and are not listed.
     fn colour(&mut self, graph: &BitGraph, candidates: &BitSet, spare: usize) {
         self.order = Vec::new();
+        self.budget = CHECKS * candidates.count();
         self.uncoloured.copy_from(candidates);
         let mut colours = 0;
         let mut first = 0;
@@ -202,7 +209,7 @@ impl Colours {
             }
             colours += 1;
             if self.classes.len() < colours {
-                self.classes.push(BitSet::new(self.vertices));
+                self.classes.push(Vec::new());
             }
             self.classes[colours - 1].clear();
             self.class.copy_from(&self.uncoloured);
@@ -211,7 +218,7 @@ impl Colours {
                 self.class.remove(vertex);
                 self.uncoloured.remove(vertex);
                 self.class.subtract_from(first, graph.neighbours(vertex));
-                self.classes[colours - 1].insert(vertex);
+                self.classes[colours - 1].push(vertex);
                 if colours > spare && !(spare > 0 && self.recolour(graph, vertex, colours, spare)) {
                     self.order.push((vertex, colours));
                 }
@@ -225,24 +232,28 @@ impl Colours {
     /// Makes room for a vertex in the first `spare` colours: where it has one neighbour there, and that neighbour fits
     /// into another of them.
     fn recolour(&mut self, graph: &BitGraph, vertex: usize, colours: usize, spare: usize) -> bool {
-        let row = graph.neighbours(vertex);
+        let adjacent =
+            |class: &[usize], vertex: usize| class.iter().position(|&other| graph.connected(other, vertex));
         for one in 0..spare {
-            let Some(neighbour) = single(self.classes[one].members_within(row)) else { continue };
+            let class = &self.classes[one];
+            let Some(place) = adjacent(class, vertex) else { continue };
+            if adjacent(&class[place + 1..], vertex).is_some() {
+                continue;
+            }
+            if self.budget < spare {
+                return false;
+            }
+            self.budget -= spare;
+            let neighbour = class[place];
             for other in (0..spare).filter(|&other| other != one) {
-                if self.classes[other].members_within(graph.neighbours(neighbour)).next().is_none() {
-                    self.classes[one].remove(neighbour);
-                    self.classes[other].insert(neighbour);
-                    self.classes[one].insert(vertex);
-                    self.classes[colours - 1].remove(vertex);
+                if adjacent(&self.classes[other], neighbour).is_none() {
+                    self.classes[one][place] = vertex;
+                    self.classes[other].push(neighbour);
+                    self.classes[colours - 1].retain(|&member| member != vertex);
                     return true;
                 }
             }
         }
         false
     }
-}
-
-fn single(mut items: impl Iterator<Item = usize>) -> Option<usize> {
-    let first = items.next()?;
-    items.next().is_none().then_some(first)
 }

@@ -1,0 +1,175 @@
+//! Numbers of several pairs at once, one in each lane of a vector register.
+
+#![allow(clippy::inline_always, reason = "what is not inlined into the dispatched loop is compiled for SSE2")]
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use pulp::Simd;
+
+/// Lanes that are stored together: the widest register of any machine.
+pub(crate) const WIDTH: usize = 8;
+
+/// Eight numbers on one line of the cache.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
+pub(crate) struct Wide(pub(crate) [f64; WIDTH]);
+
+impl Default for Wide {
+    fn default() -> Self {
+        Self([0.0; WIDTH])
+    }
+}
+
+/// As many numbers as a register holds. No operation is fused with another, so that lanes round as single numbers do,
+/// on every machine.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lanes<S: Simd> {
+    simd: S,
+    values: S::f64s,
+}
+
+impl<S: Simd> Lanes<S> {
+    #[inline(always)]
+    pub(crate) fn splat(simd: S, value: f64) -> Self {
+        Self { simd, values: simd.splat_f64s(value) }
+    }
+
+    /// The lanes from `first` on, a multiple of the register's.
+    #[inline(always)]
+    pub(crate) fn load(simd: S, wide: &Wide, first: usize) -> Self {
+        Self { simd, values: S::as_simd_f64s(&wide.0[first..]).0[0] }
+    }
+
+    /// Three vectors at once. Written out: an array's `map` is a call, compiled for the least of all machines.
+    #[inline(always)]
+    pub(crate) fn load_three(simd: S, [x, y, z]: &[Wide; 3], first: usize) -> [Self; 3] {
+        [Self::load(simd, x, first), Self::load(simd, y, first), Self::load(simd, z, first)]
+    }
+
+    /// Four at once.
+    #[inline(always)]
+    pub(crate) fn load_four(simd: S, [w, x, y, z]: &[Wide; 4], first: usize) -> [Self; 4] {
+        [
+            Self::load(simd, w, first),
+            Self::load(simd, x, first),
+            Self::load(simd, y, first),
+            Self::load(simd, z, first),
+        ]
+    }
+
+    #[inline(always)]
+    pub(crate) fn store(self, wide: &mut Wide, first: usize) {
+        S::as_mut_simd_f64s(&mut wide.0[first..]).0[0] = self.values;
+    }
+
+    #[inline(always)]
+    pub(crate) fn abs(self) -> Self {
+        Self { values: self.simd.abs_f64s(self.values), ..self }
+    }
+
+    #[inline(always)]
+    pub(crate) fn sqrt(self) -> Self {
+        Self { values: self.simd.sqrt_f64s(self.values), ..self }
+    }
+
+    #[inline(always)]
+    pub(crate) fn less_than(self, other: Self) -> Mask<S> {
+        Mask { simd: self.simd, lanes: self.simd.less_than_f64s(self.values, other.values) }
+    }
+
+    /// c_0 + c_1 x + c_2 x^2 + … by Horner's rule.
+    #[inline(always)]
+    pub(crate) fn polynomial(self, coefficients: &[f64]) -> Self {
+        let mut sum = Self::splat(self.simd, 0.0);
+        for &coefficient in coefficients.iter().rev() {
+            sum = sum * self + Self::splat(self.simd, coefficient);
+        }
+        sum
+    }
+}
+
+/// A truth value a lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Mask<S: Simd> {
+    simd: S,
+    lanes: S::m64s,
+}
+
+impl<S: Simd> Mask<S> {
+    #[inline(always)]
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self { lanes: self.simd.and_m64s(self.lanes, other.lanes), ..self }
+    }
+
+    #[inline(always)]
+    pub(crate) fn select(self, if_true: Lanes<S>, if_false: Lanes<S>) -> Lanes<S> {
+        Lanes { simd: self.simd, values: self.simd.select_f64s(self.lanes, if_true.values, if_false.values) }
+    }
+
+    /// One bit a lane.
+    #[inline(always)]
+    pub(crate) fn bits(self) -> u64 {
+        let one = Lanes::splat(self.simd, 1.0);
+        let mut flags = Wide::default();
+        self.select(one, Lanes::splat(self.simd, 0.0)).store(&mut flags, 0);
+        let mut bits = 0;
+        for (lane, flag) in flags.0.iter().enumerate().take(S::F64_LANES) {
+            bits |= u64::from(*flag != 0.0) << lane;
+        }
+        bits
+    }
+}
+
+impl<S: Simd> Add for Lanes<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self { values: self.simd.add_f64s(self.values, other.values), ..self }
+    }
+}
+
+impl<S: Simd> Sub for Lanes<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self { values: self.simd.sub_f64s(self.values, other.values), ..self }
+    }
+}
+
+impl<S: Simd> Mul for Lanes<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self { values: self.simd.mul_f64s(self.values, other.values), ..self }
+    }
+}
+
+impl<S: Simd> Mul<f64> for Lanes<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, factor: f64) -> Self {
+        self * Self::splat(self.simd, factor)
+    }
+}
+
+impl<S: Simd> Div for Lanes<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        Self { values: self.simd.div_f64s(self.values, other.values), ..self }
+    }
+}
+
+impl<S: Simd> Neg for Lanes<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { values: self.simd.neg_f64s(self.values), ..self }
+    }
+}
