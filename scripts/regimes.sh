@@ -9,4 +9,4 @@ nclt=${1:?name the directory of NCLT sessions, such as data/nclt}
 make --silent regimes NCLT="$nclt" || echo "some runs failed: their points are left out"
 make --silent regimes || echo "some runs failed: their points are left out"
 "${CARGO_TARGET_DIR:-target}/release/posecut-report" regimes results/regimes/results.jsonl results/regimes-simulated/results.jsonl \
-  --methods none,pcm,pcm-root,pcm-calibrated,gc,pcm+gc --document docs/regimes.md
+  --methods none,pcm,pcm-root,pcm-calibrated,gc,pcm+gc,pcm-calibrated+gc --document docs/regimes.md

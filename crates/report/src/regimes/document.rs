@@ -6,7 +6,7 @@ use anyhow::{Context as _, bail};
 
 use super::runs::UNIFORM;
 use super::table::{percent, short, signed};
-use super::{Cell, Effect, Map, Verdict};
+use super::{Cell, Comparison, Effect, Map, Verdict};
 use crate::table::{grid, metres};
 
 /// The tables with the names of their markers, Markdown.
@@ -38,16 +38,21 @@ fn verdict(map: &Map) -> String {
          odometry's covariance; uniform mistakes.\n\n"
     );
     for session in &map.sessions {
-        for comparison in map.compared(session, UNIFORM) {
+        let made = |comparison: &&Comparison| comparison.cells.iter().any(Option::is_some);
+        for comparison in map.compared(session, UNIFORM).filter(made) {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{session}, {} against {}:\n", comparison.with, comparison.without);
+            // A comparison may have been made at some scales only.
+            let known = |column: &usize| {
+                (0..map.rates.len()).any(|row| comparison.cells[map.index(row, *column)].is_some())
+            };
+            let columns: Vec<usize> = (0..map.scales.len()).filter(known).collect();
             let mut rows = vec![vec!["incorrect edges".to_owned()]];
-            rows[0].extend(map.scales.iter().map(|scale| format!("covariance × {}", short(*scale))));
+            rows[0]
+                .extend(columns.iter().map(|&column| format!("covariance × {}", short(map.scales[column]))));
             for (row, rate) in map.rates.iter().enumerate() {
                 let mut cells = vec![percent(*rate)];
-                cells.extend(
-                    (0..map.scales.len()).map(|column| judged(comparison.cells[map.index(row, column)])),
-                );
+                cells.extend(columns.iter().map(|&column| judged(comparison.cells[map.index(row, column)])));
                 rows.push(cells);
             }
             grid(&mut text, &rows);
