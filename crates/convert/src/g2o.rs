@@ -20,9 +20,6 @@ pub(crate) use read::{Dialect, read_dialect};
 pub use read::{ReadOptions, ReadSummary, read};
 pub use write::{WriteSummary, write};
 
-/// The field of a node that `FIX` sets.
-pub(crate) const FIXED: &str = "fixed";
-
 /// What an edge is by the ids of its vertices: the first between each vertex and its successor is odometry.
 pub(crate) fn inferred_kind(successive: &mut HashSet<u64>, from: u64, to: u64) -> EdgeKind {
     let odometry = from.abs_diff(to) == 1 && successive.insert(from.min(to));

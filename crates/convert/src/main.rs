@@ -153,6 +153,12 @@ fn report(name: &str, summary: &g2o::ReadSummary, context: &mut Context) {
             summary.repaired
         );
     }
+    if let Some((line, from, to)) = summary.first_open {
+        warn!(
+            "{name}: {} of the information matrices may be singular within the rounding of their printed digits, first that of edge {from} {to} in line {line}; they are taken as they stand",
+            summary.open
+        );
+    }
     for (tag, count) in &summary.skipped {
         warn!("{name}: {count} lines of type {tag} left out");
     }
@@ -160,6 +166,7 @@ fn report(name: &str, summary: &g2o::ReadSummary, context: &mut Context) {
         info!("{name}: {} nodes have no vertex, and so no pose to start from", summary.without_vertex);
     }
     context.statistics.note("repaired_information", summary.repaired);
+    context.statistics.note("open_information", summary.open);
     context.statistics.note("skipped_lines", summary.skipped.values().sum::<usize>());
     context.statistics.note("nodes_without_vertex", summary.without_vertex);
 }

@@ -176,3 +176,17 @@ fn a_landmark_edge_between_successive_ids_stays_one() {
     assert!(written.contains("# 1 0 posecut landmark\n"), "{written}");
     assert_eq!(read(&written).unwrap().0.edges, graph.edges);
 }
+
+#[test]
+fn fix_of_a_vertex_that_no_line_names_is_refused() {
+    let text = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nFIX 0 7\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n";
+    let error = g2o::read("map.g2o", text.as_bytes(), &g2o::ReadOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("map.g2o, line 3") && error.contains("FIX names vertex 7"), "{error}");
+}
+
+#[test]
+fn matrices_that_their_digits_do_not_tell_from_singular_ones_are_counted_and_the_first_is_named() {
+    let text = "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nEDGE_SE2 1 2 1 0 0 1 0.999999 0 1 0 1\nEDGE_SE2 2 3 1 0 0 1 0.999998 0 1 0 1\n";
+    let (_, summary) = read(text).unwrap();
+    assert_eq!((summary.open, summary.first_open), (2, Some((2, 1, 2))));
+}

@@ -40,7 +40,7 @@ pub use error::{FormatProblem, ReadError, WriteError};
 pub use graph::PoseGraph;
 pub use header::{Header, InputDigest, NoiseModel, Provenance};
 pub use read::{Examination, RecordReader, examine};
-pub use record::{Edge, EdgeKind, EdgeTruth, Node, NodeTruth, Record};
+pub use record::{Edge, EdgeKind, EdgeTruth, FIXED, Node, NodeTruth, Record};
 pub use schema::schema;
 
 /// The fields this crate does not know, in the order read.

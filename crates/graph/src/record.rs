@@ -1,5 +1,7 @@
 //! Nodes and edges as they stand in a file.
 
+use serde_json::Value;
+
 use crate::{Dimension, Extra, Header};
 
 /// One line of a file.
@@ -149,7 +151,19 @@ impl EdgeTruth {
     }
 }
 
+/// The field of a node that is to stay at its pose, g2o's `FIX`: true or false.
+pub const FIXED: &str = "fixed";
+
 impl Node {
+    /// Whether it is to stay at its pose; the field's value where that is neither true nor false.
+    pub fn is_fixed(&self) -> Result<bool, &Value> {
+        match self.extra.get(FIXED) {
+            None | Some(Value::Null) => Ok(false),
+            Some(Value::Bool(fixed)) => Ok(*fixed),
+            Some(other) => Err(other),
+        }
+    }
+
     /// The estimate, if there is one, else the identity of that dimension.
     pub fn pose_or_identity(&self, dimension: Dimension) -> Vec<f64> {
         self.pose.clone().unwrap_or_else(|| match dimension {

@@ -42,7 +42,8 @@ pub struct Certificate {
 }
 
 impl Certificate {
-    const NONE: Self = Self {
+    /// Nothing is known.
+    pub(crate) const NONE: Self = Self {
         global: false,
         cost: f64::NAN,
         lower_bound: f64::NEG_INFINITY,
@@ -63,7 +64,7 @@ where
         return Certificate::NONE;
     };
     let mut poses = poses.to_vec();
-    let pattern = Pattern::of(poses.len(), edges);
+    let pattern = Pattern::of(poses.len(), 1, edges);
     let refine = Options { cost_tolerance: 1e-14, max_iterations: 500, ..Options::default() };
     let outcome = Workspace::new(&pattern).minimise(&terms, &mut poses, &refine);
     let (matrix, trace) = Matrix::<M>::new::<G, DOF, N>(&terms, &poses);

@@ -3,10 +3,20 @@
 /// Nodes and edges of one connected part.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Component {
-    /// Nodes, ascending; the first is the gauge.
+    /// Nodes, ascending.
     pub nodes: Vec<usize>,
     /// Edges, ascending.
     pub edges: Vec<usize>,
+}
+
+impl Component {
+    /// Puts the nodes that are held first and returns how many there are. Where none is, the first node alone is held: it
+    /// only fixes the gauge.
+    pub(crate) fn put_held_first(&mut self, held: &[bool]) -> usize {
+        let count = self.nodes.iter().filter(|&&node| held[node]).count();
+        self.nodes.sort_by_key(|&node| !held[node]);
+        count.max(1)
+    }
 }
 
 /// Splits a graph into its connected parts, in the order of their first nodes.

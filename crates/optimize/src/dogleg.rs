@@ -20,7 +20,7 @@ const SMALLEST_RADIUS: f64 = 1e-14;
 type Steps<const DOF: usize> = Vec<SVector<f64, DOF>>;
 
 impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
-    /// Minimises the cost of the edges over all poses but the first. A step that fails costs no factorisation.
+    /// Minimises the cost of the edges over all poses but those that are held. A step that fails costs no factorisation.
     pub(crate) fn minimise_by_dogleg<T: Term<G, DOF>>(
         &mut self,
         edges: &[T],

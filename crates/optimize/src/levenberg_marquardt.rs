@@ -59,7 +59,7 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         }
     }
 
-    /// Minimises the cost of the edges over all poses but the first.
+    /// Minimises the cost of the edges over all poses but those that are held.
     pub(crate) fn minimise<T: Term<G, DOF>>(
         &mut self,
         edges: &[T],
@@ -166,12 +166,12 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         if let Err(breakdown) = timed(&mut self.phases.factorisation, || {
             factor.factorize(symbolic, &equations.diagonal, &equations.off_diagonal, damping, floor)
         }) {
-            undetermined.get_or_insert((breakdown.variable + 1, breakdown.component));
+            undetermined.get_or_insert((self.pattern.held + breakdown.variable, breakdown.component));
             return None;
         }
         let (share, variable, component) = self.factor.smallest_pivot();
         if share.is_nan() || share <= SINGULAR {
-            undetermined.get_or_insert((variable + 1, component));
+            undetermined.get_or_insert((self.pattern.held + variable, component));
             return None;
         }
         let mut step = self.substitute()?;
@@ -203,11 +203,11 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
 
     /// `trial = X Exp(d)`.
     pub(crate) fn retract(&mut self, poses: &[G]) {
-        let Self { trial, step, phases, .. } = self;
+        let Self { trial, step, pattern, phases, .. } = self;
         timed(&mut phases.linearisation, || {
             trial.clear();
             trial.extend_from_slice(poses);
-            for (pose, step) in trial.iter_mut().skip(1).zip(step) {
+            for (pose, step) in trial.iter_mut().skip(pattern.held).zip(step) {
                 *pose = pose.compose(&G::exp(step));
             }
         });

@@ -29,8 +29,8 @@ pub struct Joint<const DOF: usize> {
 /// Covariances at given poses: exact blocks of the inverse of the Gauss-Newton matrix `sum of J^T w Omega J`.
 ///
 /// Every covariance is that of a right perturbation, `X = X_hat Exp(xi)`, translation before rotation, in square metres
-/// and square radians. **Gauge:** the first node of every connected part has no uncertainty, and the covariances of poses are
-/// relative to it; those of relative poses do not depend on it. They are the propagation of the edges' information to
+/// and square radians. **Gauge:** nodes that are held have no uncertainty, nor has the first node of a connected part where none
+/// is, and the covariances of poses are relative to it; those of relative poses do not depend on it. They are the propagation of the edges' information to
 /// first order at the given poses and hold as far as that does.
 ///
 /// Parts are those that edges of positive weight connect. A part whose edges leave a direction undetermined has no
@@ -44,6 +44,7 @@ pub struct Marginals<G, const DOF: usize> {
 
 /// The factorised equations of a connected part.
 struct Part<const DOF: usize> {
+    held: usize,
     symbolic: Symbolic,
     factor: Factor<DOF>,
     inverse: Option<SelectedInverse<DOF>>,
@@ -73,10 +74,11 @@ impl<G: LieGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
             (weight > 0.0).then(|| Edge { information: edge.information * weight, kernel: None, ..*edge })
         };
         let edges: Vec<_> = problem.edges().iter().enumerate().filter_map(weigh).collect();
-        let components = connected_components(poses.len(), edges.iter().map(|edge| (edge.from, edge.to)));
+        let mut components = connected_components(poses.len(), edges.iter().map(|edge| (edge.from, edge.to)));
         let mut places = vec![(0, 0); poses.len()];
         let mut parts = Vec::with_capacity(components.len());
-        for (index, component) in components.iter().enumerate() {
+        for (index, component) in components.iter_mut().enumerate() {
+            let held = component.put_held_first(problem.held());
             for (number, &node) in component.nodes.iter().enumerate() {
                 places[node] = (index, number);
             }
@@ -86,7 +88,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
                 Edge { from: places[edge.from].1, to: places[edge.to].1, ..*edge }
             };
             let part_edges: Vec<_> = component.edges.iter().map(renumber).collect();
-            let mut part = Part::new(&part_poses, &part_edges);
+            let mut part = Part::new(&part_poses, held, &part_edges);
             part.undetermined = part.undetermined.map(|(node, axis)| (component.nodes[node], axis));
             parts.push(part);
         }
@@ -148,8 +150,8 @@ impl<G: LieGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
 }
 
 impl<const DOF: usize> Part<DOF> {
-    fn new<G: LieGroup<DOF>>(poses: &[G], edges: &[Edge<G, DOF>]) -> Self {
-        let pattern = Pattern::new(poses.len(), edges.iter().map(|edge| (edge.from, edge.to)), DOF);
+    fn new<G: LieGroup<DOF>>(poses: &[G], held: usize, edges: &[Edge<G, DOF>]) -> Self {
+        let pattern = Pattern::of(poses.len(), held, edges);
         let mut equations = NormalEquations::new(&pattern);
         equations.assemble(&pattern, edges, poses);
         let symbolic = pattern.symbolic;
@@ -157,10 +159,10 @@ impl<const DOF: usize> Part<DOF> {
         let outcome = factor.factorize(&symbolic, &equations.diagonal, &equations.off_diagonal, 0.0, 0.0);
         let (share, variable, component) = factor.smallest_pivot();
         let undetermined = match outcome {
-            Err(breakdown) => Some((breakdown.variable + 1, breakdown.component)),
-            Ok(()) => (share.is_nan() || share <= SINGULAR).then_some((variable + 1, component)),
+            Err(breakdown) => Some((held + breakdown.variable, breakdown.component)),
+            Ok(()) => (share.is_nan() || share <= SINGULAR).then_some((held + variable, component)),
         };
-        Self { symbolic, factor, inverse: None, undetermined }
+        Self { held, symbolic, factor, inverse: None, undetermined }
     }
 
     /// The wanted blocks `(a, b)`, `a <= b`, of the covariance, by numbers of nodes.
@@ -172,8 +174,7 @@ impl<const DOF: usize> Part<DOF> {
         let mut blocks = Blocks::new();
         let mut columns: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for &(a, b) in wanted {
-            // Node 0 is the gauge; variable v is node v + 1.
-            let (Some(row), Some(column)) = (a.checked_sub(1), b.checked_sub(1)) else {
+            let (Some(row), Some(column)) = (a.checked_sub(self.held), b.checked_sub(self.held)) else {
                 blocks.insert((a, b), SMatrix::zeros());
                 continue;
             };
@@ -187,7 +188,7 @@ impl<const DOF: usize> Part<DOF> {
         for (first, others) in columns {
             let found = self.factor.inverse_column(&self.symbolic, first, &others);
             for (other, block) in others.into_iter().zip(found) {
-                blocks.insert((first + 1, other + 1), block.transpose());
+                blocks.insert((self.held + first, self.held + other), block.transpose());
             }
         }
         for ((a, b), block) in &mut blocks {

@@ -1,4 +1,4 @@
-//! The block-sparse normal equations of a connected graph with its first node fixed.
+//! The block-sparse normal equations of a connected graph with its first nodes held.
 
 #![allow(
     clippy::inline_always,
@@ -13,20 +13,22 @@ use crate::cholesky::Symbolic;
 use crate::problem::Edge;
 use crate::residual::Term;
 
-/// Where an edge's blocks go. Variable v is node v + 1; node 0 is the gauge.
+/// Where an edge's blocks go.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slot {
-    /// Variable of `from`, or `None` for the gauge.
+    /// Variable of `from`, or `None` if it is held.
     pub(crate) from: Option<usize>,
-    /// Variable of `to`, or `None` for the gauge.
+    /// Variable of `to`, or `None` if it is held.
     pub(crate) to: Option<usize>,
-    /// Off-diagonal block shared by all edges between the two, if neither is the gauge.
+    /// Off-diagonal block shared by all edges between the two, if neither is held.
     pub(crate) pair: usize,
 }
 
 /// Pattern of the equations, shared by every block size.
 #[derive(Debug)]
 pub(crate) struct Pattern {
+    /// Number of nodes that are no variables: the first ones. Variable v is node `held + v`.
+    pub(crate) held: usize,
     pub(crate) variables: usize,
     /// The two variables of each off-diagonal block, smaller first.
     pub(crate) pairs: Vec<(usize, usize)>,
@@ -35,35 +37,27 @@ pub(crate) struct Pattern {
 }
 
 impl Pattern {
-    /// Pattern of a graph's edges.
-    pub(crate) fn of<G, const DOF: usize>(nodes: usize, edges: &[Edge<G, DOF>]) -> Self {
-        Self::new(nodes, edges.iter().map(|edge| (edge.from, edge.to)), DOF)
-    }
-
-    /// Pattern of edges over `nodes` nodes; `block` is the block size to tune for.
-    pub(crate) fn new(
-        nodes: usize,
-        ends: impl Iterator<Item = (usize, usize)> + Clone,
-        block: usize,
-    ) -> Self {
-        let variables = nodes.saturating_sub(1);
+    /// Pattern of edges over `nodes` nodes, of which the first `held` are given.
+    pub(crate) fn of<G, const DOF: usize>(nodes: usize, held: usize, edges: &[Edge<G, DOF>]) -> Self {
+        let ends = edges.iter().map(|edge| (edge.from, edge.to));
+        let variables = nodes.saturating_sub(held);
         let mut pairs: Vec<(usize, usize)> = ends
             .clone()
             .map(|(a, b)| (a.min(b), a.max(b)))
-            .filter(|&(a, _)| a > 0)
-            .map(|(a, b)| (a - 1, b - 1))
+            .filter(|&(a, _)| a >= held)
+            .map(|(a, b)| (a - held, b - held))
             .collect();
         pairs.sort_unstable();
         pairs.dedup();
         let slots = ends
             .map(|(from, to)| {
-                let pair = (from.min(to).wrapping_sub(1), from.max(to).wrapping_sub(1));
+                let pair = (from.min(to).wrapping_sub(held), from.max(to).wrapping_sub(held));
                 let index = pairs.binary_search(&pair).unwrap_or(usize::MAX);
-                Slot { from: from.checked_sub(1), to: to.checked_sub(1), pair: index }
+                Slot { from: from.checked_sub(held), to: to.checked_sub(held), pair: index }
             })
             .collect();
-        let symbolic = Symbolic::new(variables, &pairs, block);
-        Self { variables, pairs, slots, symbolic }
+        let symbolic = Symbolic::new(variables, &pairs, DOF);
+        Self { held, variables, pairs, slots, symbolic }
     }
 }
 

@@ -116,6 +116,16 @@ pub enum ProblemError {
         /// Largest eigenvalue.
         largest: f64,
     },
+    /// A node to be held is not there.
+    #[error(
+        "node {node} is to be held, but there are {nodes} nodes, numbered from 0: add it or do not hold it"
+    )]
+    MissingHeld {
+        /// The node.
+        node: usize,
+        /// Number of nodes.
+        nodes: usize,
+    },
     /// A kernel's parameter is not a positive number.
     #[error("the robust kernel of edge {edge} has the parameter {parameter}: it must be positive and finite")]
     KernelParameter {
@@ -131,23 +141,43 @@ pub enum ProblemError {
 pub struct Problem<G, const DOF: usize> {
     poses: Vec<G>,
     edges: Vec<Edge<G, DOF>>,
-    semidefinite: usize,
+    held: Vec<bool>,
+    semidefinite: Vec<usize>,
 }
 
 impl<G: LieGroup<DOF>, const DOF: usize> Problem<G, DOF> {
-    /// Checks a graph. `poses` are the given initial poses; the first of each connected part stays where it is.
+    /// Checks a graph. `poses` are the given initial poses; the first of each connected part stays where it is, unless nodes of it
+    /// are held ([`hold`](Self::hold)).
     ///
-    /// Matrices that are semidefinite up to the digits of a printed file (smallest eigenvalue at least -1e-9 times the
-    /// largest) are accepted as they stand and counted. Takes O(nodes + edges).
+    /// Matrices that are semidefinite up to the digits of a printed file (smallest eigenvalue within 1e-9 times the
+    /// largest) are accepted as they stand and listed. Takes O(nodes + edges).
     pub fn new(poses: Vec<G>, edges: Vec<Edge<G, DOF>>) -> Result<Self, ProblemError> {
         if let Some(node) = poses.iter().position(|pose| !is_finite(pose)) {
             return Err(ProblemError::PoseNotFinite { node });
         }
-        let mut semidefinite = 0;
+        let mut semidefinite = Vec::new();
         for (index, edge) in edges.iter().enumerate() {
-            semidefinite += usize::from(check_edge(index, edge, poses.len())?);
+            if check_edge(index, edge, poses.len())? {
+                semidefinite.push(index);
+            }
         }
-        Ok(Self { poses, edges, semidefinite })
+        let held = vec![false; poses.len()];
+        Ok(Self { poses, edges, held, semidefinite })
+    }
+
+    /// Holds these nodes at their given poses, as constants: g2o's `FIX`. A part with one such node has the minima it has without,
+    /// moved rigidly; more than one constrain it.
+    pub fn hold(mut self, nodes: impl IntoIterator<Item = usize>) -> Result<Self, ProblemError> {
+        for node in nodes {
+            let count = self.held.len();
+            *self.held.get_mut(node).ok_or(ProblemError::MissingHeld { node, nodes: count })? = true;
+        }
+        Ok(self)
+    }
+
+    /// Whether each node is held at its given pose.
+    pub fn held(&self) -> &[bool] {
+        &self.held
     }
 
     /// The given poses.
@@ -160,14 +190,14 @@ impl<G: LieGroup<DOF>, const DOF: usize> Problem<G, DOF> {
         &self.edges
     }
 
-    /// Number of information matrices that are only semidefinite in print.
-    pub fn semidefinite(&self) -> usize {
-        self.semidefinite
+    /// Edges whose information matrices are only semidefinite in print.
+    pub fn semidefinite(&self) -> &[usize] {
+        &self.semidefinite
     }
 
     /// A graph made of parts of a checked one.
-    pub(crate) fn from_checked(poses: Vec<G>, edges: Vec<Edge<G, DOF>>) -> Self {
-        Self { poses, edges, semidefinite: 0 }
+    pub(crate) fn from_checked(poses: Vec<G>, edges: Vec<Edge<G, DOF>>, held: Vec<bool>) -> Self {
+        Self { poses, edges, held, semidefinite: Vec::new() }
     }
 }
 
@@ -212,13 +242,14 @@ pub(crate) fn check_edge<G: LieGroup<DOF>, const DOF: usize>(
     }
 }
 
-/// Whether elimination leaves a fair part of every diagonal entry: a hundred times cheaper than eigenvalues, and true of
+/// Whether elimination leaves a fair part of every diagonal entry, and of the largest: a hundred times cheaper than eigenvalues, and true of
 /// nearly every edge there is.
 fn is_clearly_positive<const DOF: usize>(matrix: &SMatrix<f64, DOF, DOF>) -> bool {
     let mut rest = *matrix;
+    let least = 1e-8 * matrix.diagonal().max();
     for index in 0..DOF {
         let pivot = rest[(index, index)];
-        if !(pivot > 1e-6 * matrix[(index, index)] && pivot.is_finite()) {
+        if !(pivot > least.max(1e-6 * matrix[(index, index)]) && pivot.is_finite()) {
             return false;
         }
         for row in index + 1..DOF {

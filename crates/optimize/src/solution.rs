@@ -28,7 +28,7 @@ impl Start {
 /// Why iteration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Termination {
-    /// No edges, or no node besides the gauge.
+    /// No edges, or every node is held.
     NothingToDo,
     /// A full step would lower the cost by less than the tolerance.
     Cost,
@@ -65,8 +65,10 @@ impl Termination {
 /// How one connected part was solved.
 #[derive(Clone, Debug)]
 pub struct ComponentReport {
-    /// Its first node, which was held fixed.
+    /// Its first node that was held.
     pub gauge: usize,
+    /// Nodes that were to be held; with none the gauge is the part's first node.
+    pub held: usize,
     /// Number of nodes.
     pub nodes: usize,
     /// Number of edges.
@@ -108,6 +110,7 @@ impl ComponentReport {
     pub(crate) fn untouched(nodes: usize, edges: usize, cost: f64) -> Self {
         Self {
             gauge: 0,
+            held: 0,
             nodes,
             edges,
             cost_given: cost,

@@ -8,7 +8,8 @@ use crate::certificate::{self, Certificate};
 use crate::cholesky::Factor;
 use crate::components::{Component, connected_components};
 use crate::graduated::{Graduated, set_landmark_kernels};
-use crate::initialisation::{chordal, spanning_tree};
+use crate::initialisation::chordal;
+use crate::initialisation::tree::spanning_tree_from;
 use crate::kernel::charge;
 use crate::levenberg_marquardt::Workspace;
 use crate::normal_equations::Pattern;
@@ -20,13 +21,13 @@ use crate::solution::{ComponentReport, Solution, Start};
 
 /// A group of poses that can be optimised, with its chordal relaxation.
 pub trait PoseGroup<const DOF: usize>: LieGroup<DOF> {
-    /// Poses by rotations first, for a connected graph with its first pose given; `None` if the edges do not determine
+    /// Poses by rotations first, for a connected graph with its first poses given; `None` if the edges do not determine
     /// them.
     #[doc(hidden)]
     fn chordal_poses(
         memory: &mut Relaxation<'_, DOF>,
         edges: &[Edge<Self, DOF>],
-        first: &Self,
+        held: &[Self],
     ) -> Option<Vec<Self>>;
 
     /// The certificate of a connected graph.
@@ -46,10 +47,10 @@ impl PoseGroup<3> for SE2 {
     fn chordal_poses(
         memory: &mut Relaxation<'_, 3>,
         edges: &[Edge<Self, 3>],
-        first: &Self,
+        held: &[Self],
     ) -> Option<Vec<Self>> {
         let pattern = memory.pattern;
-        memory.factor.lend(|factor| chordal::poses::<Self, 3, 2>(pattern, edges, first, factor))
+        memory.factor.lend(|factor| chordal::poses::<Self, 3, 2>(pattern, edges, held, factor))
     }
 
     fn certificate(edges: &[Edge<Self, 3>], poses: &[Self]) -> Certificate {
@@ -61,10 +62,10 @@ impl PoseGroup<6> for SE3 {
     fn chordal_poses(
         memory: &mut Relaxation<'_, 6>,
         edges: &[Edge<Self, 6>],
-        first: &Self,
+        held: &[Self],
     ) -> Option<Vec<Self>> {
         let pattern = memory.pattern;
-        memory.factor.lend(|factor| chordal::poses::<Self, 6, 3>(pattern, edges, first, factor))
+        memory.factor.lend(|factor| chordal::poses::<Self, 6, 3>(pattern, edges, held, factor))
     }
 
     fn certificate(edges: &[Edge<Self, 6>], poses: &[Self]) -> Certificate {
@@ -74,7 +75,8 @@ impl PoseGroup<6> for SE3 {
 
 /// Minimises the cost of a graph over its poses.
 ///
-/// Every connected part is solved on its own, its first node staying at its given pose, whatever the start. Parts that
+/// Every connected part is solved on its own; nodes that are held stay at their given poses, whatever the start, or the part's first
+/// node where none is. Parts that
 /// edges leave undetermined are damped and reported, not refused. The result depends on the input alone: sums have a
 /// fixed order.
 pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
@@ -85,24 +87,26 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
     let problem = if let Some(graduation) = options.graduated {
         let mut edges = problem.edges().to_vec();
         set_landmark_kernels(&mut edges, Some(graduation.kernel()));
-        graduated = Problem::from_checked(problem.poses().to_vec(), edges);
+        graduated = Problem::from_checked(problem.poses().to_vec(), edges, problem.held().to_vec());
         &graduated
     } else {
         problem
     };
     let edges = problem.edges();
-    let components =
+    let mut components =
         connected_components(problem.poses().len(), edges.iter().map(|edge| (edge.from, edge.to)));
     let mut poses = problem.poses().to_vec();
     let mut starts = poses.clone();
     let mut reports = Vec::with_capacity(components.len());
     let mut local = vec![0; poses.len()];
-    for component in &components {
+    let whole = components.len() == 1;
+    for component in &mut components {
+        let held = component.put_held_first(problem.held());
         for (index, &node) in component.nodes.iter().enumerate() {
             local[node] = index;
         }
         let extracted;
-        let part = if components.len() == 1 {
+        let part = if whole && component.nodes.is_sorted() {
             problem
         } else {
             extracted = extract(problem, component, &local);
@@ -110,11 +114,12 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
         };
         let mut seconds = 0.0;
         let (start, result, mut report) = timed(&mut seconds, || match options.graduated {
-            Some(graduation) => graduate_component(part, graduation, options),
-            None => solve_component(part, options),
+            Some(graduation) => graduate_component(part, held, graduation, options),
+            None => solve_component(part, held, options),
         });
         report.phases.total = seconds;
         report.gauge = component.nodes[0];
+        report.held = component.nodes.iter().filter(|&&node| problem.held()[node]).count();
         report.undetermined = report.undetermined.map(|(node, axis)| (component.nodes[node], axis));
         for ((&node, start), pose) in component.nodes.iter().zip(start).zip(result) {
             starts[node] = start;
@@ -143,15 +148,19 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
 }
 
 /// SE-Sync's dual certificate of every connected part, for its cost `F` (chordal, isotropic weights), not for that of
-/// [`optimize`]: the poses are refined for `F` first. Kernels are not looked at.
+/// [`optimize`]: the poses are refined for `F` first. Kernels are not looked at. A part with several nodes held is another problem, of
+/// which nothing is known: its figures are not numbers.
 pub fn certify<G: PoseGroup<DOF>, const DOF: usize>(
     problem: &Problem<G, DOF>,
     poses: &[G],
 ) -> Vec<Certificate> {
     let ends = problem.edges().iter().map(|edge| (edge.from, edge.to));
-    let solved = Problem::from_checked(poses.to_vec(), problem.edges().to_vec());
+    let solved = Problem::from_checked(poses.to_vec(), problem.edges().to_vec(), problem.held().to_vec());
     let mut local = vec![0; poses.len()];
     let certificate = |component: &Component| {
+        if component.nodes.iter().filter(|&&node| problem.held()[node]).count() > 1 {
+            return Certificate::NONE;
+        }
         for (index, &node) in component.nodes.iter().enumerate() {
             local[node] = index;
         }
@@ -168,28 +177,30 @@ fn extract<G: PoseGroup<DOF>, const DOF: usize>(
     local: &[usize],
 ) -> Problem<G, DOF> {
     let poses = component.nodes.iter().map(|&node| problem.poses()[node]).collect();
+    let held = component.nodes.iter().map(|&node| problem.held()[node]).collect();
     let renumber = |edge: &Edge<G, DOF>| Edge { from: local[edge.from], to: local[edge.to], ..*edge };
     let edges = component.edges.iter().map(|&edge| renumber(&problem.edges()[edge])).collect();
-    Problem::from_checked(poses, edges)
+    Problem::from_checked(poses, edges, held)
 }
 
-/// Start, result and report of a connected graph.
+/// Start, result and report of a connected graph whose first `held` nodes keep their poses.
 ///
 /// Without kernels the relaxation is tried first: a start's cost says little about its basin where a few stiff edges
 /// dominate. Should its result be worse than another *start*, that one is tried too, and the lowest result is kept.
 /// Kernels change this: the relaxation knows nothing of outliers, so there the cheapest start is tried first.
 fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     part: &Problem<G, DOF>,
+    held: usize,
     options: &Options,
 ) -> (Vec<G>, Vec<G>, ComponentReport) {
     let edges = part.edges();
     let given = part.poses();
     let mut report = ComponentReport::untouched(given.len(), edges.len(), cost(edges, given));
-    if edges.is_empty() {
+    if edges.is_empty() || held == given.len() {
         return (given.to_vec(), given.to_vec(), report);
     }
     let mut phases = Phases::default();
-    let pattern = timed(&mut phases.analysis, || Pattern::of(given.len(), edges));
+    let pattern = timed(&mut phases.analysis, || Pattern::of(given.len(), held, edges));
     report.factor_blocks = pattern.symbolic.factor_blocks();
     report.flops = pattern.symbolic.flops();
     let mut workspace = Workspace::new(&pattern);
@@ -222,23 +233,24 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
 /// drifts but never folds. The lower cost is kept.
 fn graduate_component<G: PoseGroup<DOF>, const DOF: usize>(
     part: &Problem<G, DOF>,
+    held: usize,
     graduation: Graduated,
     options: &Options,
 ) -> (Vec<G>, Vec<G>, ComponentReport) {
-    let mut plain = part.edges().to_vec();
-    set_landmark_kernels(&mut plain, None);
-    let plain = Problem::from_checked(part.poses().to_vec(), plain);
-    let (start, solved, mut report) = solve_component(&plain, options);
     let edges = part.edges();
-    if edges.is_empty() {
-        return (start, solved, report);
+    if edges.is_empty() || held == part.poses().len() {
+        return solve_component(part, held, options);
     }
+    let mut plain = edges.to_vec();
+    set_landmark_kernels(&mut plain, None);
+    let plain = Problem::from_checked(part.poses().to_vec(), plain, part.held().to_vec());
+    let (start, solved, mut report) = solve_component(&plain, held, options);
     let mut starts = vec![(report.start, start, solved)];
     if options.initialisation == Initialisation::Best {
-        let tree = spanning_tree(part.poses(), edges);
+        let tree = spanning_tree_from(held, part.poses(), edges);
         starts.push((Start::SpanningTree, tree.clone(), tree));
     }
-    let pattern = timed(&mut report.phases.analysis, || Pattern::of(part.poses().len(), edges));
+    let pattern = timed(&mut report.phases.analysis, || Pattern::of(part.poses().len(), held, edges));
     let mut workspace = Workspace::new(&pattern);
     report.cost_given = cost(edges, part.poses());
     report.cost = f64::INFINITY;
@@ -274,10 +286,12 @@ fn candidates<G: PoseGroup<DOF>, const DOF: usize>(
     let edges = part.edges();
     let propose = |start: Start, poses: Vec<G>| Candidate { start, cost: cost(edges, &poses), poses };
     let given = || Candidate { start: Start::Given, cost: cost_given, poses: part.poses().to_vec() };
-    let tree = || propose(Start::SpanningTree, spanning_tree(part.poses(), edges));
+    let tree =
+        || propose(Start::SpanningTree, spanning_tree_from(workspace.pattern.held, part.poses(), edges));
     let mut relaxed = || {
         let mut memory = Relaxation { pattern: workspace.pattern, factor: &mut workspace.factor };
-        G::chordal_poses(&mut memory, edges, &part.poses()[0])
+        let held = &part.poses()[..memory.pattern.held];
+        G::chordal_poses(&mut memory, edges, held)
             .map(|poses| propose(Start::Chordal, poses))
             .filter(|candidate| candidate.cost.is_finite())
     };

@@ -10,8 +10,8 @@ use anyhow::Context as _;
 use nalgebra::SMatrix;
 use posecut_geometry::covariance::unpack_upper_triangle;
 use posecut_geometry::{LieGroup, SE2, SE3};
-use posecut_graph::{Dimension, PoseGraph};
-use posecut_stage::{Context, GraphStage, info, warn};
+use posecut_graph::{Dimension, Node, PoseGraph};
+use posecut_stage::{Context, GraphStage, counted, info, warn};
 use serde::Serialize;
 
 pub use marginals::MarginalsOf;
@@ -153,14 +153,18 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
                 .with_context(|| format!("node {}: its pose cannot be used", node.id))
         })
         .collect::<anyhow::Result<Vec<G>>>()?;
-    let problem = Problem::new(poses, edges)?;
-    if problem.semidefinite() > 0 {
+    let fixed = fixed_nodes(graph)?;
+    context.statistics.note("fixed", fixed.len());
+    let problem = Problem::new(poses, edges)?.hold(fixed)?;
+    let semidefinite = problem.semidefinite();
+    if let [first, ..] = semidefinite {
         info!(
-            "{} information matrices are singular in print: they are taken as they stand, and say nothing about a direction",
-            problem.semidefinite()
+            "information matrices singular in print (smallest eigenvalue within 1e-9 of the largest): {}, first that of {}; they are taken as they stand, and say next to nothing about a direction",
+            semidefinite.len(),
+            graph.edges[places[*first]].name()
         );
     }
-    context.statistics.note("semidefinite_information", problem.semidefinite());
+    context.statistics.note("semidefinite_information", semidefinite.len());
     let start = Instant::now();
     let solution = optimize(&problem, &library_options);
     context.statistics.note("optimize_seconds", start.elapsed().as_secs_f64());
@@ -170,7 +174,7 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
     tell(graph, &solution, unmeasured);
     note(&solution, problem.edges().len(), unmeasured, context);
     if options.certify {
-        certify::note(&certify(&problem, &solution.poses), &mut context.statistics);
+        certify::note(&certify(&problem, &solution.poses), &solution.components, &mut context.statistics);
     }
     if let Some(of) = options.marginals {
         marginals::write(of, &problem, &solution, graph, &mut context.statistics);
@@ -178,6 +182,33 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
     options.robust.write_weights(graph, &places, &solution.weights, &mut context.statistics)?;
     options.robust.note(library_options.graduated, solution.cost, &mut context.statistics);
     Ok(())
+}
+
+/// The places of the nodes that are to stay where they are.
+fn fixed_nodes(graph: &PoseGraph) -> anyhow::Result<Vec<usize>> {
+    let mut fixed = Vec::new();
+    for (place, node) in graph.nodes.iter().enumerate() {
+        if is_fixed(node)? {
+            fixed.push(place);
+        }
+    }
+    Ok(fixed)
+}
+
+/// Whether a node is to stay where it is, which must then be known.
+pub(crate) fn is_fixed(node: &Node) -> anyhow::Result<bool> {
+    let fixed = node.is_fixed().map_err(|value| {
+        anyhow::anyhow!(
+            "node {}, field \"fixed\": expected true or false, found {value}; say true to hold the node at its pose",
+            node.id
+        )
+    })?;
+    anyhow::ensure!(
+        !fixed || node.pose.is_some(),
+        "node {} is fixed and has no pose to stay at; give it one, or take the field \"fixed\" away",
+        node.id
+    );
+    Ok(fixed)
 }
 
 /// The edges in use that measure something.
@@ -237,12 +268,16 @@ fn tell<G>(graph: &PoseGraph, solution: &Solution<G>, unmeasured: usize) {
         solution.components.len(),
         if solution.converged { "" } else { ", not converged" }
     );
+    let fixed: usize = solution.components.iter().map(|report| report.held).sum();
+    if fixed > 0 {
+        info!("{} fixed where they are", counted(fixed, "node"));
+    }
     if unmeasured > 0 {
         warn!("{unmeasured} edges in use have no measurement and take no part");
     }
     if solution.components.len() > 1 {
         warn!(
-            "no edge in use joins the {} parts of the graph: each is optimised by itself, its first node where it was",
+            "no edge in use joins the {} parts of the graph: each is optimised by itself, its fixed nodes where they were, or its first",
             solution.components.len()
         );
     }

@@ -207,7 +207,7 @@ fn directions_that_no_edge_measures_are_damped_and_named() {
     ];
     let problem =
         Problem::new(vec![SE2::identity(), SE2::new(0.5, 0.0, 0.0), SE2::new(0.7, 0.3, 0.1)], edges).unwrap();
-    assert_eq!(problem.semidefinite(), 1);
+    assert_eq!(problem.semidefinite().len(), 1);
     for initialisation in [Initialisation::Given, Initialisation::Best, Initialisation::Chordal] {
         let solution = optimize(&problem, &Options { initialisation, ..Options::default() });
         assert!(solution.converged, "{:?}", solution.components);

@@ -158,3 +158,40 @@ fn marginals_stand_on_landmark_edges_and_nodes() {
     let both = run(&["--marginals", "all"]);
     assert!(both.contains("\"covariance\"") && both.contains("\"predicted_covariance\""));
 }
+
+#[test]
+fn fixed_nodes_stay_where_they_are_in_both_solvers() {
+    let fixed = GRAPH
+        .replace("\"id\":1,\"pose\":[1,0,1.5]", "\"id\":1,\"fixed\":true,\"pose\":[1,0,1.5]")
+        .replace("\"id\":3,\"pose\":[0,1,-1.5]", "\"id\":3,\"fixed\":true,\"pose\":[0,1,-1.5]");
+    for arguments in [&[][..], &["--solver", "isam2"]] {
+        let output = run_on(arguments, &fixed);
+        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+        let graph = String::from_utf8(output.stdout).unwrap();
+        for (id, pose) in [(1, "[1,0,1.5]"), (3, "[0,1,-1.5]")] {
+            let line = format!("{{\"kind\":\"node\",\"id\":{id},\"pose\":{pose},\"fixed\":true}}");
+            assert!(graph.contains(&line), "{arguments:?}: {graph}");
+        }
+        // What is fixed is no gauge only: the first node has moved.
+        assert!(!graph.contains("{\"kind\":\"node\",\"id\":0,\"pose\":[0,0,0]"), "{arguments:?}: {graph}");
+    }
+    for (mark, words) in [
+        ("\"fixed\":\"yes\",\"pose\":[1,0,1.5]", "expected true or false, found \"yes\""),
+        ("\"fixed\":true", "is fixed and has no pose to stay at"),
+    ] {
+        for arguments in [&[][..], &["--solver", "isam2"]] {
+            let bad = GRAPH.replace("\"id\":1,\"pose\":[1,0,1.5]", &format!("\"id\":1,{mark}"));
+            let output = run_on(arguments, &bad);
+            let error = String::from_utf8(output.stderr).unwrap();
+            assert!(
+                output.status.code() == Some(2) && error.contains(words) && error.contains("node 1"),
+                "{error}"
+            );
+        }
+    }
+    let certified = run_on(&["--certify"], &fixed);
+    assert!(
+        String::from_utf8(certified.stderr).unwrap().contains("does not apply to 1 part"),
+        "several fixed nodes are no graph of edges alone"
+    );
+}

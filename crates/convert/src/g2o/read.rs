@@ -3,14 +3,15 @@
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 use std::io::BufRead;
 
-use posecut_graph::{Dimension, Edge, EdgeKind, Header, Node, PoseGraph, negative_eigenvalue};
+use posecut_graph::{Dimension, Edge, EdgeKind, FIXED, Header, Node, PoseGraph, negative_eigenvalue};
 use posecut_stage::bounded_lines;
 use serde_json::Value;
 
-use super::{FIXED, inferred_kind, kind_of_comment};
+use super::{inferred_kind, kind_of_comment};
 use crate::ConvertError;
 use crate::error::number;
 use crate::information::{Repair, clamp};
+use crate::printed_digits::leave_singularity_open;
 use crate::toro;
 
 /// Which of the two formats with vertices and edges a file has.
@@ -44,6 +45,10 @@ impl Default for ReadOptions {
 pub struct ReadSummary {
     /// Information matrices that were repaired.
     pub repaired: usize,
+    /// Information matrices that the rounding of their printed terms does not tell from singular ones.
+    pub open: usize,
+    /// Line and ends of the first of them.
+    pub first_open: Option<(u64, u64, u64)>,
     /// Lines left out, by tag.
     pub skipped: BTreeMap<String, usize>,
     /// Nodes that only edges name.
@@ -62,7 +67,8 @@ struct Reader<'a> {
     kind: Option<(u64, u64, EdgeKind)>,
     /// Pairs of successive vertices that have their odometry.
     successive: HashSet<u64>,
-    fixed: BTreeSet<u64>,
+    /// Vertices that `FIX` names, and its line.
+    fixed: BTreeMap<u64, u64>,
     summary: ReadSummary,
 }
 
@@ -92,7 +98,7 @@ pub(crate) fn read_dialect(
         edges: Vec::new(),
         kind: None,
         successive: HashSet::new(),
-        fixed: BTreeSet::new(),
+        fixed: BTreeMap::new(),
         summary: ReadSummary::default(),
     };
     for line in bounded_lines(reader) {
@@ -125,7 +131,7 @@ impl Reader<'_> {
             (Dialect::G2o, "FIX") => {
                 for field in fields {
                     let id = self.id(field)?;
-                    self.fixed.insert(id);
+                    self.fixed.entry(id).or_insert(self.line);
                 }
                 Ok(())
             }
@@ -254,6 +260,11 @@ impl Reader<'_> {
                 )
             })?;
             self.summary.repaired += 1;
+        } else if self.dialect == Dialect::G2o
+            && leave_singularity_open(dimension, &rest[components..], &information)
+        {
+            self.summary.open += 1;
+            self.summary.first_open.get_or_insert((self.line, from, to));
         }
         let kind = match self.kind.take() {
             Some((first, second, kind)) if (first, second) == (from, to) => kind,
@@ -288,10 +299,18 @@ impl Reader<'_> {
             self.summary.without_vertex += usize::from(pose.is_none());
             let mut node =
                 Node { id: *id, session: Some(session), frame: Some(frame), pose, ..Node::default() };
-            if self.fixed.contains(id) {
+            if self.fixed.remove(id).is_some() {
                 node.extra.insert(FIXED.to_owned(), Value::Bool(true));
             }
             graph.nodes.push(node);
+        }
+        if let Some((id, line)) = self.fixed.first_key_value() {
+            return Err(ConvertError::line(
+                self.file,
+                *line,
+                format!("FIX names vertex {id}, which no other line names"),
+                "correct the number, or delete the line",
+            ));
         }
         graph.edges = self.edges;
         Ok((graph, self.summary))

@@ -3,9 +3,8 @@
 use std::collections::HashSet;
 
 use posecut_graph::{Dimension, EdgeKind, PoseGraph};
-use serde_json::Value;
 
-use super::{FIXED, comment_of_kind, inferred_kind};
+use super::{comment_of_kind, inferred_kind};
 use crate::record::line;
 
 /// What could not be written.
@@ -34,7 +33,7 @@ pub fn write(graph: &PoseGraph, keep_rejected: bool) -> (Vec<u8>, WriteSummary) 
             None => summary.without_pose += 1,
         }
     }
-    for node in graph.nodes.iter().filter(|node| node.extra.get(FIXED) == Some(&Value::Bool(true))) {
+    for node in graph.nodes.iter().filter(|node| node.is_fixed() == Ok(true)) {
         line(&mut text, "FIX", &[node.id], &[]);
     }
     let mut successive = HashSet::new();

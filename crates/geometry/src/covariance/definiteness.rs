@@ -4,15 +4,15 @@ use nalgebra::{DMatrix, SMatrix};
 
 use super::packing::{packed_length, unpack_upper_triangle};
 
-/// A smallest eigenvalue above minus this share of the largest is zero in print: files carry six to nine digits.
+/// A smallest eigenvalue within this share of the largest is zero in print: files carry six to nine digits.
 const PRINT_TOLERANCE: f64 = 1e-9;
 
 /// What the eigenvalues of a symmetric matrix say.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Definiteness {
-    /// All eigenvalues are positive beyond rounding.
+    /// All eigenvalues are positive beyond the digits of a printed file: above 1e-9 times the largest.
     PositiveDefinite,
-    /// The smallest eigenvalue is zero up to the digits of a printed file: at least -1e-9 times the largest.
+    /// The smallest eigenvalue is zero up to the digits of a printed file: within 1e-9 times the largest, on either side.
     Semidefinite {
         /// Smallest eigenvalue.
         smallest: f64,
@@ -45,9 +45,8 @@ pub fn definiteness<const DOF: usize>(matrix: &SMatrix<f64, DOF, DOF>) -> Defini
     });
     let eigenvalues = symmetric.symmetric_eigenvalues();
     let (smallest, largest) = (eigenvalues.min(), eigenvalues.max());
-    let rounding = f64::EPSILON * DOF as f64 * largest;
     let (printed_smallest, printed_largest) = (smallest * scale, largest * scale);
-    if smallest > rounding {
+    if smallest > PRINT_TOLERANCE * largest {
         Definiteness::PositiveDefinite
     } else if smallest >= -PRINT_TOLERANCE * largest {
         Definiteness::Semidefinite { smallest: printed_smallest, largest: printed_largest }

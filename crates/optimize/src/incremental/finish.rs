@@ -69,7 +69,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         let estimates = self.estimates();
         let cost = self.cost_at(&estimates);
         let edges = self.edges.list().map(|(_, edge)| *edge).collect();
-        let problem = Problem::from_checked(estimates, edges);
+        let problem = Problem::from_checked(estimates, edges, self.fixed.clone());
         let solution =
             optimize(&problem, &Options { initialisation: Initialisation::Best, ..Options::default() });
         let is_better = solution.cost < cost * (1.0 - BETTER) || !cost.is_finite();

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 /// A connected part.
 #[derive(Debug, Default)]
 pub(super) struct Part {
-    /// Its lowest node at the time it came to be: held fixed.
+    /// Its lowest node at the time it came to be, or the lowest that is held: fixed.
     pub(super) gauge: usize,
     /// Its nodes.
     pub(super) nodes: Vec<usize>,
@@ -67,12 +67,13 @@ impl Parts {
     }
 
     /// Looks whether two nodes of a part are still connected, and if not, makes the side without the gauge a part of its
-    /// own and returns its number of nodes and new gauge. Both sides are searched in turn, so that the smaller one bounds
+    /// own and returns its number of nodes and new gauge: the lowest of them, of those that are held if any are. Both sides are searched in turn, so that the smaller one bounds
     /// the work.
     pub(super) fn split<'a, I: Iterator<Item = usize> + 'a>(
         &mut self,
         first: usize,
         second: usize,
+        held: &[bool],
         neighbours: impl Fn(usize) -> I,
     ) -> Option<(usize, usize)> {
         self.stamp += 1;
@@ -101,7 +102,7 @@ impl Parts {
         let (kept, gone): (Vec<usize>, Vec<usize>) =
             nodes.into_iter().partition(|&node| (self.mark[node] == inside) == gauge_inside);
         self.all[old] = Part { gauge, nodes: kept };
-        let new_gauge = gone.iter().copied().min().unwrap_or(second);
+        let new_gauge = gone.iter().copied().min_by_key(|&node| (!held[node], node)).unwrap_or(second);
         let count = gone.len();
         let new = self.new_part(Part { gauge: new_gauge, nodes: Vec::new() });
         for &node in &gone {

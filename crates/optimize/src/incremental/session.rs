@@ -8,7 +8,7 @@ use posecut_graph::{Edge, Node, PoseGraph};
 use serde::Serialize;
 
 use super::{EdgeId, IncrementalOptions, IncrementalSolver};
-use crate::stage::measured_edge;
+use crate::stage::{is_fixed, measured_edge};
 use crate::{EdgeKind, Kernel, PoseGroup};
 
 /// A record of a session.
@@ -139,7 +139,9 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
         }
         let pose = G::from_components(&node.pose_or_identity(self.graph.header.dimension))
             .with_context(|| format!("{name}: its pose cannot be used"))?;
-        let place = self.solver.add_pose(pose).with_context(|| name)?;
+        let place =
+            if is_fixed(&node)? { self.solver.add_held_pose(pose) } else { self.solver.add_pose(pose) }
+                .with_context(|| name)?;
         self.nodes.insert(node.id, place);
         self.graph.nodes.push(node);
         Ok(())

@@ -33,8 +33,10 @@ pub struct IncrementalSolver<G, const DOF: usize> {
     pub(super) checked: Vec<SVector<f64, DOF>>,
     /// The clique in which a variable is frontal.
     pub(super) cliques: Vec<usize>,
-    /// Held where they are: the gauges.
+    /// Where they are, and no variables: the gauges, and what is held.
     pub(super) fixed: Vec<bool>,
+    /// Held for good. The gauge of a part with such a pose is one.
+    held: Vec<bool>,
     pub(super) edges: Edges<G, DOF>,
     parts: Parts,
     pub(super) tree: Tree,
@@ -76,6 +78,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
             checked: Vec::new(),
             cliques: Vec::new(),
             fixed: Vec::new(),
+            held: Vec::new(),
             edges: Edges::new(),
             parts: Parts::default(),
             tree: Tree::default(),
@@ -101,6 +104,16 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     /// Adds a pose and returns its number: poses are counted from 0. It is a part of its own, held at `pose`, until an
     /// edge joins it to another: that edge, not `pose`, places it then, if it is the later of the two.
     pub fn add_pose(&mut self, pose: G) -> Result<usize, IncrementalError> {
+        self.add(pose, false)
+    }
+
+    /// Adds a pose that stays where it is for good, as a constant: g2o's `FIX`. A part with such a pose is moved by no edge that
+    /// joins it to another; an edge between two of them pulls at both.
+    pub fn add_held_pose(&mut self, pose: G) -> Result<usize, IncrementalError> {
+        self.add(pose, true)
+    }
+
+    fn add(&mut self, pose: G, held: bool) -> Result<usize, IncrementalError> {
         let node = self.poses();
         if !is_finite(&pose) {
             return Err(ProblemError::PoseNotFinite { node }.into());
@@ -110,6 +123,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         self.checked.push(SVector::zeros());
         self.cliques.push(NONE);
         self.fixed.push(true);
+        self.held.push(held);
         self.local.push(NONE);
         self.changed.push(0);
         self.near.push(0);
@@ -123,7 +137,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     /// would have had.
     ///
     /// If it joins two parts, the one with the later gauge moves rigidly so that the edge's residual is zero, which takes
-    /// time proportional to its nodes.
+    /// time proportional to its nodes. Parts with poses that are held do not move.
     pub fn add_edge(&mut self, edge: Edge<G, DOF>) -> Result<EdgeId, IncrementalError> {
         check_edge(self.edges.next_id() as usize, &edge, self.poses())?;
         if !self.parts.are_one(edge.from, edge.to) {
@@ -136,35 +150,49 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
 
     /// Takes an edge back and returns it, so that it can be added again.
     ///
-    /// If that disconnects a part of the graph, the part stays where it is, its first node is held fixed from now on, and
+    /// If that disconnects a part of the graph, the part stays where it is, its first node is fixed from now on unless others are
+    /// held, and
     /// the next [`UpdateReport`](super::UpdateReport) says so. Looking for another connection takes time proportional to the smaller side.
     pub fn remove_edge(&mut self, id: EdgeId) -> Result<Edge<G, DOF>, IncrementalError> {
         let edge = self.edges.remove(id.0)?;
         self.touched.extend([edge.from, edge.to]);
         self.strained = true;
         let edges = &self.edges;
-        if let Some((gauge, nodes)) = self.parts.split(edge.from, edge.to, |node| edges.neighbours(node)) {
+        if let Some((gauge, nodes)) =
+            self.parts.split(edge.from, edge.to, &self.held, |node| edges.neighbours(node))
+        {
             self.splits.push(Split { gauge, nodes });
             self.fix(gauge, true);
         }
         Ok(edge)
     }
 
-    /// Moves the part of one end so that the edge fits, and releases its gauge.
+    /// Moves the part of one end so that the edge fits, and releases its gauge, unless poses of it are held: then, if those of the
+    /// other end are not, that one moves.
     fn join(&mut self, edge: &Edge<G, DOF>) {
         let (from, to) = (self.estimate(edge.from), self.estimate(edge.to));
-        let (kept, gone, motion) = if self.parts.of(edge.from).gauge < self.parts.of(edge.to).gauge {
+        let (kept, gone, motion) = if self.rank(edge.from) < self.rank(edge.to) {
             (edge.from, edge.to, from.compose(&edge.measurement).compose(&to.inverse()))
         } else {
             (edge.to, edge.from, to.compose(&from.compose(&edge.measurement).inverse()))
         };
         let gauge = self.parts.of(gone).gauge;
-        for &node in &self.parts.of(gone).nodes {
-            let pose = &mut self.estimate.points[node];
-            *pose = motion.compose(pose);
+        if !self.held[gauge] {
+            for &node in &self.parts.of(gone).nodes {
+                let pose = &mut self.estimate.points[node];
+                *pose = motion.compose(pose);
+            }
         }
         self.parts.join(kept, gone);
-        self.fix(gauge, false);
+        if !self.held[gauge] {
+            self.fix(gauge, false);
+        }
+    }
+
+    /// What decides which of two parts stays: the lesser one.
+    fn rank(&self, node: usize) -> (bool, usize) {
+        let gauge = self.parts.of(node).gauge;
+        (!self.held[gauge], gauge)
     }
 
     /// Makes a variable of a gauge, or a gauge of a variable, where it is.

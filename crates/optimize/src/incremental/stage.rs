@@ -227,7 +227,7 @@ fn tell<G: PoseGroup<DOF>, const DOF: usize>(session: &Session<G, DOF>, finish: 
     }
     if session.solver.parts() > 1 {
         warn!(
-            "no edge in use joins the {} parts of the graph: each is optimised by itself, its first node where it was",
+            "no edge in use joins the {} parts of the graph: each is optimised by itself, its fixed nodes where they were, or its first",
             session.solver.parts()
         );
     }

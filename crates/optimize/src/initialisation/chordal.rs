@@ -93,26 +93,26 @@ fn polar_factor(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     None
 }
 
-/// Poses of a connected graph whose first pose is given; `None` if a linear system is singular.
+/// Poses of a connected graph whose first poses are given in `held`; `None` if a linear system is singular.
 pub(crate) fn poses<G, const DOF: usize, const N: usize>(
     pattern: &Pattern,
     edges: &[Edge<G, DOF>],
-    first: &G,
+    held: &[G],
     factor: &mut Factor<N>,
 ) -> Option<Vec<G>>
 where
     G: LieGroup<DOF> + MatrixPose<N>,
 {
     let mut equations = NormalEquations::<N>::new(pattern);
-    let rotations = rotations::<G, DOF, N>(pattern, edges, first, &mut equations, factor)?;
-    let translations = translations::<G, DOF, N>(pattern, edges, first, &rotations, &mut equations, factor)?;
+    let rotations = rotations::<G, DOF, N>(pattern, edges, held, &mut equations, factor)?;
+    let translations = translations::<G, DOF, N>(pattern, edges, held, &rotations, &mut equations, factor)?;
     let mut poses: Vec<G> = rotations
         .iter()
         .zip(&translations)
         .map(|(rotation, translation)| G::from_matrix(rotation, translation))
         .collect();
     // The way through a matrix would change its last bits.
-    poses[0] = *first;
+    poses[..held.len()].copy_from_slice(held);
     Some(poses)
 }
 
@@ -121,14 +121,15 @@ where
 fn rotations<G, const DOF: usize, const N: usize>(
     pattern: &Pattern,
     edges: &[Edge<G, DOF>],
-    first: &G,
+    held: &[G],
     equations: &mut NormalEquations<N>,
     factor: &mut Factor<N>,
 ) -> Option<Vec<SMatrix<f64, N, N>>>
 where
     G: LieGroup<DOF> + MatrixPose<N>,
 {
-    let anchor = first.rotation_matrix();
+    let mut result = Vec::with_capacity(held.len() + pattern.variables);
+    result.extend(held.iter().map(MatrixPose::rotation_matrix));
     let mut rows: [Vec<SVector<f64, N>>; N] =
         std::array::from_fn(|_| vec![SVector::zeros(); pattern.variables]);
     equations.clear();
@@ -139,16 +140,16 @@ where
             equations.diagonal[node] += SMatrix::<f64, N, N>::identity() * kappa;
         }
         equations.add_off_diagonal(slot, &-measured);
-        // Terms of the fixed node move to the right-hand side.
+        // Terms of nodes that are held move to the right-hand side.
         match (slot.from, slot.to) {
             (None, Some(to)) => {
                 for (row, right) in rows.iter_mut().enumerate() {
-                    right[to] += measured.tr_mul(&anchor.row(row).transpose());
+                    right[to] += measured.tr_mul(&result[edge.from].row(row).transpose());
                 }
             }
             (Some(from), None) => {
                 for (row, right) in rows.iter_mut().enumerate() {
-                    right[from] += measured * anchor.row(row).transpose();
+                    right[from] += measured * result[edge.to].row(row).transpose();
                 }
             }
             _ => {}
@@ -167,8 +168,6 @@ where
             factor.solve(&pattern.symbolic, right);
         }
     }
-    let mut result = Vec::with_capacity(pattern.variables + 1);
-    result.push(anchor);
     let matrices = (0..pattern.variables)
         .map(|variable| SMatrix::<f64, N, N>::from_fn(|row, column| rows[row][variable][column]));
     for matrix in matrices {
@@ -184,7 +183,7 @@ where
 fn translations<G, const DOF: usize, const N: usize>(
     pattern: &Pattern,
     edges: &[Edge<G, DOF>],
-    first: &G,
+    held: &[G],
     rotations: &[SMatrix<f64, N, N>],
     equations: &mut NormalEquations<N>,
     factor: &mut Factor<N>,
@@ -192,7 +191,6 @@ fn translations<G, const DOF: usize, const N: usize>(
 where
     G: LieGroup<DOF> + MatrixPose<N>,
 {
-    let anchor = first.translation_vector();
     equations.clear();
     let mut right = vec![SVector::<f64, N>::zeros(); pattern.variables];
     for (edge, slot) in edges.iter().zip(&pattern.slots) {
@@ -204,21 +202,21 @@ where
             equations.diagonal[to] += weight;
             right[to] += pull;
             if slot.from.is_none() {
-                right[to] += weight * anchor;
+                right[to] += weight * held[edge.from].translation_vector();
             }
         }
         if let Some(from) = slot.from {
             equations.diagonal[from] += weight;
             right[from] -= pull;
             if slot.to.is_none() {
-                right[from] += weight * anchor;
+                right[from] += weight * held[edge.to].translation_vector();
             }
         }
         equations.add_off_diagonal(slot, &-weight);
     }
     factor.factorize(&pattern.symbolic, &equations.diagonal, &equations.off_diagonal, 0.0, 0.0).ok()?;
     factor.solve(&pattern.symbolic, &mut right);
-    right.insert(0, anchor);
+    right.splice(0..0, held.iter().map(MatrixPose::translation_vector));
     right.iter().all(|translation| translation.iter().all(|value| value.is_finite())).then_some(right)
 }
 

@@ -14,6 +14,16 @@ use crate::problem::{Edge, EdgeKind};
 /// stay whole, then joins the chains over the other edges, in their order; it is walked breadth first, in the order of
 /// the edges. Nodes without edges keep their poses. Takes almost linear time.
 pub fn spanning_tree<G: LieGroup<DOF>, const DOF: usize>(poses: &[G], edges: &[Edge<G, DOF>]) -> Vec<G> {
+    spanning_tree_from(0, poses, edges)
+}
+
+/// [`spanning_tree`] where the first `held` nodes all keep their poses, and others are composed from the nearest of them along
+/// the tree.
+pub(crate) fn spanning_tree_from<G: LieGroup<DOF>, const DOF: usize>(
+    held: usize,
+    poses: &[G],
+    edges: &[Edge<G, DOF>],
+) -> Vec<G> {
     let mut forest = Forest::new(poses.len());
     let mut tree: Vec<&Edge<G, DOF>> = Vec::with_capacity(poses.len());
     for kind in [EdgeKind::Odometry, EdgeKind::Landmark] {
@@ -23,13 +33,13 @@ pub fn spanning_tree<G: LieGroup<DOF>, const DOF: usize>(poses: &[G], edges: &[E
     let neighbours = Adjacency::new(poses.len(), arcs);
     let mut result = poses.to_vec();
     let mut visited = vec![false; poses.len()];
-    let mut queue = VecDeque::new();
+    visited[..held].fill(true);
+    let mut queue: VecDeque<usize> = (0..held).collect();
     for first in 0..poses.len() {
-        if visited[first] {
-            continue;
+        if !visited[first] {
+            visited[first] = true;
+            queue.push_back(first);
         }
-        visited[first] = true;
-        queue.push_back(first);
         while let Some(node) = queue.pop_front() {
             for &index in neighbours.of(node) {
                 let edge = tree[index];

@@ -1,12 +1,19 @@
 //! What the stage says about certificates.
 
-use posecut_stage::{Statistics, info};
+use posecut_stage::{Statistics, counted, info, warn};
 
-use crate::Certificate;
+use crate::{Certificate, ComponentReport};
 
 /// Notes the verdict on the whole graph and the figures of its least certain part. A part without edges, a lone node, is
 /// global as it stands.
-pub(super) fn note(certificates: &[Certificate], statistics: &mut Statistics) {
+pub(super) fn note(certificates: &[Certificate], parts: &[ComponentReport], statistics: &mut Statistics) {
+    let constrained = parts.iter().filter(|part| part.held > 1).count();
+    if constrained > 0 {
+        warn!(
+            "the certificate does not apply to {} with more than one fixed node: it is about edges alone",
+            counted(constrained, "part")
+        );
+    }
     let global = certificates.iter().all(|certificate| certificate.global);
     let verdict = if global { "global" } else { "not certified" };
     statistics.note("certificate", verdict);

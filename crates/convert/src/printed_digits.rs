@@ -1,0 +1,102 @@
+//! What the printed digits of an information matrix leave open.
+
+use posecut_graph::{Dimension, negative_eigenvalue};
+
+/// Whether a matrix within the rounding of these printed terms is singular: its smallest eigenvalue is no larger than the
+/// rounding can make it. By Weyl's inequality an eigenvalue moves by no more than the norm of the change, which is no more than
+/// its largest sum of a row. Takes O(terms).
+///
+/// `fields` are the terms of the upper triangle as printed, `packed` their values.
+pub(crate) fn leave_singularity_open(dimension: Dimension, fields: &[&str], packed: &[f64]) -> bool {
+    let rounding = roundings(fields);
+    let side = dimension.degrees_of_freedom();
+    let places = || (0..side).flat_map(|row| (row..side).map(move |column| (row, column)));
+    let mut rows = vec![0.0; side];
+    for ((row, column), term) in places().zip(&rounding) {
+        rows[row] += term;
+        if column > row {
+            rows[column] += term;
+        }
+    }
+    let shift = rows.into_iter().fold(0.0, f64::max);
+    if shift == 0.0 {
+        return false;
+    }
+    let lowered: Vec<f64> = places()
+        .zip(packed)
+        .map(|((row, column), term)| if row == column { term - shift } else { *term })
+        .collect();
+    negative_eigenvalue(dimension, &lowered).is_some()
+}
+
+/// Half a unit of the last printed digit of every term.
+///
+/// Terms with one number of decimals (`%f`) are rounded there. Otherwise terms have one number of significant digits
+/// (`%g`, which leaves trailing zeros out): that of the longest of them. Whole numbers alone are exact, as is zero.
+fn roundings(fields: &[&str]) -> Vec<f64> {
+    let decimals = |field: &&str| {
+        let (mantissa, _) = field.split_once(['e', 'E']).unwrap_or((field, ""));
+        mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len())
+    };
+    let has_exponent = fields.iter().any(|field| field.contains(['e', 'E']));
+    let first = fields.first().map_or(0, decimals);
+    if !has_exponent && fields.iter().all(|field| decimals(field) == first) {
+        let half = if first == 0 { 0.0 } else { half_unit(-(first as f64)) };
+        return vec![half; fields.len()];
+    }
+    let longest = fields.iter().map(|field| significant_digits(field)).max().unwrap_or(0);
+    fields
+        .iter()
+        .map(|field| field.parse::<f64>().map_or(0.0, f64::abs))
+        .map(|size| if size > 0.0 { half_unit(size.log10().floor() + 1.0 - longest as f64) } else { 0.0 })
+        .collect()
+}
+
+fn half_unit(exponent: f64) -> f64 {
+    0.5 * 10.0_f64.powf(exponent)
+}
+
+/// Digits from the first that is not zero to the last printed one, trailing zeros of whole numbers left out.
+fn significant_digits(field: &str) -> usize {
+    let mantissa = field.split_once(['e', 'E']).map_or(field, |(mantissa, _)| mantissa);
+    let digits: String = mantissa.chars().filter(char::is_ascii_digit).collect();
+    let digits = digits.trim_start_matches('0');
+    if mantissa.contains('.') { digits.len() } else { digits.trim_end_matches('0').len() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn is_open(text: &str) -> bool {
+        let fields: Vec<&str> = text.split_whitespace().collect();
+        let packed: Vec<f64> = fields.iter().map(|field| field.parse().unwrap()).collect();
+        leave_singularity_open(Dimension::Two, &fields, &packed)
+    }
+
+    #[test]
+    fn the_last_digit_tells_what_is_known() {
+        // The smallest eigenvalue of the first block is 1e-6: half a unit of six decimals could undo it, of eight not.
+        assert!(is_open("1.000000 0.999999 0.000000 1.000000 0.000000 1.000000"));
+        assert!(!is_open("1.00000000 0.99999900 0.00000000 1.00000000 0.00000000 1.00000000"));
+        assert!(is_open("1 0.999999 0 1 0 1"), "six significant digits, trailing zeros left out");
+        assert!(!is_open("1 0.99999900 0 1 0 1"), "eight digits");
+        assert!(!is_open("1 0 0 1 0 1") && !is_open("4000000 0 0 1 0 1"), "whole numbers are exact");
+        assert!(
+            !is_open("1000000.5 0 0 0.25 0 1"),
+            "zeros are exact, and large terms leave small blocks alone"
+        );
+        assert!(is_open("2.5e-3 2.49999e-3 0 2.5e-3 0 7"));
+    }
+
+    #[test]
+    fn roundings_are_half_a_unit_of_the_last_digit() {
+        let close = |found: Vec<f64>, expected: &[f64]| {
+            found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= 1e-12 * b)
+        };
+        assert!(close(roundings(&["11.111271", "-0.249667"]), &[5e-7, 5e-7]));
+        assert!(close(roundings(&["1", "4.00073", "-8.5017e-05", "0"]), &[5e-6, 5e-6, 5e-11, 0.0]));
+        assert_eq!(significant_digits("-0.0120"), 3);
+        assert_eq!(significant_digits("120"), 2);
+    }
+}

@@ -1,0 +1,251 @@
+//! Nodes that are held where they are: g2o's `FIX`.
+
+#![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
+
+use nalgebra::{DMatrix, SMatrix, SVector};
+use posecut_geometry::{LieGroup, SE2, SE3};
+use posecut_optimize::incremental::{IncrementalOptions, IncrementalSolver};
+use posecut_optimize::{
+    Edge, EdgeKind, Graduated, Initialisation, Kernel, Marginals, Method, Options, PoseGroup, Problem,
+    Termination, certify, optimize, residual,
+};
+use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// A noisy walk with landmark edges; the given poses are the truth, a little disturbed.
+fn graph<G: PoseGroup<DOF>, const DOF: usize>(
+    nodes: usize,
+    landmarks: usize,
+    seed: u64,
+) -> (Vec<G>, Vec<Edge<G, DOF>>) {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut tangent = |size: f64| SVector::<f64, DOF>::from_fn(|_, _| random.random_range(-size..size));
+    let mut truth = vec![G::exp(&tangent(2.0))];
+    for index in 1..nodes {
+        truth.push(truth[index - 1].compose(&G::exp(&tangent(1.0))));
+    }
+    let given = truth.iter().map(|pose| pose.compose(&G::exp(&tangent(0.05)))).collect();
+    let mut random = ChaCha8Rng::seed_from_u64(seed ^ 1);
+    let mut edge = |from: usize, to: usize, kind| {
+        let spread = SMatrix::<f64, DOF, DOF>::from_fn(|_, _| random.random_range(-1.0..1.0));
+        let noise = SVector::<f64, DOF>::from_fn(|_, _| random.random_range(-0.03..0.03));
+        let measurement = truth[from].between(&truth[to]).compose(&G::exp(&noise));
+        Edge::new(from, to, measurement, (spread * spread.transpose() + SMatrix::identity()) * 10.0, kind)
+    };
+    let mut edges: Vec<_> = (1..nodes).map(|node| edge(node - 1, node, EdgeKind::Odometry)).collect();
+    let mut ends = ChaCha8Rng::seed_from_u64(seed ^ 2);
+    while edges.len() < nodes - 1 + landmarks {
+        let (a, b) = (ends.random_range(0..nodes), ends.random_range(0..nodes));
+        if a != b {
+            edges.push(edge(a, b, EdgeKind::Landmark));
+        }
+    }
+    (given, edges)
+}
+
+/// Largest distance between two lists of poses, in the tangent space.
+fn apart<G: LieGroup<DOF>, const DOF: usize>(first: &[G], second: &[G]) -> f64 {
+    first.iter().zip(second).map(|(a, b)| a.between(b).log().amax()).fold(0.0, f64::max)
+}
+
+fn bits<G: LieGroup<DOF>, const DOF: usize>(pose: &G) -> Vec<u64> {
+    pose.components().iter().map(|component| component.to_bits()).collect()
+}
+
+/// The gradient of the cost with respect to one pose, by central differences of the residuals.
+fn gradient<G: LieGroup<DOF>, const DOF: usize>(
+    poses: &[G],
+    edges: &[Edge<G, DOF>],
+    node: usize,
+) -> SVector<f64, DOF> {
+    let cost = |axis: usize, offset: f64| {
+        let mut tangent = SVector::<f64, DOF>::zeros();
+        tangent[axis] = offset;
+        let moved = poses[node].compose(&G::exp(&tangent));
+        let pose = |index: usize| if index == node { moved } else { poses[index] };
+        let edges = edges.iter().filter(|edge| edge.from == node || edge.to == node);
+        let error = |edge: &Edge<G, DOF>| {
+            let error = residual(&edge.measurement, &pose(edge.from), &pose(edge.to));
+            error.dot(&(edge.information * error))
+        };
+        edges.map(error).sum::<f64>()
+    };
+    SVector::from_fn(|axis, _| (cost(axis, 1e-5) - cost(axis, -1e-5)) / 2e-5)
+}
+
+fn one_held_node_moves_the_solution_rigidly<G: PoseGroup<DOF>, const DOF: usize>(seed: u64, node: usize) {
+    let (given, edges) = graph::<G, DOF>(12, 8, seed);
+    let free = optimize(&Problem::new(given.clone(), edges.clone()).unwrap(), &Options::default());
+    let problem = Problem::new(given.clone(), edges).unwrap().hold([node]).unwrap();
+    for initialisation in
+        [Initialisation::Given, Initialisation::SpanningTree, Initialisation::Chordal, Initialisation::Best]
+    {
+        let held = optimize(&problem, &Options { initialisation, ..Options::default() });
+        assert!((held.chi2 - free.chi2).abs() < 1e-9 * free.chi2, "{} {}", held.chi2, free.chi2);
+        assert_eq!(bits(&held.poses[node]), bits(&given[node]));
+        let motion = given[node].compose(&free.poses[node].inverse());
+        let moved: Vec<G> = free.poses.iter().map(|pose| motion.compose(pose)).collect();
+        assert!(apart(&moved, &held.poses) < 1e-5, "{initialisation:?} {}", apart(&moved, &held.poses));
+        assert_eq!((held.components[0].gauge, held.components[0].held), (node, 1));
+    }
+}
+
+fn several_held_nodes_stay_and_the_others_settle<G: PoseGroup<DOF>, const DOF: usize>(
+    seed: u64,
+    fixed: &[usize],
+) {
+    let (given, edges) = graph::<G, DOF>(12, 8, seed);
+    let problem = Problem::new(given.clone(), edges.clone()).unwrap().hold(fixed.iter().copied()).unwrap();
+    let free = optimize(&Problem::new(given.clone(), edges.clone()).unwrap(), &Options::default());
+    // The same by a node more, joined to those that are held by edges of great weight.
+    let prior = |&node: &usize| {
+        let information = SMatrix::identity() * 1e9;
+        Edge::new(given.len(), node, given[node], information, EdgeKind::Landmark)
+    };
+    let stiff: Vec<_> = edges.iter().copied().chain(fixed.iter().map(prior)).collect();
+    let origin: Vec<G> = given.iter().copied().chain([G::identity()]).collect();
+    let stiff = Problem::new(origin, stiff).unwrap().hold([given.len()]).unwrap();
+    let options = Options { cost_tolerance: 0.0, ..Options::default() };
+    let expected = optimize(&stiff, &options);
+    for method in [Method::LevenbergMarquardt, Method::GaussNewton, Method::Dogleg] {
+        for initialisation in [Initialisation::Given, Initialisation::SpanningTree, Initialisation::Chordal] {
+            let found = optimize(&problem, &Options { method, initialisation, ..Options::default() });
+            assert!(found.converged && found.chi2 > free.chi2, "{method:?} {initialisation:?}");
+            for &node in fixed {
+                assert_eq!(bits(&found.poses[node]), bits(&given[node]), "{method:?} {initialisation:?}");
+            }
+            for node in (0..given.len()).filter(|node| !fixed.contains(node)) {
+                let gradient = gradient(&found.poses, &edges, node).amax();
+                assert!(gradient < 1e-3, "{method:?} {initialisation:?} node {node}: {gradient}");
+            }
+            let apart = apart(&found.poses, &expected.poses[..given.len()]);
+            assert!(apart < 1e-5, "{method:?} {initialisation:?}: {apart} from the stiff graph");
+        }
+    }
+    let all = Problem::new(given.clone(), edges).unwrap().hold(0..given.len()).unwrap();
+    let still = optimize(&all, &Options::default());
+    assert_eq!(still.components[0].termination, Termination::NothingToDo);
+    assert_eq!(still.chi2.to_bits(), still.chi2_given.to_bits());
+    assert!(still.poses.iter().zip(&given).all(|(found, given)| bits(found) == bits(given)));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    #[test]
+    fn held_nodes_are_constants(seed in 0_u64..1000, first in 0_usize..12, second in 0_usize..12) {
+        prop_assume!(first != second);
+        one_held_node_moves_the_solution_rigidly::<SE2, 3>(seed, first);
+        one_held_node_moves_the_solution_rigidly::<SE3, 6>(seed, first);
+        several_held_nodes_stay_and_the_others_settle::<SE2, 3>(seed, &[first, second]);
+        several_held_nodes_stay_and_the_others_settle::<SE3, 6>(seed, &[first, second]);
+    }
+}
+
+#[test]
+fn kernels_and_graduation_leave_held_nodes_where_they_are() {
+    let (given, mut edges) = graph::<SE2, 3>(20, 15, 5);
+    edges[25].measurement = SE2::new(30.0, 0.0, 1.0);
+    for edge in edges.iter_mut().filter(|edge| edge.kind == EdgeKind::Landmark) {
+        edge.kernel = Some(Kernel::GemanMcClure(3.0));
+    }
+    let problem = Problem::new(given.clone(), edges).unwrap().hold([3, 11]).unwrap();
+    let graduated = Some(Graduated::TruncatedLeastSquares(3.368));
+    for options in [Options::default(), Options { graduated, ..Options::default() }] {
+        let found = optimize(&problem, &options);
+        assert!(found.converged && found.weights[25] < 0.01, "{:?}", found.components);
+        assert!([3, 11].iter().all(|&node| bits(&found.poses[node]) == bits(&given[node])));
+    }
+}
+
+#[test]
+fn covariances_with_held_nodes_are_conditional_ones() {
+    let (given, edges) = graph::<SE3, 6>(10, 8, 7);
+    let free = Problem::new(given.clone(), edges.clone()).unwrap().hold([2]).unwrap();
+    let held = Problem::new(given.clone(), edges).unwrap().hold([2, 7]).unwrap();
+    let mut of_free = Marginals::new(&free, &given, &[]);
+    let mut of_held = Marginals::new(&held, &given, &[]);
+    for node in [0, 5, 9] {
+        let joint = of_free.joint(&[(node, 7)])[0].unwrap();
+        let expected =
+            joint.first - joint.cross * joint.second.try_inverse().unwrap() * joint.cross.transpose();
+        let found = of_held.poses(&[node])[0].unwrap();
+        assert!((found - expected).amax() < 1e-9 * expected.amax(), "{node}: {found} {expected}");
+        assert!(found.trace() < joint.first.trace());
+    }
+    let [first, second] = of_held.poses(&[2, 7])[..] else { panic!("two were asked for") };
+    assert!(first == Some(SMatrix::zeros()) && second == Some(SMatrix::zeros()));
+    let between: DMatrix<f64> =
+        DMatrix::from_iterator(6, 6, of_held.relative(&[(2, 7)])[0].unwrap().iter().copied());
+    assert!(between.amax() < 1e-15, "{between}");
+}
+
+#[test]
+fn the_certificate_is_about_graphs_with_one_held_node_at_most() {
+    let (given, edges) = graph::<SE2, 3>(12, 8, 9);
+    let verdict = |held: &[usize]| {
+        let problem = Problem::new(given.clone(), edges.clone()).unwrap().hold(held.iter().copied()).unwrap();
+        certify(&problem, &optimize(&problem, &Options::default()).poses)[0].global
+    };
+    assert!(verdict(&[]) && verdict(&[4]) && !verdict(&[4, 5]));
+}
+
+#[test]
+fn held_poses_that_come_one_by_one_end_where_the_batch_solver_puts_the_others() {
+    let (given, edges) = graph::<SE2, 3>(30, 20, 11);
+    // The last is held, too, so that parts are joined in which the later one must not move.
+    for held in [vec![0], vec![17], vec![4, 20], vec![3, 4, 29]] {
+        let problem = Problem::new(given.clone(), edges.clone()).unwrap().hold(held.iter().copied()).unwrap();
+        let expected = optimize(&problem, &Options { cost_tolerance: 0.0, ..Options::default() });
+        let mut solver = IncrementalSolver::new(IncrementalOptions::default()).unwrap();
+        for (node, pose) in given.iter().enumerate() {
+            if held.contains(&node) {
+                solver.add_held_pose(*pose).unwrap();
+            } else {
+                solver.add_pose(*pose).unwrap();
+            }
+            for edge in edges.iter().filter(|edge| edge.from.max(edge.to) == node) {
+                solver.add_edge(*edge).unwrap();
+            }
+            solver.update();
+        }
+        solver.finish();
+        let (found, cost) = (solver.estimates(), solver.cost());
+        assert!((cost - expected.chi2).abs() < 1e-9 * cost, "{held:?}: {cost} {}", expected.chi2);
+        assert!(apart(&found, &expected.poses) < 1e-6, "{held:?}: {}", apart(&found, &expected.poses));
+        assert!(held.iter().all(|&node| bits(&found[node]) == bits(&given[node])), "{held:?}");
+    }
+}
+
+/// Two parts, both with a held node in the middle, lose and regain the edge that joins them.
+#[test]
+fn a_part_that_is_split_off_keeps_its_own_held_pose_as_gauge() {
+    let mut solver = IncrementalSolver::new(IncrementalOptions::default()).unwrap();
+    let step = SE2::new(1.0, 0.0, 0.1);
+    let edge = |from| Edge::new(from, from + 1, step, SMatrix::identity(), EdgeKind::Odometry);
+    let places: Vec<SE2> = (0..6).map(|node| SE2::new(1.1 * f64::from(node), 0.0, 0.0)).collect();
+    for (node, place) in places.iter().enumerate() {
+        if [1, 4].contains(&node) { solver.add_held_pose(*place) } else { solver.add_pose(*place) }.unwrap();
+    }
+    let ids: Vec<_> = (0..5).map(|from| solver.add_edge(edge(from)).unwrap()).collect();
+    solver.finish();
+    let (joined, cost) = (solver.estimates(), solver.cost());
+    assert!(cost > 1e-3, "two held poses and three edges between them contradict each other: {cost}");
+    let taken = solver.remove_edge(ids[2]).unwrap();
+    let split = solver.update().splits;
+    assert!(split.len() == 1 && [1, 4].contains(&split[0].gauge), "{split:?}");
+    solver.finish();
+    assert!(solver.cost() < 1e-12, "{}", solver.cost());
+    assert!([1, 4].iter().all(|&node| bits(&solver.estimate(node)) == bits(&places[node])));
+    solver.add_edge(taken).unwrap();
+    solver.finish();
+    assert!(apart(&joined, &solver.estimates()) < 1e-6);
+}
+
+#[test]
+fn a_node_that_is_not_there_cannot_be_held() {
+    let (given, edges) = graph::<SE2, 3>(5, 2, 13);
+    let error = Problem::new(given, edges).unwrap().hold([2, 5]).unwrap_err();
+    assert!(error.to_string().contains("node 5 is to be held, but there are 5 nodes"), "{error}");
+}
