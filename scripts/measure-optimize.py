@@ -21,6 +21,8 @@ GTSAM = ROOT / "target/gtsam/bin/python"
 PEERS = Path(os.environ.get("PEERS", ROOT / "target/peers")) / "release/posecut-optimize-peers"
 SOLVERS = ["posecut", "arael", "factrs", "apex", "tiny", "gtsam"]
 LIMIT = float(os.environ.get("LIMIT", 40))  # seconds a process may take
+# Poses of the largest generated graph that is measured with two threads, too.
+MOST_WITH_TWO = int(os.environ.get("MOST_WITH_TWO", 300_000))
 # Share above the best known cost at which a solver has found that minimum: of its own cost, which is not quite ours.
 FOUND = 1e-2
 GRAPHS = {
@@ -59,12 +61,12 @@ def gtsam_main(source, target, repeats):
     print(json.dumps({"seconds": best, "iterations": iterations}))
 
 
-def run(command):
-    """Standard output, wall seconds and peak megabytes of a process on one processor; None if it failed or took too long."""
+def run(command, threads=1):
+    """Standard output and wall seconds of a process on as many processors, or why there are none."""
     clock = time.perf_counter()
     process = subprocess.Popen(
-        ["taskset", "-c", "0", *map(str, command)],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=dict(os.environ, RAYON_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1"),
+        ["taskset", "-c", f"0-{threads - 1}", *map(str, command)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=dict(os.environ, RAYON_NUM_THREADS=str(threads), OPENBLAS_NUM_THREADS="1"),
     )
     try:
         out, error = process.communicate(timeout=LIMIT)
@@ -87,8 +89,8 @@ def measured(command):
     return result
 
 
-def must(command):
-    result = run(command)
+def must(command, threads=1):
+    result = run(command, threads)
     if "failed" in result:
         sys.exit(f"{command}: {result['failed']}")
     return result
@@ -188,13 +190,15 @@ def whole_process(name, results):
     print(name, entry, flush=True)
 
 
-def growth(results):
+def growth(results, only):
     programs = (path for path in (ROOT / "target/release/deps").glob("growth-*") if not path.suffix)
     bench = max(programs, key=lambda path: path.stat().st_mtime)
-    for kind, sizes in (("manhattan", [1000, 10_000, 100_000, 300_000, 1_000_000]), ("sphere", [1000, 10_000, 30_000, 100_000, 300_000])):
-        for size in sizes:
+    for kind, sizes in (("manhattan", [1000, 10_000, 100_000, 300_000, 1_000_000]), ("sphere", [1000, 10_000, 30_000, 100_000, 300_000, 1_000_000])):
+        for size in (size for size in sizes if not only or size in only):
             result = run([bench, kind, size])
             entry = json.loads(result["out"]) if "out" in result else result
+            if "out" in result and size <= MOST_WITH_TWO:
+                entry["with_two"] = json.loads(must([bench, kind, size], threads=2)["out"])["seconds"]
             results.setdefault("growth", {}).setdefault(kind, {})[str(size)] = entry
             RESULTS.write_text(json.dumps(results, indent=1))
             print(kind, size, entry, flush=True)
@@ -312,14 +316,15 @@ def tables(results):
                     f"{plain['termination']} | {plain['seconds']:.3f} ({plain['megabytes']:.0f}) | {certify['seconds']:.3f} | "
                     f"{certify['certificate']} | {marginals['seconds']:.3f} |")
     out["process"] = rows
-    rows = ["| graph | poses | edges | s | peak MB | factor, blocks per pose | factor, MB | steps (factorisations) | start | chi2 per freedom |",
-            "|---|---|---|---|---|---|---|---|---|---|"]
+    rows = ["| graph | poses | edges | s | with two threads, s | peak MB | factor, blocks per pose | factor, MB | steps (factorisations) | start | chi2 per freedom |",
+            "|---|---|---|---|---|---|---|---|---|---|---|"]
     for kind, sizes in results.get("growth", {}).items():
         for size, e in sizes.items():
             if "failed" in e:
-                rows.append(f"| {kind} | {int(size):,} | | {e['failed']} | | | | | | |")
+                rows.append(f"| {kind} | {int(size):,} | | {e['failed']} | | | | | | | |")
                 continue
-            rows.append(f"| {kind} | {e['poses']:,} | {e['edges']:,} | {e['seconds']:.3f} | {e['peak_megabytes']:.0f} | "
+            rows.append(f"| {kind} | {e['poses']:,} | {e['edges']:,} | {e['seconds']:.3f} | "
+                        f"{'' if 'with_two' not in e else format(e['with_two'], '.3f')} | {e['peak_megabytes']:.0f} | "
                         f"{e['factor_blocks'] / e['poses']:.1f} | {e['factor_megabytes']:.1f} | {e['iterations']} ({e['factorizations']}) | "
                         f"{e['start']} | {e['chi2_per_freedom']:.3f} |")
     out["growth"] = rows
@@ -342,6 +347,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", type=lambda text: text.split(","), help="graphs, by name")
     parser.add_argument("--parts", type=lambda text: text.split(","), default=["peers", "process", "growth", "robust", "phases"])
+    parser.add_argument("--sizes", type=lambda text: [int(size) for size in text.split(",")], help="of generated graphs, those of so many poses")
     parser.add_argument("--no-measure", action="store_true", help="remake the tables from what was measured before")
     arguments = parser.parse_args()
     WORK.mkdir(parents=True, exist_ok=True)
@@ -356,7 +362,7 @@ def main():
     if "phases" in arguments.parts and not arguments.no_measure:
         results["peak"] = peak()
         RESULTS.write_text(json.dumps(results, indent=1))
-    for part, measure in (("growth", growth), ("robust", lambda results: robust(results, arguments.only))):
+    for part, measure in (("growth", lambda results: growth(results, arguments.sizes)), ("robust", lambda results: robust(results, arguments.only))):
         if part in arguments.parts and not arguments.no_measure:
             measure(results)
             RESULTS.write_text(json.dumps(results, indent=1))

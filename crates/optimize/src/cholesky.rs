@@ -10,12 +10,15 @@ mod elimination;
 pub(crate) mod extend_add;
 mod factor;
 mod inverse_column;
+mod large_front;
 mod nested_dissection;
 mod ordering;
 mod selected_inverse;
 mod substitution;
+mod subtrees;
 mod supernodes;
 mod symbolic;
+mod task;
 
 pub(crate) use elimination::Adjacency;
 pub use factor::{Breakdown, Factor};

@@ -128,3 +128,65 @@ fn indefinite_and_singular_matrices_are_told_by_variable() {
     }
     factor.factorize(&symbolic, &[zero; 3], &[zero, zero], 1.0, 1.0).unwrap();
 }
+
+/// A grid whose factorisation is divided among threads: the solution solves, and is the same to the bit on any number of them.
+#[test]
+fn threads_change_no_bit() {
+    let side = 70;
+    let node = |row: usize, column: usize| row * side + column;
+    let mut pairs = Vec::new();
+    for row in 0..side {
+        for column in 0..side {
+            if column + 1 < side {
+                pairs.push((node(row, column), node(row, column + 1)));
+            }
+            if row + 1 < side {
+                pairs.push((node(row, column), node(row + 1, column)));
+            }
+        }
+    }
+    let variables = side * side;
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let off_diagonal: Vec<SMatrix<f64, 6, 6>> =
+        pairs.iter().map(|_| SMatrix::from_fn(|_, _| random.random_range(-1.0..1.0))).collect();
+    // Each of four neighbours has six entries of at most one in a row.
+    let diagonal = vec![SMatrix::<f64, 6, 6>::identity() * 25.0; variables];
+    let right: Vec<SVector<f64, 6>> =
+        (0..variables).map(|_| SVector::from_fn(|_, _| random.random_range(-1.0..1.0))).collect();
+    let symbolic = Symbolic::new(variables, &pairs, 6);
+    assert!(symbolic.flops() > 2e8, "{:e} operations are too few to be divided", symbolic.flops());
+    let solve = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let mut values = right.clone();
+        // The analysis, too, depends on whether there are threads.
+        let symbolic = pool.install(|| Symbolic::new(variables, &pairs, 6));
+        let mut factor = Factor::<6>::new(&symbolic);
+        pool.install(|| factor.factorize(&symbolic, &diagonal, &off_diagonal, 0.0, 0.0)).unwrap();
+        factor.solve(&symbolic, &mut values);
+        (values, factor.smallest_pivot())
+    };
+    let (values, pivot) = solve(1);
+    let mut rest: Vec<SVector<f64, 6>> = values.iter().zip(&right).map(|(x, b)| x * 25.0 - b).collect();
+    for (&(a, b), block) in pairs.iter().zip(&off_diagonal) {
+        rest[a] += block * values[b];
+        rest[b] += block.transpose() * values[a];
+    }
+    let largest = rest.iter().map(SVector::amax).fold(0.0, f64::max);
+    assert!(largest < 1e-12, "{largest}");
+    assert_eq!(solve(2), (values.clone(), pivot));
+    assert_eq!(solve(3), (values, pivot));
+    // Of several blocks that fail, in subtrees and above them, the same one is reported.
+    for count in [1, 7, 300] {
+        let mut indefinite = diagonal.clone();
+        for _ in 0..count {
+            indefinite[random.random_range(0..variables)] = SMatrix::identity() * -1.0;
+        }
+        let fail = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let symbolic = pool.install(|| Symbolic::new(variables, &pairs, 6));
+            let mut factor = Factor::<6>::new(&symbolic);
+            pool.install(|| factor.factorize(&symbolic, &indefinite, &off_diagonal, 0.0, 0.0)).unwrap_err()
+        };
+        assert_eq!(fail(1), fail(2), "{count}");
+    }
+}

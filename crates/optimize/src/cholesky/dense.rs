@@ -11,8 +11,13 @@ use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, Par};
 
+use super::large_front;
+
 /// Operations from which faer's kernels, which choose vector instructions at run time, pay for their entry cost.
 const LARGE_FRONT: usize = 60_000;
+
+/// Operations from which a front is divided among threads.
+const LARGEST_FRONT: usize = 40_000_000;
 
 /// Working memory of the dense kernels for fronts of up to `columns` eliminated columns.
 pub(crate) fn scratch(columns: usize) -> MemBuffer {
@@ -34,15 +39,18 @@ pub(crate) fn eliminate<const D: usize>(
     memory: &mut MemBuffer,
 ) -> Result<(), usize> {
     let below = height - columns;
-    if columns * (columns * columns / 3 + columns * below + below * below) < LARGE_FRONT {
+    let operations = columns * (columns * columns / 3 + columns * below + below * below);
+    if operations < LARGE_FRONT {
         eliminate_small::<D>(panel, height, columns, update, fresh)
-    } else {
+    } else if operations < LARGEST_FRONT {
         eliminate_large(panel, height, columns, update, fresh, memory)
+    } else {
+        large_front::eliminate(panel, height, columns, update, fresh, memory)
     }
 }
 
 /// By faer's dense kernels.
-fn eliminate_large(
+pub(super) fn eliminate_large(
     panel: &mut [f64],
     height: usize,
     columns: usize,

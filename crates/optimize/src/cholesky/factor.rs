@@ -1,18 +1,11 @@
 //! The numeric phase: multifrontal factorisation and triangular solves.
 
-#![allow(
-    clippy::inline_always,
-    reason = "loops take the vector instructions of the caller they are inlined into"
-)]
-
-use faer::dyn_stack::MemBuffer;
-use faer::traits::pulp::{Arch, Simd, WithSimd};
+use faer::traits::pulp::Arch;
 use nalgebra::SMatrix;
 use thiserror::Error;
 
-use super::dense;
-use super::extend_add::{Run, extend_add, push_rows, rows_before};
 use super::symbolic::{Front, Symbolic};
+use super::task::{Matrix, SmallestPivot, Task, Worker, side_by_side};
 
 /// The matrix is not positive definite.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -30,13 +23,12 @@ pub struct Breakdown {
 pub struct Factor<const D: usize> {
     pub(crate) panels: Vec<f64>,
     stacks: [Vec<f64>; 2],
-    memory: MemBuffer,
+    /// One for each stretch of fronts.
+    workers: Vec<Worker>,
     pub(super) permuted: Vec<f64>,
     /// A front's part of a vector.
     pub(super) local: Vec<f64>,
-    runs: Vec<Run>,
-    /// Smallest share that elimination has left of a diagonal entry, and where.
-    smallest_pivot: (f64, usize, usize),
+    smallest_pivot: SmallestPivot,
 }
 
 impl<const D: usize> std::fmt::Debug for Factor<D> {
@@ -48,16 +40,14 @@ impl<const D: usize> std::fmt::Debug for Factor<D> {
 impl<const D: usize> Factor<D> {
     /// Reserves all memory that factorising and solving with this pattern need.
     pub fn new(symbolic: &Symbolic) -> Self {
-        let columns = symbolic.fronts.iter().map(|front| front.columns).max().unwrap_or(0);
         let height = symbolic.fronts.iter().map(Front::height).max().unwrap_or(0);
         Self {
             panels: vec![0.0; symbolic.panel_blocks * D * D],
             stacks: symbolic.stack_blocks.map(|blocks| vec![0.0; blocks * D * D]),
-            memory: dense::scratch(columns * D),
+            workers: symbolic.stretches.iter().map(|stretch| Worker::new::<D>(symbolic, stretch)).collect(),
             permuted: vec![0.0; symbolic.variables() * D],
             local: vec![0.0; height * D],
-            runs: Vec::with_capacity(height),
-            smallest_pivot: (1.0, 0, 0),
+            smallest_pivot: SmallestPivot::default(),
         }
     }
 
@@ -74,21 +64,19 @@ impl<const D: usize> Factor<D> {
     fn exchange<const E: usize>(&mut self, other: &mut Factor<E>) {
         std::mem::swap(&mut self.panels, &mut other.panels);
         std::mem::swap(&mut self.stacks, &mut other.stacks);
-        std::mem::swap(&mut self.memory, &mut other.memory);
+        std::mem::swap(&mut self.workers, &mut other.workers);
         std::mem::swap(&mut self.permuted, &mut other.permuted);
         std::mem::swap(&mut self.local, &mut other.local);
-        std::mem::swap(&mut self.runs, &mut other.runs);
     }
 
     fn empty() -> Self {
         Self {
             panels: Vec::new(),
             stacks: [Vec::new(), Vec::new()],
-            memory: dense::scratch(0),
+            workers: Vec::new(),
             permuted: Vec::new(),
             local: Vec::new(),
-            runs: Vec::new(),
-            smallest_pivot: (1.0, 0, 0),
+            smallest_pivot: SmallestPivot::default(),
         }
     }
 
@@ -104,155 +92,42 @@ impl<const D: usize> Factor<D> {
         damping: f64,
         floor: f64,
     ) -> Result<(), Breakdown> {
-        // The widest vector instructions of the machine, chosen here once for all loops that are inlined below.
-        Arch::new().dispatch(Factorize { factor: self, symbolic, diagonal, off_diagonal, damping, floor })
-    }
-
-    #[inline(always)]
-    fn factorize_fronts(
-        &mut self,
-        symbolic: &Symbolic,
-        diagonal: &[SMatrix<f64, D, D>],
-        off_diagonal: &[SMatrix<f64, D, D>],
-        damping: f64,
-        floor: f64,
-    ) -> Result<(), Breakdown> {
-        self.smallest_pivot = (1.0, 0, 0);
-        for front in &symbolic.fronts {
-            let height = front.height() * D;
-            let panel_start = front.panel * D * D;
-            let panel = &mut self.panels[panel_start..panel_start + front.columns * D * height];
-            panel.fill(0.0);
-            for local in 0..front.columns {
-                let mut block = diagonal[symbolic.order[front.first + local]];
-                for component in 0..D {
-                    block[(component, component)] += damping * block[(component, component)].max(floor);
-                }
-                write_block(panel, height, local, local, &block);
-            }
-            for entry in &symbolic.entries[front.entries.clone()] {
-                let block = &off_diagonal[entry.pair];
-                if entry.transposed {
-                    write_block(panel, height, entry.row, entry.column, &block.transpose());
-                } else {
-                    write_block(panel, height, entry.row, entry.column, block);
-                }
-            }
-            let [even, odd] = &mut self.stacks;
-            let (own, others) = if front.stack == 0 { (even, &*odd) } else { (odd, &*even) };
-            let below = front.below() * D;
-            let update_start = front.update * D * D;
-            let update = &mut own[update_start..update_start + below * below];
-            let columns = front.columns * D;
-            for &child in &symbolic.children[front.children.clone()] {
-                let child = &symbolic.fronts[child];
-                place_rows::<D>(symbolic, child, &mut self.runs);
-                let eliminated = 0..rows_before(&self.runs, columns);
-                let (child, order) = update_of::<D>(child, others);
-                extend_add(child, order, eliminated, &self.runs, (panel, height, columns), update);
-            }
-            dense::eliminate::<D>(panel, height, columns, update, true, &mut self.memory).map_err(
-                |column| Breakdown {
-                    variable: symbolic.order[front.first + column / D],
-                    component: column % D,
-                },
-            )?;
-            // The update takes the children's after its own part, so that it is written once less.
-            for &child in &symbolic.children[front.children.clone()] {
-                let child = &symbolic.fronts[child];
-                place_rows::<D>(symbolic, child, &mut self.runs);
-                let (child, order) = update_of::<D>(child, others);
-                let rest = rows_before(&self.runs, columns)..order;
-                extend_add(child, order, rest, &self.runs, (panel, height, columns), update);
-            }
-            self.note_pivots(symbolic, front, diagonal, damping, floor);
+        let matrix = Matrix { diagonal, off_diagonal, damping, floor };
+        let Self { panels, stacks, workers, smallest_pivot, .. } = self;
+        *smallest_pivot = SmallestPivot::default();
+        let Some((rest, others)) = symbolic.stretches.split_last() else { return Ok(()) };
+        let failed = if others.is_empty() {
+            None
+        } else {
+            // One entry to the pool for all that follows.
+            rayon::scope(|_| side_by_side(symbolic, others, matrix, panels, stacks, workers)).err()
+        };
+        // After a failure only fronts before it are of interest: one thread would have met theirs first.
+        let end = failed
+            .as_ref()
+            .map_or(usize::MAX, |failed| symbolic.front_of[symbolic.position[failed.variable]]);
+        let fronts = &rest.fronts[..rest.fronts.partition_point(|&front| front < end)];
+        if let Some(worker) = workers.last_mut() {
+            let [even, odd] = stacks;
+            let stacks = [even.as_mut_slice(), odd.as_mut_slice()];
+            let task =
+                Task { symbolic, matrix, fronts, panels, panel_base: 0, stacks, stack_bases: [0; 2], worker };
+            Arch::new().dispatch(task)?;
+        }
+        if let Some(failed) = failed {
+            return Err(failed);
+        }
+        for worker in workers {
+            smallest_pivot.note(worker.smallest_pivot);
         }
         Ok(())
-    }
-
-    /// Keeps the smallest ratio of a pivot to the matrix's diagonal entry.
-    fn note_pivots(
-        &mut self,
-        symbolic: &Symbolic,
-        front: &Front,
-        diagonal: &[SMatrix<f64, D, D>],
-        damping: f64,
-        floor: f64,
-    ) {
-        let height = front.height() * D;
-        for column in 0..front.columns * D {
-            let variable = symbolic.order[front.first + column / D];
-            let entry = diagonal[variable][(column % D, column % D)];
-            let pivot = self.panels[front.panel * D * D + column * height + column];
-            let share = pivot * pivot / (entry + damping * entry.max(floor));
-            // A share of NaN, from an overflow, is kept as the smallest of all.
-            if share < self.smallest_pivot.0 || share.is_nan() {
-                self.smallest_pivot = (share, variable, column % D);
-            }
-        }
     }
 
     /// The smallest share `L_kk^2 / A_kk` that elimination left of a diagonal entry, with its variable and component.
     ///
     /// Near the unit round-off the matrix is singular to working precision.
     pub fn smallest_pivot(&self) -> (f64, usize, usize) {
-        self.smallest_pivot
+        let SmallestPivot { share, variable, component } = self.smallest_pivot;
+        (share, variable, component)
     }
-}
-
-/// [`Factor::factorize`] for one set of vector instructions. Not a closure: the call of one is not inlined, and what it calls
-/// would be compiled for the least of all machines.
-struct Factorize<'a, const D: usize> {
-    factor: &'a mut Factor<D>,
-    symbolic: &'a Symbolic,
-    diagonal: &'a [SMatrix<f64, D, D>],
-    off_diagonal: &'a [SMatrix<f64, D, D>],
-    damping: f64,
-    floor: f64,
-}
-
-impl<const D: usize> WithSimd for Factorize<'_, D> {
-    type Output = Result<(), Breakdown>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        self.factor.factorize_fronts(
-            self.symbolic,
-            self.diagonal,
-            self.off_diagonal,
-            self.damping,
-            self.floor,
-        )
-    }
-}
-
-/// Copies a block to block position `(row, column)` of a column-major panel.
-#[inline(always)]
-fn write_block<const D: usize>(
-    panel: &mut [f64],
-    height: usize,
-    row: usize,
-    column: usize,
-    block: &SMatrix<f64, D, D>,
-) {
-    for (offset, source) in block.as_slice().chunks_exact(D).enumerate() {
-        let start = (column * D + offset) * height + row * D;
-        panel[start..start + D].copy_from_slice(source);
-    }
-}
-
-/// Where a child's rows lie in its parent's front.
-#[inline(always)]
-fn place_rows<const D: usize>(symbolic: &Symbolic, child: &Front, runs: &mut Vec<Run>) {
-    runs.clear();
-    for (index, &place) in symbolic.relative[child.rows.clone()].iter().enumerate() {
-        push_rows(runs, index * D, place * D, D);
-    }
-}
-
-/// A front's update matrix on its stack, and its order.
-#[inline(always)]
-fn update_of<'a, const D: usize>(front: &Front, stack: &'a [f64]) -> (&'a [f64], usize) {
-    let order = front.below() * D;
-    (&stack[front.update * D * D..][..order * order], order)
 }

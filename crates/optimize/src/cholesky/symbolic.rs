@@ -1,10 +1,12 @@
 //! Everything about a factorisation that depends on the pattern alone.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use super::elimination::{Adjacency, elimination_tree, postorder};
 use super::nested_dissection::nested_dissection;
 use super::ordering::approximate_minimum_degree;
+use super::subtrees;
 use super::supernodes::{amalgamate, maximal};
 
 /// Operations by minimum degree from which nested dissection is tried too: its analysis takes several times as long, and a
@@ -22,7 +24,7 @@ pub(crate) struct Front {
     /// Columns eliminated here.
     pub(crate) columns: usize,
     /// Range in [`Symbolic::rows`] of the rows below.
-    pub(crate) rows: std::ops::Range<usize>,
+    pub(crate) rows: Range<usize>,
     /// Front that takes the update, or [`NO_PARENT`].
     pub(crate) parent: usize,
     /// Offset of the panel (columns x height) in the factor.
@@ -32,15 +34,31 @@ pub(crate) struct Front {
     /// Which of the two stacks holds the update: the parity of the depth.
     pub(crate) stack: usize,
     /// Range in [`Symbolic::children`].
-    pub(crate) children: std::ops::Range<usize>,
+    pub(crate) children: Range<usize>,
     /// Range in [`Symbolic::entries`] of the matrix's off-diagonal blocks.
-    pub(crate) entries: std::ops::Range<usize>,
+    pub(crate) entries: Range<usize>,
+}
+
+/// Fronts that one thread factorises, and what it writes. Blocks.
+#[derive(Debug)]
+pub(crate) struct Stretch {
+    /// Children before parents.
+    pub(crate) fronts: Vec<usize>,
+    /// Range in the factor; of the last stretch, that of all its fronts and of others in between.
+    pub(crate) panels: Range<usize>,
+    /// Range on each stack.
+    pub(crate) stacks: [Range<usize>; 2],
 }
 
 impl Front {
     /// Rows below the eliminated columns.
     pub(crate) fn below(&self) -> usize {
         self.rows.len()
+    }
+
+    /// Where its panel ends in the factor.
+    fn panel_end(&self) -> usize {
+        self.panel + self.columns * self.height()
     }
 
     /// Rows of the front.
@@ -78,6 +96,8 @@ pub struct Symbolic {
     pub(crate) front_of: Vec<usize>,
     pub(crate) panel_blocks: usize,
     pub(crate) stack_blocks: [usize; 2],
+    /// What threads may take side by side, and as the last one the rest, which comes after all others.
+    pub(crate) stretches: Vec<Stretch>,
     flops: f64,
 }
 
@@ -132,6 +152,7 @@ impl Symbolic {
             front_of: vec![0; variables],
             panel_blocks: 0,
             stack_blocks: [0, 0],
+            stretches: Vec::new(),
             flops: 0.0,
         };
         for supernode in supernodes {
@@ -154,10 +175,11 @@ impl Symbolic {
             symbolic.fronts.push(front);
         }
         symbolic.link_parents();
-        symbolic.place_updates();
+        let work: Vec<f64> = symbolic.fronts.iter().map(|front| front_flops(front, block)).collect();
+        symbolic.flops = work.iter().sum();
+        symbolic.place_updates(&subtrees::independent(&symbolic.fronts, &work));
         symbolic.place_entries(pairs, &position);
         symbolic.position = position;
-        symbolic.flops = symbolic.fronts.iter().map(|front| front_flops(front, block)).sum();
         symbolic
     }
 
@@ -224,27 +246,52 @@ impl Symbolic {
     /// Gives every update matrix its place on one of two stacks.
     ///
     /// When a front is assembled, the updates of its children are on top of the stack of the children's depth; its own
-    /// update goes on top of the other one. With two stacks neither moves, and the two can be borrowed apart.
-    fn place_updates(&mut self) {
+    /// update goes on top of the other one. With two stacks neither moves, and the two can be borrowed apart. Fronts that threads
+    /// take side by side have stretches of the stacks of their own, below those of the rest.
+    fn place_updates(&mut self, independent: &[Range<usize>]) {
         for index in (0..self.fronts.len()).rev() {
             let parent = self.fronts[index].parent;
             self.fronts[index].stack = self.fronts.get(parent).map_or(0, |parent| 1 - parent.stack);
         }
-        let mut top = [0_usize; 2];
-        for index in 0..self.fronts.len() {
+        // 0 is the rest.
+        let mut regions = vec![0; self.fronts.len()];
+        let mut base = [0, 0];
+        for (index, fronts) in independent.iter().enumerate() {
+            regions[fronts.clone()].fill(index + 1);
+            let end = self.place_region(fronts.clone().collect(), &regions, base);
+            base = end;
+        }
+        let rest = (0..self.fronts.len()).filter(|&front| regions[front] == 0).collect();
+        self.stack_blocks = self.place_region(rest, &regions, base);
+    }
+
+    /// Adds a stretch of these fronts, all of one region, whose updates lie on the stacks from `base` on. Returns where they end at
+    /// most.
+    fn place_region(&mut self, fronts: Vec<usize>, regions: &[usize], base: [usize; 2]) -> [usize; 2] {
+        let (mut top, mut end) = (base, base);
+        for &index in &fronts {
             let front = &self.fronts[index];
             let (own, others) = (front.stack, 1 - front.stack);
             let size = front.below() * front.below();
             let released: usize = self.children[front.children.clone()]
                 .iter()
+                .filter(|&&child| regions[child] == regions[index])
                 .map(|&child| self.fronts[child].below())
                 .map(|below| below * below)
                 .sum();
             self.fronts[index].update = top[own];
             top[own] += size;
-            self.stack_blocks[own] = self.stack_blocks[own].max(top[own]);
+            end[own] = end[own].max(top[own]);
             top[others] -= released;
         }
+        let start = fronts.first().map_or(0, |&front| self.fronts[front].panel);
+        let panel_end = fronts.last().map_or(0, |&front| self.fronts[front].panel_end());
+        self.stretches.push(Stretch {
+            fronts,
+            panels: start..panel_end,
+            stacks: [base[0]..end[0], base[1]..end[1]],
+        });
+        end
     }
 
     /// Sorts the matrix's off-diagonal blocks by front.
