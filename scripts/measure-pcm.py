@@ -237,11 +237,8 @@ def measured(command, threads):
 
 
 def scenarios(size):
-    """What is drawn at a size: kind of false edges, their share, dimension. Near misses leave large kernels: the search
-    among 10^4 candidates does not end within minutes."""
+    """What is drawn at a size: kind of false edges, their share, dimension."""
     for falsehood in ("uniform", "grouped", "near-miss"):
-        if falsehood == "near-miss" and size in (10_000, 20_000):
-            continue
         for outliers in ("0.1", "0.5", "0.9"):
             for dimension in ("2", "3"):
                 if dimension == "2" or (falsehood == "uniform" and size <= 5000):
