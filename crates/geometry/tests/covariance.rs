@@ -174,7 +174,8 @@ fn matrices_without_an_inverse_are_refused_by_name() {
 fn definiteness_forgives_printed_digits_and_nothing_more() {
     assert_eq!(definiteness(&Matrix3::identity()), Definiteness::PositiveDefinite);
     let diagonal = |last: f64| Matrix3::from_diagonal(&Vector3::new(2.0, 1.0, last));
-    assert_eq!(definiteness(&diagonal(1e-12)), Definiteness::PositiveDefinite);
+    assert_eq!(definiteness(&diagonal(2.1e-9)), Definiteness::PositiveDefinite);
+    assert!(matches!(definiteness(&diagonal(1.9e-9)), Definiteness::Semidefinite { .. }));
     assert!(matches!(definiteness(&diagonal(0.0)), Definiteness::Semidefinite { .. }));
     assert!(matches!(definiteness(&diagonal(-1.9e-9)), Definiteness::Semidefinite { .. }));
     assert_eq!(
