@@ -1,6 +1,6 @@
 #!/bin/sh
 # Sweeps pipelines/regimes.toml over real and simulated sessions, and remakes the tables of docs/regimes.md. Resumes where it
-# was broken off; from nothing it takes hours.
+# was broken off; from nothing it takes about an hour on two cores.
 # Usage: scripts/regimes.sh NCLT_DIRECTORY
 set -eu
 cd "$(dirname "$0")/.."
