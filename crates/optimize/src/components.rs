@@ -13,9 +13,13 @@ impl Component {
     /// Puts the nodes that are held first and returns how many there are. Where none is, the first node alone is held: it
     /// only fixes the gauge.
     pub(crate) fn put_held_first(&mut self, held: &[bool]) -> usize {
-        let count = self.nodes.iter().filter(|&&node| held[node]).count();
         self.nodes.sort_by_key(|&node| !held[node]);
-        count.max(1)
+        self.held(held).max(1)
+    }
+
+    /// How many of its nodes are held.
+    pub(crate) fn held(&self, held: &[bool]) -> usize {
+        self.nodes.iter().filter(|&&node| held[node]).count()
     }
 }
 

@@ -119,7 +119,7 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
         });
         report.phases.total = seconds;
         report.gauge = component.nodes[0];
-        report.held = component.nodes.iter().filter(|&&node| problem.held()[node]).count();
+        report.held = component.held(problem.held());
         report.undetermined = report.undetermined.map(|(node, axis)| (component.nodes[node], axis));
         for ((&node, start), pose) in component.nodes.iter().zip(start).zip(result) {
             starts[node] = start;
@@ -158,7 +158,7 @@ pub fn certify<G: PoseGroup<DOF>, const DOF: usize>(
     let solved = Problem::from_checked(poses.to_vec(), problem.edges().to_vec(), problem.held().to_vec());
     let mut local = vec![0; poses.len()];
     let certificate = |component: &Component| {
-        if component.nodes.iter().filter(|&&node| problem.held()[node]).count() > 1 {
+        if component.held(problem.held()) > 1 {
             return Certificate::NONE;
         }
         for (index, &node) in component.nodes.iter().enumerate() {

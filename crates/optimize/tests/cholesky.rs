@@ -77,22 +77,30 @@ proptest! {
     }
 }
 
+/// Neighbours in a square grid, row by row.
+fn grid(side: usize) -> Vec<(usize, usize)> {
+    let node = |row: usize, column: usize| row * side + column;
+    let mut pairs = Vec::new();
+    for row in 0..side {
+        for column in 0..side {
+            if column + 1 < side {
+                pairs.push((node(row, column), node(row, column + 1)));
+            }
+            if row + 1 < side {
+                pairs.push((node(row, column), node(row + 1, column)));
+            }
+        }
+    }
+    pairs
+}
+
 #[test]
 fn solves_grids_whose_fronts_are_large() {
     let side = 16;
-    let at = |x: usize, y: usize| y * side + x;
-    let mut pairs = Vec::new();
-    for y in 0..side {
-        for x in 0..side {
-            if x + 1 < side {
-                pairs.push((at(x, y), at(x + 1, y)));
-            }
-            if y + 1 < side {
-                pairs.push((at(x, y), at(x, y + 1)));
-            }
-            pairs.extend((y + 4 < side && x + 3 < side).then(|| (at(x, y), at(x + 3, y + 4))));
-        }
-    }
+    let mut pairs = grid(side);
+    pairs.extend((0..side - 4).flat_map(|row| {
+        (0..side - 3).map(move |column| (row * side + column, (row + 4) * side + column + 3))
+    }));
     pairs.sort_unstable();
     check::<3>(side * side, &pairs, 1);
     check::<6>(side * side, &pairs, 2);
@@ -133,18 +141,7 @@ fn indefinite_and_singular_matrices_are_told_by_variable() {
 #[test]
 fn threads_change_no_bit() {
     let side = 70;
-    let node = |row: usize, column: usize| row * side + column;
-    let mut pairs = Vec::new();
-    for row in 0..side {
-        for column in 0..side {
-            if column + 1 < side {
-                pairs.push((node(row, column), node(row, column + 1)));
-            }
-            if row + 1 < side {
-                pairs.push((node(row, column), node(row + 1, column)));
-            }
-        }
-    }
+    let pairs = grid(side);
     let variables = side * side;
     let mut random = ChaCha8Rng::seed_from_u64(5);
     let off_diagonal: Vec<SMatrix<f64, 6, 6>> =

@@ -2,7 +2,10 @@
 
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 
+mod noisy_walk;
+
 use nalgebra::{DMatrix, SMatrix, SVector};
+use noisy_walk::noisy_walk;
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_optimize::incremental::{IncrementalOptions, IncrementalSolver};
 use posecut_optimize::{
@@ -13,35 +16,17 @@ use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// A noisy walk with landmark edges; the given poses are the truth, a little disturbed.
+/// A noisy walk; the given poses are the truth, a little disturbed.
 fn graph<G: PoseGroup<DOF>, const DOF: usize>(
     nodes: usize,
     landmarks: usize,
     seed: u64,
 ) -> (Vec<G>, Vec<Edge<G, DOF>>) {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut tangent = |size: f64| SVector::<f64, DOF>::from_fn(|_, _| random.random_range(-size..size));
-    let mut truth = vec![G::exp(&tangent(2.0))];
-    for index in 1..nodes {
-        truth.push(truth[index - 1].compose(&G::exp(&tangent(1.0))));
-    }
-    let given = truth.iter().map(|pose| pose.compose(&G::exp(&tangent(0.05)))).collect();
-    let mut random = ChaCha8Rng::seed_from_u64(seed ^ 1);
-    let mut edge = |from: usize, to: usize, kind| {
-        let spread = SMatrix::<f64, DOF, DOF>::from_fn(|_, _| random.random_range(-1.0..1.0));
-        let noise = SVector::<f64, DOF>::from_fn(|_, _| random.random_range(-0.03..0.03));
-        let measurement = truth[from].between(&truth[to]).compose(&G::exp(&noise));
-        Edge::new(from, to, measurement, (spread * spread.transpose() + SMatrix::identity()) * 10.0, kind)
-    };
-    let mut edges: Vec<_> = (1..nodes).map(|node| edge(node - 1, node, EdgeKind::Odometry)).collect();
-    let mut ends = ChaCha8Rng::seed_from_u64(seed ^ 2);
-    while edges.len() < nodes - 1 + landmarks {
-        let (a, b) = (ends.random_range(0..nodes), ends.random_range(0..nodes));
-        if a != b {
-            edges.push(edge(a, b, EdgeKind::Landmark));
-        }
-    }
-    (given, edges)
+    let (truth, edges) = noisy_walk::<G, DOF>(nodes, landmarks, 0.03, seed);
+    let mut random = ChaCha8Rng::seed_from_u64(seed + 3);
+    let mut disturbed =
+        |pose: &G| pose.compose(&G::exp(&SVector::from_fn(|_, _| random.random_range(-0.05..0.05))));
+    (truth.iter().map(&mut disturbed).collect(), edges)
 }
 
 /// Largest distance between two lists of poses, in the tangent space.

@@ -2,44 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 
+mod noisy_walk;
+
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector};
+use noisy_walk::noisy_walk;
 use posecut_geometry::covariance::between_correlated;
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_optimize::{Edge, EdgeKind, Kernel, Marginals, Options, PoseGroup, Problem, optimize, residual};
 use proptest::prelude::*;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-
-/// A noisy walk with landmark edges and information matrices of full rank.
-fn graph<G: PoseGroup<DOF>, const DOF: usize>(
-    nodes: usize,
-    landmarks: usize,
-    seed: u64,
-) -> (Vec<G>, Vec<Edge<G, DOF>>) {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut tangent = |size: f64| SVector::<f64, DOF>::from_fn(|_, _| random.random_range(-size..size));
-    let mut poses = vec![G::exp(&tangent(2.0))];
-    for index in 1..nodes {
-        poses.push(poses[index - 1].compose(&G::exp(&tangent(1.0))));
-    }
-    let mut random = ChaCha8Rng::seed_from_u64(seed + 1);
-    let mut edge = |from: usize, to: usize, kind| {
-        let spread = SMatrix::<f64, DOF, DOF>::from_fn(|_, _| random.random_range(-1.0..1.0));
-        let noise = SVector::<f64, DOF>::from_fn(|_, _| random.random_range(-0.05..0.05));
-        let measurement = poses[from].between(&poses[to]).compose(&G::exp(&noise));
-        let information = (spread * spread.transpose() + SMatrix::identity()) * 10.0;
-        Edge::new(from, to, measurement, information, kind)
-    };
-    let mut edges: Vec<_> = (1..nodes).map(|node| edge(node - 1, node, EdgeKind::Odometry)).collect();
-    let mut ends = ChaCha8Rng::seed_from_u64(seed + 2);
-    for _ in 0..landmarks {
-        let (a, b) = (ends.random_range(0..nodes), ends.random_range(0..nodes));
-        if a != b {
-            edges.push(edge(a, b, EdgeKind::Landmark));
-        }
-    }
-    (poses, edges)
-}
 
 /// The covariance of all poses but the first, by central differences of the residuals and a dense inverse.
 fn dense<G: PoseGroup<DOF>, const DOF: usize>(
@@ -71,7 +41,7 @@ fn dense<G: PoseGroup<DOF>, const DOF: usize>(
 }
 
 fn check<G: PoseGroup<DOF>, const DOF: usize>(nodes: usize, landmarks: usize, seed: u64, every: bool) {
-    let (start, mut edges) = graph::<G, DOF>(nodes, landmarks, seed);
+    let (start, mut edges) = noisy_walk::<G, DOF>(nodes, landmarks, 0.05, seed);
     for edge in edges.iter_mut().filter(|edge| edge.kind == EdgeKind::Landmark) {
         edge.kernel = Some(Kernel::Cauchy(0.5));
     }
@@ -124,7 +94,7 @@ proptest! {
 /// Of a chain, the relative covariance is the composition of the edges' own.
 #[test]
 fn a_chain_adds_up_and_does_not_depend_on_the_gauge() {
-    let (poses, edges) = graph::<SE3, 6>(12, 0, 5);
+    let (poses, edges) = noisy_walk::<SE3, 6>(12, 0, 0.05, 5);
     let problem = Problem::new(poses, edges).unwrap();
     let solution = optimize(&problem, &Options::default());
     let mut marginals = Marginals::new(&problem, &solution.poses, &solution.weights);

@@ -227,6 +227,20 @@ mod tests {
         graph
     }
 
+    /// A graph that has an edge where a draw is below the density.
+    pub(super) fn drawn(vertices: usize, density: f64, draws: &[f64]) -> BitGraph {
+        let mut graph = BitGraph::new(vertices);
+        let mut draw = draws.iter();
+        for a in 0..vertices {
+            for b in a + 1..vertices {
+                if *draw.next().unwrap() < density {
+                    graph.connect(a, b);
+                }
+            }
+        }
+        graph
+    }
+
     /// The size of the largest clique, by trying every subset.
     fn enumerate(graph: &BitGraph) -> usize {
         (0_u32..1 << graph.len())
@@ -278,15 +292,7 @@ mod tests {
             density in 0.0_f64..1.0,
             draws in proptest::collection::vec(0.0_f64..1.0, 78),
         ) {
-            let mut graph = BitGraph::new(vertices);
-            let mut draw = draws.iter();
-            for a in 0..vertices {
-                for b in a + 1..vertices {
-                    if *draw.next().unwrap() < density {
-                        graph.connect(a, b);
-                    }
-                }
-            }
+            let graph = drawn(vertices, density, &draws);
             let clique = maximum_clique(&graph, Limits::NONE);
             prop_assert!(graph.is_clique(&clique.vertices));
             prop_assert!(clique.is_optimal());

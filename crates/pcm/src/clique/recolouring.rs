@@ -107,6 +107,7 @@ impl Colouring {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::clique::tests::drawn;
     use crate::clique::{Limits, maximum_clique};
     use proptest::prelude::*;
 
@@ -133,15 +134,7 @@ mod tests {
             density in 0.0_f64..1.0,
             draws in proptest::collection::vec(0.0_f64..1.0, 780),
         ) {
-            let mut graph = BitGraph::new(vertices);
-            let mut draw = draws.iter();
-            for a in 0..vertices {
-                for b in a + 1..vertices {
-                    if *draw.next().unwrap() < density {
-                        graph.connect(a, b);
-                    }
-                }
-            }
+            let graph = drawn(vertices, density, &draws);
             let largest = maximum_clique(&graph, Limits::NONE).vertices.len();
             prop_assert!(fewer_colours(&graph, 0) >= largest);
         }
