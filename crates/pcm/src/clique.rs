@@ -5,7 +5,8 @@
 //!
 //! 1. Upper bound by core numbers; first cliques greedily along the reversed degeneracy order and by fewest conflicts;
 //!    local search with (1,2)-swaps.
-//! 2. Vertices whose core number is below the incumbent go, and so do vertices dominated in the complement.
+//! 2. Vertices whose core number is below the incumbent go, those that conflict with too many colour classes as a whole,
+//!    and those dominated in the complement.
 //! 3. The complement falls apart into components, which are solved one by one by branch and bound with greedy colouring
 //!    and recolouring (Tomita et al. 2010; bit-parallel as San Segundo, Rodriguez-Losada, Jimenez 2011). A component is
 //!    searched only for what it must bring for the whole to exceed the incumbent.
@@ -16,6 +17,7 @@
 
 mod bits;
 mod buckets;
+mod colouring;
 mod component;
 mod degeneracy;
 mod greedy;
@@ -108,11 +110,17 @@ pub(crate) fn larger_clique(graph: &BitGraph, alive: &BitSet, floor: usize, limi
     Outcome { clique: incumbent.clique, upper_bound, work }
 }
 
-/// Drops vertices by core numbers and by dominance until neither finds any.
+/// Drops vertices by core numbers, by colours and by dominance until none of them finds any.
 fn shrink(graph: &BitGraph, alive: &mut BitSet, incumbent: usize) {
     loop {
-        kernel::keep_core(&Degeneracy::of(graph, alive), alive, incumbent);
         let before = alive.count();
+        let degeneracy = Degeneracy::of(graph, alive);
+        kernel::keep_core(&degeneracy, alive, incumbent);
+        kernel::drop_by_colours(graph, alive, &degeneracy, incumbent);
+        if alive.count() * 10 < before * 9 {
+            // Dominance takes longest, and is quicker on less.
+            continue;
+        }
         kernel::drop_dominated(graph, alive);
         if alive.count() == before {
             return;
@@ -242,7 +250,7 @@ mod tests {
     }
 
     /// The size of the largest clique, by trying every subset.
-    fn enumerate(graph: &BitGraph) -> usize {
+    pub(super) fn enumerate(graph: &BitGraph) -> usize {
         (0_u32..1 << graph.len())
             .filter(|subset| {
                 let members: Vec<usize> =

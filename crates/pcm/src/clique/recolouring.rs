@@ -1,8 +1,10 @@
 //! Colourings with fewer colours: better bounds where one greedy colouring leaves a gap.
 
+use rand::seq::SliceRandom as _;
 use rand::{RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use super::colouring::{Colouring, Lists};
 use super::degeneracy::Degeneracy;
 use super::{BitGraph, BitSet};
 
@@ -18,20 +20,14 @@ const EFFORT: usize = 50_000_000;
 /// A vertex fits into a class if it conflicts with all of it, so that a round goes through the conflicts alone, and
 /// takes O(edges of the complement).
 pub(super) fn fewer_colours(graph: &BitGraph, goal: usize) -> usize {
-    let all = BitSet::full(graph.len());
-    let conflicts: Vec<Vec<u32>> = (0..graph.len())
-        .map(|vertex| {
-            let outside = all.members_outside(graph.neighbours(vertex));
-            outside.filter(|&other| other != vertex).map(|other| other as u32).collect()
-        })
-        .collect();
-    let cost = graph.len() + conflicts.iter().map(Vec::len).sum::<usize>();
-    let mut order = Degeneracy::of(graph, &all).order;
+    let conflicts = Lists::of_graph(graph);
+    let cost = graph.len() + conflicts.len();
+    let mut order = Degeneracy::of(graph, &BitSet::full(graph.len())).order;
     order.reverse();
     // A fixed seed: the same graph gives the same bound.
     let mut random = ChaCha8Rng::seed_from_u64(0);
     let mut colouring = Colouring::new(graph.len());
-    colouring.colour(&order, &conflicts);
+    colouring.colour(order.iter().copied(), &conflicts);
     let (mut fewest, mut since) = (colouring.classes.len(), 0);
     for _ in 0..EFFORT / cost.max(1) {
         if fewest <= goal || since == PATIENCE {
@@ -41,7 +37,7 @@ pub(super) fn fewer_colours(graph: &BitGraph, goal: usize) -> usize {
         colouring.shuffle(&mut random);
         order.clear();
         order.extend(colouring.classes.iter().flatten().map(|&vertex| vertex as usize));
-        colouring.colour(&order, &conflicts);
+        colouring.colour(order.iter().copied(), &conflicts);
         if colouring.classes.len() < fewest {
             (fewest, since) = (colouring.classes.len(), 0);
         }
@@ -49,57 +45,13 @@ pub(super) fn fewer_colours(graph: &BitGraph, goal: usize) -> usize {
     fewest
 }
 
-/// Classes of vertices that all conflict with each other.
-struct Colouring {
-    classes: Vec<Vec<u32>>,
-    class_of: Vec<u32>,
-    /// For each class how many of its members conflict with the vertex at hand.
-    met: Vec<u32>,
-}
-
-const UNCOLOURED: u32 = u32::MAX;
-
 impl Colouring {
-    fn new(vertices: usize) -> Self {
-        Self { classes: Vec::new(), class_of: vec![UNCOLOURED; vertices], met: vec![0; vertices] }
-    }
-
-    /// First fit, in the order given.
-    fn colour(&mut self, order: &[usize], conflicts: &[Vec<u32>]) {
-        self.classes.clear();
-        self.class_of.fill(UNCOLOURED);
-        for &vertex in order {
-            let classes = || conflicts[vertex].iter().map(|&other| self.class_of[other as usize]);
-            let mut fitting = UNCOLOURED;
-            for class in classes().filter(|&class| class != UNCOLOURED) {
-                let met = &mut self.met[class as usize];
-                *met += 1;
-                if *met as usize == self.classes[class as usize].len() {
-                    fitting = fitting.min(class);
-                }
-            }
-            for class in classes().filter(|&class| class != UNCOLOURED) {
-                self.met[class as usize] = 0;
-            }
-            if fitting == UNCOLOURED {
-                fitting = self.classes.len() as u32;
-                self.classes.push(Vec::new());
-            }
-            self.classes[fitting as usize].push(vertex as u32);
-            self.class_of[vertex] = fitting;
-        }
-    }
-
     /// Another order of the classes: turned round, the largest first, or any.
     fn shuffle(&mut self, random: &mut ChaCha8Rng) {
         match random.random_range(0..10) {
             0..5 => self.classes.reverse(),
             5..8 => self.classes.sort_by_key(|class| std::cmp::Reverse(class.len())),
-            _ => {
-                for place in (1..self.classes.len()).rev() {
-                    self.classes.swap(place, random.random_range(0..=place));
-                }
-            }
+            _ => self.classes.shuffle(random),
         }
     }
 }

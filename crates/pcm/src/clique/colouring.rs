@@ -1,0 +1,120 @@
+//! Colourings by the conflicts between vertices.
+//!
+//! A class holds vertices that all conflict with each other, so a clique has at most one of each: it has no more vertices
+//! than there are classes.
+
+use super::{BitGraph, BitSet};
+
+/// What each vertex conflicts with. A vertex may count among its own conflicts.
+pub(super) trait Conflicts {
+    fn of(&self, vertex: usize) -> impl Iterator<Item = usize>;
+}
+
+/// Conflicts among the vertices `alive`, read off the rows of the bit matrix.
+pub(super) struct Rows<'a> {
+    pub(super) graph: &'a BitGraph,
+    pub(super) alive: &'a BitSet,
+}
+
+impl Conflicts for Rows<'_> {
+    fn of(&self, vertex: usize) -> impl Iterator<Item = usize> {
+        self.alive.members_outside(self.graph.neighbours(vertex))
+    }
+}
+
+/// Conflicts as lists: where a vertex has few, faster than its row.
+pub(super) struct Lists(Vec<Vec<u32>>);
+
+impl Lists {
+    /// The conflicts of a whole graph.
+    pub(super) fn of_graph(graph: &BitGraph) -> Self {
+        let all = BitSet::full(graph.len());
+        let list = |vertex: usize| {
+            let outside = all.members_outside(graph.neighbours(vertex));
+            outside.filter(|&other| other != vertex).map(|other| other as u32).collect()
+        };
+        Self((0..graph.len()).map(list).collect())
+    }
+
+    /// Conflicts altogether, each from both ends.
+    pub(super) fn len(&self) -> usize {
+        self.0.iter().map(Vec::len).sum()
+    }
+}
+
+impl Conflicts for Lists {
+    fn of(&self, vertex: usize) -> impl Iterator<Item = usize> {
+        self.0[vertex].iter().map(|&other| other as usize)
+    }
+}
+
+const UNCOLOURED: u32 = u32::MAX;
+
+/// Classes of vertices that all conflict with each other.
+pub(super) struct Colouring {
+    pub(super) classes: Vec<Vec<u32>>,
+    class_of: Vec<u32>,
+    /// For each class how many of its members conflict with the vertex at hand.
+    met: Vec<u32>,
+    /// Classes with such members.
+    touched: Vec<u32>,
+}
+
+impl Colouring {
+    pub(super) fn new(vertices: usize) -> Self {
+        Self {
+            classes: Vec::new(),
+            class_of: vec![UNCOLOURED; vertices],
+            met: vec![0; vertices],
+            touched: Vec::new(),
+        }
+    }
+
+    /// First fit, in the order given. A vertex fits into a class if it conflicts with all of it, so that this goes
+    /// through the conflicts alone: O(edges of the complement).
+    pub(super) fn colour(&mut self, order: impl IntoIterator<Item = usize>, conflicts: &impl Conflicts) {
+        self.classes.clear();
+        self.class_of.fill(UNCOLOURED);
+        for vertex in order {
+            let fitting = self.classes_in_conflict(vertex, conflicts).min();
+            let fitting = fitting.unwrap_or_else(|| {
+                self.classes.push(Vec::new());
+                self.classes.len() as u32 - 1
+            });
+            self.classes[fitting as usize].push(vertex as u32);
+            self.class_of[vertex] = fitting;
+        }
+    }
+
+    /// Takes a vertex out of its class; whether it was the last of it.
+    pub(super) fn forget(&mut self, vertex: usize) -> bool {
+        let class = &mut self.classes[self.class_of[vertex] as usize];
+        class.retain(|&member| member as usize != vertex);
+        self.class_of[vertex] = UNCOLOURED;
+        class.is_empty()
+    }
+
+    /// The classes that conflict with a vertex as a whole; its own does if it is among its own conflicts.
+    pub(super) fn classes_in_conflict(
+        &mut self,
+        vertex: usize,
+        conflicts: &impl Conflicts,
+    ) -> impl Iterator<Item = u32> {
+        for &class in &self.touched {
+            self.met[class as usize] = 0;
+        }
+        self.touched.clear();
+        for other in conflicts.of(vertex) {
+            let class = self.class_of[other];
+            if class != UNCOLOURED {
+                let met = &mut self.met[class as usize];
+                if *met == 0 {
+                    self.touched.push(class);
+                }
+                *met += 1;
+            }
+        }
+        let Self { classes, met, touched, .. } = self;
+        touched.iter().copied().filter(|&class| met[class as usize] as usize == classes[class as usize].len())
+    }
+}
