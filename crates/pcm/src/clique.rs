@@ -7,9 +7,11 @@
 //!    local search with (1,2)-swaps.
 //! 2. Vertices whose core number is below the incumbent go, those that conflict with too many colour classes as a whole,
 //!    and those dominated in the complement.
-//! 3. The complement falls apart into components, which are solved one by one by branch and bound with greedy colouring
-//!    and recolouring (Tomita et al. 2010; bit-parallel as San Segundo, Rodriguez-Losada, Jimenez 2011). A component is
-//!    searched only for what it must bring for the whole to exceed the incumbent.
+//! 3. The complement falls apart into components. Each has a bound of its own, by colours and iterated greedy, and a clique
+//!    of its own, by local search; a component in which they differ has to bring only what the others leave for the whole
+//!    to exceed the incumbent. What its kernel keeps then is taken apart again.
+//! 4. Where kernels keep nearly all, branch and bound with greedy colouring and recolouring (Tomita et al. 2010;
+//!    bit-parallel as San Segundo, Rodriguez-Losada, Jimenez 2011).
 //!
 //! Every number on the way is exact, every choice goes by the order of the vertices, and random draws have a fixed
 //! seed: one graph, one answer, at any number of threads. Among cliques of the same size the first one found in this
@@ -24,6 +26,7 @@ mod greedy;
 mod kernel;
 mod limits;
 mod local_search;
+mod parts;
 mod recolouring;
 mod search;
 
@@ -31,11 +34,10 @@ pub use bits::BitGraph;
 pub use limits::Limits;
 
 pub(crate) use bits::BitSet;
-use component::complement_components;
 use degeneracy::Degeneracy;
 use local_search::LocalSearch;
-use recolouring::fewer_colours;
-use search::{Outcome, colour_bound, search};
+use parts::Parts;
+use search::Outcome;
 
 /// Rounds of local search without success, on the whole graph and on each component.
 const ROUNDS: usize = 200;
@@ -103,29 +105,11 @@ pub(crate) fn larger_clique(graph: &BitGraph, alive: &BitSet, floor: usize, limi
         let better = LocalSearch::new(graph, &around, clique).run(core_bound, ROUNDS);
         incumbent.offer(better);
     }
-    shrink(graph, &mut alive, incumbent.size);
-    let mut parts = Parts::of(graph, &alive);
+    kernel::shrink(graph, &mut alive, incumbent.size);
+    let mut parts = Parts::of(graph, &alive, incumbent.clique.as_deref().unwrap_or_default());
     let work = parts.solve(&mut incumbent, limits);
     let upper_bound = parts.upper_bound().min(core_bound).max(incumbent.size);
     Outcome { clique: incumbent.clique, upper_bound, work }
-}
-
-/// Drops vertices by core numbers, by colours and by dominance until none of them finds any.
-fn shrink(graph: &BitGraph, alive: &mut BitSet, incumbent: usize) {
-    loop {
-        let before = alive.count();
-        let degeneracy = Degeneracy::of(graph, alive);
-        kernel::keep_core(&degeneracy, alive, incumbent);
-        kernel::drop_by_colours(graph, alive, &degeneracy, incumbent);
-        if alive.count() * 10 < before * 9 {
-            // Dominance takes longest, and is quicker on less.
-            continue;
-        }
-        kernel::drop_dominated(graph, alive);
-        if alive.count() == before {
-            return;
-        }
-    }
 }
 
 /// The largest clique so far, or a size that is known without one.
@@ -140,85 +124,6 @@ impl Incumbent {
             self.size = clique.len();
             self.clique = Some(clique);
         }
-    }
-}
-
-/// The components of the complement of the kernel.
-struct Parts {
-    parts: Vec<Part>,
-}
-
-struct Part {
-    vertices: Vec<usize>,
-    graph: BitGraph,
-    /// A clique, in the part's own numbers.
-    clique: Vec<usize>,
-    upper_bound: usize,
-}
-
-impl Parts {
-    fn of(graph: &BitGraph, alive: &BitSet) -> Self {
-        let mut parts: Vec<Part> = complement_components(graph, alive)
-            .into_iter()
-            .map(|vertices| Part::of(graph, vertices))
-            .collect();
-        parts.sort_by_key(|part| part.vertices.len());
-        Self { parts }
-    }
-
-    fn upper_bound(&self) -> usize {
-        self.parts.iter().map(|part| part.upper_bound).sum()
-    }
-
-    fn clique(&self) -> Vec<usize> {
-        self.parts.iter().flat_map(|part| part.clique.iter().map(|&vertex| part.vertices[vertex])).collect()
-    }
-
-    /// Searches part after part, small ones first, until the bounds say that nothing exceeds the incumbent.
-    fn solve(&mut self, incumbent: &mut Incumbent, limits: Limits) -> u64 {
-        let mut work = 0;
-        incumbent.offer(self.clique());
-        for place in 0..self.parts.len() {
-            let total = self.upper_bound();
-            if total <= incumbent.size {
-                break;
-            }
-            let part = &mut self.parts[place];
-            if part.clique.len() == part.upper_bound {
-                continue;
-            }
-            // With less than this in here, all other parts at their bounds do not exceed the incumbent.
-            let enough = incumbent.size + 1 - (total - part.upper_bound).min(incumbent.size + 1);
-            let known = part.clique.len().max(enough.saturating_sub(1));
-            let outcome =
-                search(&part.graph, known, Limits { work: limits.work.saturating_sub(work), ..limits });
-            work += outcome.work;
-            part.upper_bound = part.upper_bound.min(outcome.upper_bound);
-            if let Some(clique) = outcome.clique {
-                part.clique = clique;
-                incumbent.offer(self.clique());
-            }
-        }
-        work
-    }
-}
-
-impl Part {
-    fn of(graph: &BitGraph, vertices: Vec<usize>) -> Self {
-        if let [_] = vertices[..] {
-            return Self { vertices, graph: BitGraph::new(1), clique: vec![0], upper_bound: 1 };
-        }
-        let graph = graph.induced(&vertices);
-        let all = BitSet::full(graph.len());
-        let mut upper_bound = colour_bound(&graph);
-        let mut clique = greedy::fewest_conflicts(&graph, &all);
-        if clique.len() < upper_bound {
-            clique = LocalSearch::new(&graph, &all, &clique).run(upper_bound, ROUNDS);
-        }
-        if clique.len() < upper_bound {
-            upper_bound = upper_bound.min(fewer_colours(&graph, clique.len()));
-        }
-        Self { vertices, graph, clique, upper_bound }
     }
 }
 

@@ -4,7 +4,13 @@
 
 use std::time::{Duration, Instant};
 
+use posecut_geometry::SE2;
+use posecut_pcm::candidate::group;
+use posecut_pcm::chain::Chains;
 use posecut_pcm::clique::{BitGraph, Limits, maximum_clique};
+use posecut_pcm::consistency::Pairs;
+use posecut_pcm::generate::{Falsehood, Scenario};
+use posecut_pcm::{Gate, Test};
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -123,4 +129,16 @@ fn cliques_of_thousands_are_found_and_proved() {
     let graph = geometric(3000, 1.3, 0.3, 5);
     let found = maximum_clique(&graph, Limits::NONE);
     assert!(found.is_optimal() && found.vertices.len() > 1500, "{}", found.vertices.len());
+}
+
+#[test]
+fn kernels_of_near_misses_leave_nothing_to_search() {
+    let scenario = Scenario { candidates: 5000, outliers: 0.9, falsehood: Falsehood::NearMiss, seed: 2 };
+    let drawn = scenario.draw::<SE2, 3>();
+    let chains = Chains::<SE2, 3>::of(&drawn).unwrap();
+    let grouped = group(&drawn, &chains).unwrap();
+    let gate = Gate::new(Test::Mahalanobis, 0.99, 3).unwrap();
+    let (graph, _) = Pairs::new(&chains, &grouped.groups[0]).graph(gate);
+    let found = maximum_clique(&graph, Limits::work(0));
+    assert!(graph.is_clique(&found.vertices) && found.is_optimal(), "{found:?}");
 }

@@ -36,9 +36,9 @@ impl Lists {
         Self((0..graph.len()).map(list).collect())
     }
 
-    /// Conflicts altogether, each from both ends.
-    pub(super) fn len(&self) -> usize {
-        self.0.iter().map(Vec::len).sum()
+    /// What going through all of them costs: vertices, and conflicts from both ends.
+    pub(super) fn cost(&self) -> usize {
+        1 + self.0.len() + self.0.iter().map(Vec::len).sum::<usize>()
     }
 }
 

@@ -4,6 +4,24 @@ use super::colouring::{Colouring, Rows};
 use super::degeneracy::Degeneracy;
 use super::{BitGraph, BitSet};
 
+/// Drops vertices by core numbers, by colours and by dominance until none of them finds any.
+pub(super) fn shrink(graph: &BitGraph, alive: &mut BitSet, incumbent: usize) {
+    loop {
+        let before = alive.count();
+        let degeneracy = Degeneracy::of(graph, alive);
+        keep_core(&degeneracy, alive, incumbent);
+        drop_by_colours(graph, alive, degeneracy.order.iter().rev().copied(), incumbent);
+        if alive.count() * 10 < before * 9 {
+            // Dominance takes longest, and is quicker on less.
+            continue;
+        }
+        drop_dominated(graph, alive);
+        if alive.count() == before {
+            return;
+        }
+    }
+}
+
 /// Keeps the vertices that may lie in a clique of more than `incumbent` vertices by their core number.
 pub(super) fn keep_core(degeneracy: &Degeneracy, alive: &mut BitSet, incumbent: usize) {
     for &vertex in &degeneracy.order {
@@ -17,17 +35,18 @@ pub(super) fn keep_core(degeneracy: &Degeneracy, alive: &mut BitSet, incumbent: 
 /// vertex has none of the classes that conflict with it as a whole (Rossi, Gleich, Gebremedhin, Patwary 2014, who
 /// count the colours of its neighbours).
 ///
+/// `order` is that of the colouring and holds all vertices alive, and possibly others.
+///
 /// A vertex in conflict with all of some region, as a false edge often is, costs all colours of that region: once the
 /// incumbent is close to the number of colours, few such vertices stay. A pass takes O(N^2 / 64 + edges of the
 /// complement); passes go on while each drops a tenth.
 pub(super) fn drop_by_colours(
     graph: &BitGraph,
     alive: &mut BitSet,
-    degeneracy: &Degeneracy,
+    order: impl Iterator<Item = usize>,
     incumbent: usize,
 ) {
     let mut colouring = Colouring::new(graph.len());
-    let order = degeneracy.order.iter().rev().copied();
     colouring.colour(order.filter(|&vertex| alive.contains(vertex)), &Rows { graph, alive });
     let mut colours = colouring.classes.len();
     loop {
@@ -73,7 +92,8 @@ pub(super) fn drop_dominated(graph: &BitGraph, alive: &mut BitSet) {
             rivals.clear();
             rivals.extend(alive.members_outside(row).filter(|&rival| rival != vertex));
             let dominated = rivals.iter().any(|&rival| {
-                conflicts[rival] <= conflicts[vertex] && alive.is_within(row, graph.neighbours(rival))
+                conflicts[rival] <= conflicts[vertex]
+                    && alive.is_within(row, graph.neighbours(rival), rival / 64)
             });
             if !dominated {
                 continue;
@@ -99,7 +119,7 @@ mod tests {
     fn left_by_colours(graph: &BitGraph, incumbent: usize) -> Vec<usize> {
         let mut alive = BitSet::full(graph.len());
         let degeneracy = Degeneracy::of(graph, &alive);
-        drop_by_colours(graph, &mut alive, &degeneracy, incumbent);
+        drop_by_colours(graph, &mut alive, degeneracy.order.iter().rev().copied(), incumbent);
         alive.members().collect()
     }
 

@@ -5,6 +5,11 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{BitGraph, BitSet};
 
+/// Vertices drawn to force one of them in.
+const DRAWS: usize = 8;
+/// Beyond so many free vertices, the first of them joins.
+const MANY: usize = 32;
+
 /// Iterated local search with (1,2)-swaps (Andrade, Resende, Werneck 2012, for independent sets of the complement).
 ///
 /// For every vertex it counts the members of the clique that it conflicts with, i.e. is no neighbour of. A vertex
@@ -50,15 +55,12 @@ impl<'a> LocalSearch<'a> {
     pub(super) fn run(mut self, goal: usize, rounds: usize) -> Vec<usize> {
         self.improve();
         let mut best: Vec<usize> = self.inside.members().collect();
-        let outside: Vec<usize> = self.alive.members().collect();
+        let vertices: Vec<usize> = self.alive.members().collect();
         let mut since = 0;
-        while best.len() < goal && since < rounds && best.len() < outside.len() {
+        while best.len() < goal && since < rounds && best.len() < vertices.len() {
             since += 1;
             let before = (self.inside.clone(), self.size);
-            let vertex = outside[self.random.random_range(0..outside.len())];
-            if self.inside.contains(vertex) {
-                continue;
-            }
+            let Some(vertex) = self.draw_outside(&vertices) else { continue };
             self.force(vertex);
             self.improve();
             if self.size > best.len() {
@@ -72,6 +74,14 @@ impl<'a> LocalSearch<'a> {
             }
         }
         best
+    }
+
+    /// Of some vertices drawn, the one outside that conflicts with fewest members.
+    fn draw_outside(&mut self, vertices: &[usize]) -> Option<usize> {
+        (0..DRAWS)
+            .map(|_| vertices[self.random.random_range(0..vertices.len())])
+            .filter(|&vertex| !self.inside.contains(vertex))
+            .min_by_key(|&vertex| self.conflicts[vertex])
     }
 
     fn insert(&mut self, vertex: usize) {
@@ -161,7 +171,7 @@ impl<'a> LocalSearch<'a> {
 
     fn improve(&mut self) {
         loop {
-            let joining = self.free.members().next();
+            let joining = self.least_in_conflict();
             if let Some(vertex) = joining {
                 self.insert(vertex);
                 continue;
@@ -175,6 +185,17 @@ impl<'a> LocalSearch<'a> {
                 self.insert(other);
             }
         }
+    }
+
+    /// The free vertex that conflicts with fewest others of them.
+    fn least_in_conflict(&self) -> Option<usize> {
+        let free: Vec<usize> = self.free.members().collect();
+        if free.len() > MANY {
+            return free.first().copied();
+        }
+        free.into_iter().max_by_key(|&vertex| {
+            (self.free.count_within(self.graph.neighbours(vertex)), std::cmp::Reverse(vertex))
+        })
     }
 
     /// Two neighbours of each other that conflict with this member alone.

@@ -13,36 +13,48 @@ const PATIENCE: usize = 300;
 /// Conflicts looked at over all rounds: about a tenth of a second.
 const EFFORT: usize = 50_000_000;
 
-/// An upper bound on the size of cliques from colourings, found by iterated greedy (Culberson 1992): vertices are coloured
-/// again class by class, in another order of the classes, which never takes more colours and now and then takes fewer.
-/// Ends at `goal` colours, or when it gets no further.
-///
-/// A vertex fits into a class if it conflicts with all of it, so that a round goes through the conflicts alone, and
-/// takes O(edges of the complement).
-pub(super) fn fewer_colours(graph: &BitGraph, goal: usize) -> usize {
-    let conflicts = Lists::of_graph(graph);
-    let cost = graph.len() + conflicts.len();
-    let mut order = Degeneracy::of(graph, &BitSet::full(graph.len())).order;
-    order.reverse();
-    // A fixed seed: the same graph gives the same bound.
-    let mut random = ChaCha8Rng::seed_from_u64(0);
-    let mut colouring = Colouring::new(graph.len());
-    colouring.colour(order.iter().copied(), &conflicts);
-    let (mut fewest, mut since) = (colouring.classes.len(), 0);
-    for _ in 0..EFFORT / cost.max(1) {
-        if fewest <= goal || since == PATIENCE {
-            break;
-        }
-        since += 1;
-        colouring.shuffle(&mut random);
-        order.clear();
-        order.extend(colouring.classes.iter().flatten().map(|&vertex| vertex as usize));
-        colouring.colour(order.iter().copied(), &conflicts);
-        if colouring.classes.len() < fewest {
-            (fewest, since) = (colouring.classes.len(), 0);
+/// A colouring of a whole graph that iterated greedy (Culberson 1992) can improve: vertices are coloured again class by
+/// class, in another order of the classes, which never takes more colours and now and then takes fewer.
+pub(super) struct Recolouring {
+    conflicts: Lists,
+    colouring: Colouring,
+}
+
+impl Recolouring {
+    /// First fit along the reversed degeneracy order. O(N^2 / 64 + edges of the complement), as is the memory.
+    pub(super) fn of(graph: &BitGraph) -> Self {
+        let conflicts = Lists::of_graph(graph);
+        let order = Degeneracy::of(graph, &BitSet::full(graph.len())).order;
+        let mut colouring = Colouring::new(graph.len());
+        colouring.colour(order.into_iter().rev(), &conflicts);
+        Self { conflicts, colouring }
+    }
+
+    /// No clique has more vertices than this.
+    pub(super) fn colours(&self) -> usize {
+        self.colouring.classes.len()
+    }
+
+    /// The vertices class by class: first fit in this order takes no more colours.
+    pub(super) fn order(&self) -> Vec<usize> {
+        self.colouring.classes.iter().flatten().map(|&vertex| vertex as usize).collect()
+    }
+
+    /// Looks for fewer colours, down to `goal`, until it gets no further. A round takes O(edges of the complement).
+    pub(super) fn improve(&mut self, goal: usize) {
+        // A fixed seed: the same graph gives the same bound.
+        let mut random = ChaCha8Rng::seed_from_u64(0);
+        let mut since = 0;
+        for _ in 0..EFFORT / self.conflicts.cost() {
+            let before = self.colours();
+            if before <= goal || since == PATIENCE {
+                return;
+            }
+            self.colouring.shuffle(&mut random);
+            self.colouring.colour(self.order(), &self.conflicts);
+            since = if self.colours() < before { 0 } else { since + 1 };
         }
     }
-    fewest
 }
 
 impl Colouring {
@@ -76,7 +88,9 @@ mod tests {
             }
         }
         assert_eq!(maximum_clique(&graph, Limits::NONE).vertices.len(), 10);
-        assert_eq!(fewer_colours(&graph, 10), 15);
+        let mut rings = Recolouring::of(&graph);
+        rings.improve(10);
+        assert_eq!(rings.colours(), 15);
     }
 
     proptest! {
@@ -88,7 +102,15 @@ mod tests {
         ) {
             let graph = drawn(vertices, density, &draws);
             let largest = maximum_clique(&graph, Limits::NONE).vertices.len();
-            prop_assert!(fewer_colours(&graph, 0) >= largest);
+            let mut recolouring = Recolouring::of(&graph);
+            let first = recolouring.colours();
+            recolouring.improve(0);
+            let colours = recolouring.colours();
+            prop_assert!(largest <= colours && colours <= first);
+            let mut again = Colouring::new(vertices);
+            again.colour(recolouring.order(), &Lists::of_graph(&graph));
+            prop_assert!(again.classes.len() <= colours);
+            prop_assert_eq!(again.classes.iter().map(Vec::len).sum::<usize>(), vertices);
         }
     }
 }

@@ -161,16 +161,6 @@ impl State<'_> {
     }
 }
 
-/// No clique of the graph has more vertices than this: greedy colouring along the degeneracy order.
-pub(super) fn colour_bound(graph: &BitGraph) -> usize {
-    let all = BitSet::full(graph.len());
-    let mut order = Degeneracy::of(graph, &all).order;
-    order.reverse();
-    let mut colours = Colours::new(graph.len());
-    colours.colour(&graph.induced(&order), &all, 0);
-    colours.order.last().map_or(0, |&(_, colours)| colours)
-}
-
 /// Greedy colouring: neighbours get different colours, so a clique has no more vertices than there are colours.
 struct Colours {
     /// Vertices that need more colours than were `spare`, each with the number of colours used up to it.
