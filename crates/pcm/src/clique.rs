@@ -7,9 +7,10 @@
 //!    local search with (1,2)-swaps.
 //! 2. Vertices whose core number is below the incumbent go, those that conflict with too many colour classes as a whole,
 //!    and those dominated in the complement.
-//! 3. The complement falls apart into components. Each has a bound of its own, by colours and iterated greedy, and a clique
-//!    of its own, by local search; a component in which they differ has to bring only what the others leave for the whole
-//!    to exceed the incumbent. What its kernel keeps then is taken apart again.
+//! 3. The complement falls apart into components. Each has a bound of its own, by colours, iterated greedy and
+//!    contradictions between colours, and a clique of its own, by local search; a component in which they differ has to
+//!    bring only what the others leave for the whole to exceed the incumbent. What its kernel keeps then is taken apart
+//!    again.
 //! 4. Where kernels keep nearly all, branch and bound with greedy colouring and recolouring (Tomita et al. 2010;
 //!    bit-parallel as San Segundo, Rodriguez-Losada, Jimenez 2011).
 //!
@@ -27,6 +28,7 @@ mod kernel;
 mod limits;
 mod local_search;
 mod parts;
+mod propagation;
 mod recolouring;
 mod search;
 
@@ -147,6 +149,20 @@ mod tests {
         for a in 0..vertices {
             for b in a + 1..vertices {
                 if *draw.next().unwrap() < density {
+                    graph.connect(a, b);
+                }
+            }
+        }
+        graph
+    }
+
+    /// The complement of a ring of five, five times over, all joined: cliques have two of each ring, colourings three.
+    pub(super) fn rings() -> BitGraph {
+        let mut graph = BitGraph::new(25);
+        for a in 0..25_usize {
+            for b in a + 1..25 {
+                let ring = a / 5 == b / 5 && (b - a == 1 || b - a == 4);
+                if !ring {
                     graph.connect(a, b);
                 }
             }

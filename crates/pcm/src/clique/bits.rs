@@ -146,7 +146,7 @@ impl Iterator for Bits {
     }
 }
 
-fn contains(words: &[u64], member: usize) -> bool {
+pub(super) fn contains(words: &[u64], member: usize) -> bool {
     words[member / 64] >> (member % 64) & 1 == 1
 }
 

@@ -53,7 +53,7 @@ const UNCOLOURED: u32 = u32::MAX;
 /// Classes of vertices that all conflict with each other.
 pub(super) struct Colouring {
     pub(super) classes: Vec<Vec<u32>>,
-    class_of: Vec<u32>,
+    pub(super) class_of: Vec<u32>,
     /// For each class how many of its members conflict with the vertex at hand.
     met: Vec<u32>,
     /// Classes with such members.

@@ -2,6 +2,7 @@
 
 use super::colouring::{Colouring, Rows};
 use super::degeneracy::Degeneracy;
+use super::propagation::Contradictions;
 use super::{BitGraph, BitSet};
 
 /// Drops vertices by core numbers, by colours and by dominance until none of them finds any.
@@ -48,18 +49,37 @@ pub(super) fn drop_by_colours(
 ) {
     let mut colouring = Colouring::new(graph.len());
     colouring.colour(order.filter(|&vertex| alive.contains(vertex)), &Rows { graph, alive });
+    drop_by_classes(graph, alive, colouring, Contradictions::default(), incumbent);
+}
+
+/// As [`drop_by_colours`], with a colouring of the vertices `alive` and contradictions between its classes: of each set of
+/// these that a vertex takes no class away from, one more class goes unused.
+pub(super) fn drop_by_classes(
+    graph: &BitGraph,
+    alive: &mut BitSet,
+    mut colouring: Colouring,
+    mut contradictions: Contradictions,
+    incumbent: usize,
+) {
     let mut colours = colouring.classes.len();
     loop {
         let members: Vec<usize> = alive.members().collect();
         let mut dropped = 0;
         for &vertex in &members {
-            // Its own class is one of those, and what it has itself is one.
-            let lost = colouring.classes_in_conflict(vertex, &Rows { graph, alive }).count() - 1;
-            if colours > incumbent + lost {
+            let own = colouring.class_of[vertex];
+            let conflicts = Rows { graph, alive };
+            // Its own class is used, by the vertex itself.
+            let lost = colouring.classes_in_conflict(vertex, &conflicts).filter(|&class| class != own);
+            let lost: Vec<u32> = lost.collect();
+            let touched = contradictions.touched(lost.iter().copied());
+            if colours + touched > incumbent + lost.len() + contradictions.count {
                 continue;
             }
             alive.remove(vertex);
-            colours -= usize::from(colouring.forget(vertex));
+            if colouring.forget(vertex) {
+                colours -= 1;
+                contradictions.retire(own);
+            }
             dropped += 1;
         }
         if dropped * 10 < members.len().max(1) {
@@ -113,7 +133,8 @@ pub(super) fn drop_dominated(graph: &BitGraph, alive: &mut BitSet) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::clique::tests::{drawn, enumerate};
+    use crate::clique::colouring::Lists;
+    use crate::clique::tests::{drawn, enumerate, rings};
     use proptest::prelude::*;
 
     fn left_by_colours(graph: &BitGraph, incumbent: usize) -> Vec<usize> {
@@ -135,6 +156,31 @@ mod tests {
         assert_eq!(left_by_colours(&graph, 4), [0_usize; 0]);
     }
 
+    /// Colours with the conflicts of `coarser`, a graph with more edges, which takes more colours.
+    fn left_by_classes_of(graph: &BitGraph, coarser: &BitGraph, incumbent: usize) -> Vec<usize> {
+        let mut alive = BitSet::full(graph.len());
+        let mut colouring = Colouring::new(graph.len());
+        colouring.colour(0..graph.len(), &Lists::of_graph(coarser));
+        let contradictions = Contradictions::of(&colouring, &Lists::of_graph(graph));
+        drop_by_classes(graph, &mut alive, colouring, contradictions, incumbent);
+        alive.members().collect()
+    }
+
+    fn left_by_classes(graph: &BitGraph, incumbent: usize) -> Vec<usize> {
+        left_by_classes_of(graph, graph, incumbent)
+    }
+
+    fn left_by_classes_of_one(graph: &BitGraph, incumbent: usize) -> Vec<usize> {
+        let complete = drawn(graph.len(), 1.0, &[0.0; 78]);
+        left_by_classes_of(graph, &complete, incumbent)
+    }
+
+    #[test]
+    fn contradictions_leave_nothing_of_rings_of_odd_length() {
+        assert_eq!(left_by_classes(&rings(), 9).len(), 25);
+        assert_eq!(left_by_classes(&rings(), 10).len(), 0);
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(400))]
         #[test]
@@ -146,8 +192,10 @@ mod tests {
         ) {
             let graph = drawn(vertices, density, &draws);
             let largest = enumerate(&graph);
-            let left = graph.induced(&left_by_colours(&graph, largest.saturating_sub(less)));
-            prop_assert_eq!(enumerate(&left), largest);
+            for left in [left_by_colours, left_by_classes, left_by_classes_of_one] {
+                let left = graph.induced(&left(&graph, largest.saturating_sub(less)));
+                prop_assert_eq!(enumerate(&left), largest);
+            }
         }
     }
 }

@@ -1,7 +1,9 @@
 //! The components of the complement of a kernel, bounded one by one and solved where their bounds leave a gap.
 
+use super::colouring::{Colouring, Lists};
 use super::component::complement_components;
 use super::local_search::LocalSearch;
+use super::propagation::Contradictions;
 use super::recolouring::Recolouring;
 use super::search::{Outcome, search};
 use super::{BitGraph, BitSet, Incumbent, Limits, ROUNDS, greedy, kernel};
@@ -102,22 +104,32 @@ impl Part {
         Self { vertices, graph, clique, upper_bound: bound.colours(), order: bound.order() }
     }
 
-    /// Looks for a clique of more than `known` vertices: in a kernel that the bounds of this part leave, or where they
-    /// leave most of it, by branch and bound.
+    /// Looks for a clique of more than `known` vertices: in the parts of the kernel that the bounds of this one leave, or
+    /// where they leave nearly all of it, by branch and bound.
     fn solve(&self, known: usize, limits: Limits) -> Outcome {
         if limits.is_over() {
             return Outcome { clique: None, upper_bound: self.upper_bound, work: 0 };
         }
+        let conflicts = Lists::of_graph(&self.graph);
+        let mut colouring = Colouring::new(self.graph.len());
+        colouring.colour(self.order.iter().copied(), &conflicts);
+        let contradictions = Contradictions::of(&colouring, &conflicts);
+        let bound = colouring.classes.len() - contradictions.count;
+        if bound <= known {
+            return Outcome { clique: None, upper_bound: bound, work: 0 };
+        }
         let mut alive = BitSet::full(self.graph.len());
-        kernel::drop_by_colours(&self.graph, &mut alive, self.order.iter().copied(), known);
+        kernel::drop_by_classes(&self.graph, &mut alive, colouring, contradictions, known);
         kernel::shrink(&self.graph, &mut alive, known);
-        if alive.count() * 10 > self.graph.len() * 9 {
-            return search(&self.graph, known, limits);
+        if alive.count() * 20 > self.graph.len() * 19 {
+            let outcome = search(&self.graph, known, limits);
+            return Outcome { upper_bound: outcome.upper_bound.min(bound), ..outcome };
         }
         let mut incumbent = Incumbent { clique: None, size: known };
         let mut parts = Parts::of(&self.graph, &alive, &self.clique);
         let work = parts.solve(&mut incumbent, limits);
-        Outcome { upper_bound: parts.upper_bound().max(incumbent.size), clique: incumbent.clique, work }
+        let upper_bound = parts.upper_bound().max(incumbent.size).min(bound);
+        Outcome { upper_bound, clique: incumbent.clique, work }
     }
 }
 
@@ -150,7 +162,7 @@ mod tests {
             prop_assert!(part.graph.is_clique(&clique));
             prop_assert_eq!((clique.len(), found.upper_bound), (largest, largest));
             let proof = part.solve(largest, Limits::NONE);
-            prop_assert_eq!((proof.clique, proof.upper_bound), (None, largest));
+            prop_assert!(proof.clique.is_none() && proof.upper_bound == largest);
         }
     }
 }

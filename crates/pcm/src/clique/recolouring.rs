@@ -71,26 +71,17 @@ impl Colouring {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::clique::tests::drawn;
+    use crate::clique::tests::{drawn, rings};
     use crate::clique::{Limits, maximum_clique};
     use proptest::prelude::*;
 
-    /// The complement of a ring of five, five times over, all joined: cliques have two of each ring, colourings three.
     #[test]
     fn rings_of_odd_length_keep_their_gap() {
-        let mut graph = BitGraph::new(25);
-        for a in 0..25_usize {
-            for b in a + 1..25 {
-                let ring = a / 5 == b / 5 && (b - a == 1 || b - a == 4);
-                if !ring {
-                    graph.connect(a, b);
-                }
-            }
-        }
+        let graph = rings();
         assert_eq!(maximum_clique(&graph, Limits::NONE).vertices.len(), 10);
-        let mut rings = Recolouring::of(&graph);
-        rings.improve(10);
-        assert_eq!(rings.colours(), 15);
+        let mut colouring = Recolouring::of(&graph);
+        colouring.improve(10);
+        assert_eq!(colouring.colours(), 15);
     }
 
     proptest! {

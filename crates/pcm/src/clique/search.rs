@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::bits::contains;
 use super::degeneracy::Degeneracy;
 use super::{BitGraph, BitSet, Limits};
 
@@ -9,9 +10,10 @@ use super::{BitGraph, BitSet, Limits};
 /// of the largest that they find is taken: the answer does not depend on who finishes first.
 const ROUND: usize = 16;
 
-/// Classes that recolouring looks at for each candidate of a node, at most: with hundreds of colours, all pairs of classes
-/// would take a hundred times as long as the colouring itself.
-const CHECKS: usize = 8;
+/// Members of classes that recolouring looks at, for each word of the candidates' rows: with hundreds of colours, all pairs
+/// of classes would take a hundred times as long as the colouring itself. So a node costs at most a few passes over these
+/// rows.
+const CHECKS: usize = 4;
 
 /// What a search found out about one graph.
 #[derive(Clone, Debug)]
@@ -169,7 +171,7 @@ struct Colours {
     classes: Vec<Vec<usize>>,
     uncoloured: BitSet,
     class: BitSet,
-    /// Classes that recolouring may still look at.
+    /// Members of classes that recolouring may still look at.
     budget: usize,
 }
 
@@ -187,7 +189,7 @@ impl Colours {
     /// Colours the candidates. Those that fit into `spare` colours cannot lead to a larger clique and are not listed.
     fn colour(&mut self, graph: &BitGraph, candidates: &BitSet, spare: usize) {
         self.order = Vec::new();
-        self.budget = CHECKS * candidates.count();
+        self.budget = CHECKS * candidates.count() * candidates.words().len();
         self.uncoloured.copy_from(candidates);
         let mut colours = 0;
         let mut first = 0;
@@ -219,27 +221,33 @@ impl Colours {
         }
     }
 
-    /// Makes room for a vertex in the first `spare` colours: where it has one neighbour there, and that neighbour fits
+    /// Makes room for a vertex, the last of its class, in the first `spare` colours: where it has one neighbour there, and that neighbour fits
     /// into another of them.
     fn recolour(&mut self, graph: &BitGraph, vertex: usize, colours: usize, spare: usize) -> bool {
-        let adjacent =
-            |class: &[usize], vertex: usize| class.iter().position(|&other| graph.connected(other, vertex));
         for one in 0..spare {
             let class = &self.classes[one];
-            let Some(place) = adjacent(class, vertex) else { continue };
-            if adjacent(&class[place + 1..], vertex).is_some() {
-                continue;
-            }
-            if self.budget < spare {
+            if self.budget < class.len() {
                 return false;
             }
-            self.budget -= spare;
+            self.budget -= class.len();
+            let row = graph.neighbours(vertex);
+            let mut neighbours = (0..class.len()).filter(|&place| contains(row, class[place]));
+            let Some(place) = neighbours.next() else { continue };
+            if neighbours.next().is_some() {
+                continue;
+            }
             let neighbour = class[place];
+            let row = graph.neighbours(neighbour);
             for other in (0..spare).filter(|&other| other != one) {
-                if adjacent(&self.classes[other], neighbour).is_none() {
+                let class = &self.classes[other];
+                if self.budget < class.len() {
+                    return false;
+                }
+                self.budget -= class.len();
+                if !class.iter().any(|&member| contains(row, member)) {
                     self.classes[one][place] = vertex;
                     self.classes[other].push(neighbour);
-                    self.classes[colours - 1].retain(|&member| member != vertex);
+                    self.classes[colours - 1].pop();
                     return true;
                 }
             }
