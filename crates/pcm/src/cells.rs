@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use crate::Gate;
+use crate::chance::Chance;
 use crate::clique::{BitGraph, BitSet, Limits, MaximumClique, maximum_clique};
 use crate::consistency::{PairCounts, Pairs};
 use crate::growth::grow;
@@ -17,10 +18,13 @@ const LARGEST_CELL: usize = 512;
 /// Hypotheses that the clique is sought among: their matrix takes 2 MB.
 const MOST_HYPOTHESES: usize = 4096;
 
+/// Rounds of growth: what grew in the first vouches in the second for places that no hypothesis stands for.
+const ROUNDS: usize = 2;
+
 /// What the cells found.
 #[derive(Clone, Debug, Default)]
 pub struct CellSolution {
-    /// The centres of the hypotheses in the maximum clique, ascending.
+    /// The centres of the hypotheses in the maximum clique that agree not by chance alone, ascending.
     pub members: Vec<usize>,
     /// Candidates that agree with the members near them, ascending.
     pub grown: Vec<usize>,
@@ -34,6 +38,10 @@ pub struct CellSolution {
     pub hypotheses: usize,
     /// Hypotheses left out, those of least support.
     pub hypotheses_left_out: usize,
+    /// Candidates that agree with these, but no better than chance, ascending.
+    pub by_chance: Vec<usize>,
+    /// False alarms of all these; what is told last of a candidate counts.
+    pub false_alarms: Vec<(usize, f64)>,
     /// How the pairs fared.
     pub counts: PairCounts,
 }
@@ -46,7 +54,9 @@ struct Star {
 
 /// Sorts the candidates into cells of `size` metres travelled in either chain. Within a cell, the candidate that agrees
 /// with most others is a hypothesis together with them; up to three are taken. The maximum clique over the hypotheses'
-/// centres is sought; then every candidate that agrees with three quarters of the eight members nearest to it joins.
+/// centres is sought. Of these, what agrees by chance alone goes, where a wrong edge weighs as much as `cost` correct ones;
+/// then every candidate joins that agrees with three quarters of the eight members nearest to it, not by chance either, in
+/// two rounds.
 ///
 /// Memory: O(N). Time: O(N * candidates a cell + hypotheses^2), apart from the clique.
 pub fn solve_by_cells<G: Spatial<DOF>, const DOF: usize>(
@@ -55,6 +65,7 @@ pub fn solve_by_cells<G: Spatial<DOF>, const DOF: usize>(
     growth_gate: Gate,
     size: f64,
     limits: Limits,
+    cost: f64,
 ) -> CellSolution {
     let cells = cells(pairs, gate, size);
     let mut solution =
@@ -79,9 +90,27 @@ pub fn solve_by_cells<G: Spatial<DOF>, const DOF: usize>(
     solution.clique = maximum_clique(&graph, limits);
     solution.members = solution.clique.vertices.iter().map(|&vertex| centres[vertex]).collect();
     solution.members.sort_unstable();
-    let (grown, counts) = grow(pairs, &solution.members, growth_gate);
-    solution.counts += counts;
-    solution.grown = grown;
+    if gate.per_step.is_none() {
+        let support = Chance::new(pairs).support(&solution.members, cost);
+        solution.members = support.supported;
+        solution.by_chance = support.by_chance;
+        solution.false_alarms = support.false_alarms;
+    }
+    let hypotheses_by_chance = solution.by_chance.len();
+    let mut kept = solution.members.clone();
+    for _ in 0..ROUNDS {
+        let growth = grow(pairs, &kept, growth_gate, cost);
+        solution.counts += growth.counts;
+        solution.false_alarms.extend(growth.false_alarms);
+        kept.extend(&growth.grown);
+        solution.grown.extend(growth.grown);
+        solution.by_chance.truncate(hypotheses_by_chance);
+        solution.by_chance.extend(growth.by_chance);
+    }
+    solution.grown.sort_unstable();
+    solution.by_chance.retain(|candidate| solution.grown.binary_search(candidate).is_err());
+    solution.by_chance.sort_unstable();
+    solution.by_chance.dedup();
     solution
 }
 

@@ -2,7 +2,7 @@
 
 #![allow(clippy::inline_always, reason = "what is not inlined into the dispatched loop is compiled for SSE2")]
 
-use nalgebra::SMatrix;
+use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
 use crate::candidate::Candidate;
@@ -29,10 +29,22 @@ pub fn squared_distance<G: LieGroup<DOF>, const DOF: usize>(
     a: &Candidate<G, DOF>,
     b: &Candidate<G, DOF>,
 ) -> Option<f64> {
-    let error = a.from_a.compose(&b.alignment).log();
+    let (error, covariance) = loop_through(chain_a, chain_b, same_chain, a, b);
+    squared_mahalanobis(&covariance, &error)
+}
+
+/// Log(E) and the lower triangle of Sigma of the loop through two candidates, conjugated as for [`squared_distance`]. O(1).
+#[inline(always)]
+pub(crate) fn loop_through<G: LieGroup<DOF>, const DOF: usize>(
+    chain_a: &Chain<G, DOF>,
+    chain_b: &Chain<G, DOF>,
+    same_chain: bool,
+    a: &Candidate<G, DOF>,
+    b: &Candidate<G, DOF>,
+) -> (SVector<f64, DOF>, SMatrix<f64, DOF, DOF>) {
     let mut covariance = a.covariance + b.covariance;
     add_odometry(&mut covariance, chain_a, chain_b, same_chain, a, b);
-    squared_mahalanobis(&covariance, &error)
+    (a.from_a.compose(&b.alignment).log(), covariance)
 }
 
 /// Adds the odometry's part of a pair's covariance, at least to the lower triangle.
@@ -64,8 +76,17 @@ pub fn squared_distance_to_odometry<G: LieGroup<DOF>, const DOF: usize>(
     chain: &Chain<G, DOF>,
     candidate: &Candidate<G, DOF>,
 ) -> Option<f64> {
+    let (error, covariance) = loop_through_odometry(chain, candidate);
+    squared_mahalanobis(&covariance, &error)
+}
+
+/// Log(E) and its covariance for [`squared_distance_to_odometry`]. O(1).
+pub(crate) fn loop_through_odometry<G: LieGroup<DOF>, const DOF: usize>(
+    chain: &Chain<G, DOF>,
+    candidate: &Candidate<G, DOF>,
+) -> (SVector<f64, DOF>, SMatrix<f64, DOF, DOF>) {
     let covariance = candidate.covariance + chain.covariance_between(candidate.i, candidate.k);
-    squared_mahalanobis(&covariance, &candidate.from_a.log())
+    (candidate.from_a.log(), covariance)
 }
 
 /// Adds F S F^T to a sum, at least to its lower triangle, for an F whose block below the diagonal is zero, as in an

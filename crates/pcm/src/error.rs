@@ -34,11 +34,11 @@ pub enum PcmError {
         "--readmit takes one scale, for a marginal covariance does not fall into odometry's part and landmark edges'; give one number, or auto"
     )]
     TwoScales,
-    /// A scale for a test that does not look at covariances.
+    /// An option for a test that does not look at covariances.
     #[error(
         "{option} has no effect on --test threshold, which reads no covariances; leave one of the two out"
     )]
-    ScaleUnused {
+    CovariancesUnread {
         /// The option.
         option: &'static str,
     },

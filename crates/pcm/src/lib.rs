@@ -9,6 +9,7 @@
 //! - [`consistency`]: the graph of consistent pairs.
 //! - [`clique`]: the maximum clique, with a proof or an upper bound.
 //! - [`cells`]: the same for more candidates than a matrix of all pairs can hold.
+//! - [`chance`]: how many edges between random places would agree as well.
 //! - [`growth`]: candidates that a clique lost by a pair or two.
 //! - [`calibration`]: how far the covariances are off, from the candidates themselves.
 //! - [`readmission`]: every edge against the map that the others make.
@@ -20,6 +21,7 @@ pub mod calibration;
 pub mod candidate;
 pub mod cells;
 pub mod chain;
+pub mod chance;
 pub mod clique;
 pub mod consistency;
 pub mod dimacs;
@@ -29,6 +31,8 @@ mod gate;
 pub mod generate;
 pub mod growth;
 pub mod incremental;
+mod islands;
+mod judgement;
 mod lanes;
 mod logarithm;
 mod nearest;

@@ -10,6 +10,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::calibration::{ScaleEstimate, Scales};
+use crate::chance::COST;
 use crate::clique::Limits;
 use crate::readmission::Readmission;
 use crate::{Correction, Gate, PcmError, Test, corrected};
@@ -149,6 +150,10 @@ pub struct Options {
     #[arg(long, value_name = "P")]
     pub grow: Option<f64>,
 
+    /// Drop what agrees by chance alone, where a wrong edge weighs as much as COST correct ones; what grows, and cells, are always held to that, at 10 unless told otherwise
+    #[arg(long, value_name = "COST")]
+    pub chance: Option<f64>,
+
     /// How a group of candidates is solved
     #[arg(long, value_enum, default_value_t, help_heading = "Search")]
     pub scheme: Scheme,
@@ -203,17 +208,20 @@ impl Options {
             ("--rotation-per-step", self.rotation_per_step),
             ("--cell-size", self.cell_size),
             ("--time-limit", self.time_limit.unwrap_or(1.0)),
+            ("--chance", self.chance.unwrap_or(COST)),
         ] {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(PcmError::NotPositive { option, value });
             }
         }
         if self.test == Test::Threshold && !self.readmit {
-            for (option, used) in
-                [("--scale", self.scale != Scale::Fixed(Scales::ONE)), ("--calibrate", self.calibrate)]
-            {
+            for (option, used) in [
+                ("--scale", self.scale != Scale::Fixed(Scales::ONE)),
+                ("--calibrate", self.calibrate),
+                ("--chance", self.chance.is_some()),
+            ] {
                 if used {
-                    return Err(PcmError::ScaleUnused { option });
+                    return Err(PcmError::CovariancesUnread { option });
                 }
             }
         }
@@ -245,6 +253,11 @@ impl Options {
             Scale::Fixed(scales) => scales,
             Scale::Auto => estimate.map_or(Scales::ONE, |estimate| estimate.scales),
         }
+    }
+
+    /// What a wrong edge weighs where edges may agree by chance.
+    pub(crate) fn cost(&self) -> f64 {
+        self.chance.unwrap_or(COST)
     }
 
     /// The limits of a run that starts now.

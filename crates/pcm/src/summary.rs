@@ -23,6 +23,8 @@ pub(crate) struct Summary {
     pub(crate) clique_size: usize,
     pub(crate) clique_upper_bound: usize,
     pub(crate) grown: usize,
+    pub(crate) by_chance: usize,
+    pub(crate) kept: usize,
     pub(crate) work: u64,
     pub(crate) scale_wanted: bool,
     pub(crate) scale: Option<ScaleEstimate>,
@@ -44,10 +46,15 @@ impl Summary {
     pub(crate) fn note(&self, context: &mut Context) {
         let exact = self.groups_by_cells == 0;
         let optimal = exact && self.clique_size == self.clique_upper_bound;
-        let kept = self.clique_size + self.grown;
+        let kept = self.kept;
         let grown = if self.grown > 0 { format!(", {} of them grown", self.grown) } else { String::new() };
+        let by_chance = if self.by_chance > 0 {
+            format!(", {} not for agreeing by chance", self.by_chance)
+        } else {
+            String::new()
+        };
         info!(
-            "{kept} of {} kept{grown}, {}{}{}",
+            "{kept} of {} kept{grown}{by_chance}, {}{}{}",
             counted(self.candidates, "landmark edge"),
             counted(self.groups, "group"),
             if optimal { ", proved largest" } else { "" },
@@ -93,6 +100,7 @@ impl Summary {
         statistics.note("clique_upper_bound", self.clique_upper_bound);
         statistics.note("optimal", optimal);
         statistics.note("grown", self.grown);
+        statistics.note("agree_by_chance", self.by_chance);
         statistics.note("rejected", self.candidates - kept);
         statistics.note("branch_and_bound_nodes", self.work);
         if let Some(estimate) = self.scale {

@@ -57,7 +57,7 @@ pub(super) fn sample<G: Spatial<DOF>, const DOF: usize>(
         let pairs = Pairs::new(chains, group);
         let closing = Closing(&pairs);
         let all: Vec<usize> = (0..count).collect();
-        let nearest = Nearest::new(&pairs, &all, [1.0, 1.0]);
+        let nearest = Nearest::new(&pairs, &all);
         // Steps of the golden section spread over all candidates without a pattern.
         let donor = |candidate: usize, turn: usize| {
             (candidate + (count as f64 * (0.618_034 * turn as f64).fract()) as usize) % count

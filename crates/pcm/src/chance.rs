@@ -1,0 +1,187 @@
+//! Agreement by chance: how many edges between random places would agree as well.
+
+use nalgebra::{SMatrix, SVector};
+use rayon::prelude::*;
+use statrs::function::gamma::ln_gamma;
+
+use crate::candidate::Candidate;
+use crate::consistency::Pairs;
+use crate::distance::{loop_through, loop_through_odometry};
+use crate::islands::Islands;
+use crate::nearest::Nearest;
+use crate::spread::Spatial;
+
+/// What a wrong edge weighs, in correct ones, unless told otherwise: a map suffers more from one than it gains by ten.
+pub const COST: f64 = 10.0;
+/// Candidates whose places tell how far apart two of them may be; more would not change the answer.
+const SAMPLE: usize = 1000;
+/// Members that may vouch for an edge.
+const WITNESSES: usize = 16;
+
+/// Counts false alarms among the candidates of a group (a contrario: Desolneux, Moisan, Morel, IJCV 2000).
+///
+/// Across a long stretch of odometry nearly everything agrees. An edge that joins two places at random is off by the
+/// relative pose of two places; its distribution is taken for Gaussian, with the second moment R that pairs of the
+/// candidates' places in chain B have. The chance that it agrees with a witness as well as a candidate at distance d does
+/// is the volume of the ellipsoid within d times that density at its centre,
+///
+/// p = d^D / (2^(D/2) Gamma(D/2 + 1)) sqrt(|S| / |S + R|),    at most 1,
+///
+/// S the covariance of the loop through both, D the degrees of freedom. Of N candidates, N p would agree as well if all
+/// were random: their number of false alarms. Its witness is the one of least |S| / |S + R|, which does not look at d, so
+/// that the numbers of random edges are evenly spread up to N.
+pub struct Chance<'a, G, const DOF: usize> {
+    pairs: &'a Pairs<'a, G, DOF>,
+    /// R, as seen at a place of chain B.
+    apart: SMatrix<f64, DOF, DOF>,
+}
+
+/// Which members agree not by chance alone.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Support {
+    /// Members that stay, ascending.
+    pub supported: Vec<usize>,
+    /// Members that agree no better than chance, ascending.
+    pub by_chance: Vec<usize>,
+    /// Each member with the false alarms that it would cause.
+    pub false_alarms: Vec<(usize, f64)>,
+}
+
+/// What a loop through an edge and its witness says.
+struct Evidence {
+    /// |S| / |S + R|
+    ratio: f64,
+    squared_distance: f64,
+}
+
+impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
+    /// O(1): a thousand pairs of places.
+    pub fn new(pairs: &'a Pairs<'a, G, DOF>) -> Self {
+        let count = pairs.len();
+        let place = |candidate: usize| pairs.chain_b.poses[pairs.candidates[candidate].k];
+        let mut apart = SMatrix::zeros();
+        let sample: Vec<usize> = (0..count).step_by(count.div_ceil(SAMPLE).max(1)).collect();
+        for (turn, &one) in sample.iter().enumerate() {
+            // Steps of the golden section spread over all candidates without a pattern.
+            let step = (count as f64 * (0.618_034 * (turn + 1) as f64).fract()) as usize;
+            let error = place(one).between(&place((one + step) % count)).log();
+            apart += error * error.transpose() / sample.len() as f64;
+        }
+        Self { pairs, apart }
+    }
+
+    /// The false alarms that an edge would cause, with the best of these candidates or, within one chain, the odometry
+    /// alone for its witness; N without any. O(witnesses).
+    pub fn false_alarms(&self, candidate: usize, witnesses: &[usize]) -> f64 {
+        let best = witnesses
+            .iter()
+            .map(|&witness| self.with(candidate, witness))
+            .chain([self.with_odometry(candidate)])
+            .flatten()
+            .min_by(|one, other| one.ratio.total_cmp(&other.ratio));
+        self.count(best)
+    }
+
+    fn with(&self, candidate: usize, witness: usize) -> Option<Evidence> {
+        let (one, other) = (candidate.min(witness), candidate.max(witness));
+        let (a, b) = (&self.pairs.candidates[one], &self.pairs.candidates[other]);
+        let closed = loop_through(self.pairs.chain_a, self.pairs.chain_b, self.pairs.same_chain, a, b);
+        self.evidence(&self.pairs.candidates[candidate], closed)
+    }
+
+    fn with_odometry(&self, candidate: usize) -> Option<Evidence> {
+        if !self.pairs.same_chain {
+            return None;
+        }
+        let candidate = &self.pairs.candidates[candidate];
+        self.evidence(candidate, loop_through_odometry(self.pairs.chain_a, candidate))
+    }
+
+    /// `None` where a covariance is not positive definite.
+    fn evidence(
+        &self,
+        candidate: &Candidate<G, DOF>,
+        (error, covariance): (SVector<f64, DOF>, SMatrix<f64, DOF, DOF>),
+    ) -> Option<Evidence> {
+        let to_chain = self.pairs.chain_b.poses[candidate.k].adjoint();
+        let (near, far) =
+            (covariance.cholesky()?, (covariance + to_chain * self.apart * to_chain.transpose()).cholesky()?);
+        Some(Evidence {
+            ratio: near.determinant() / far.determinant(),
+            squared_distance: error.dot(&near.solve(&error)),
+        })
+    }
+
+    fn count(&self, evidence: Option<Evidence>) -> f64 {
+        let half = 0.5 * DOF as f64;
+        let chance = evidence.map_or(1.0, |Evidence { ratio, squared_distance }| {
+            (half * (0.5 * squared_distance).ln() - ln_gamma(half + 1.0)).exp() * ratio.sqrt()
+        });
+        self.pairs.len() as f64 * chance.min(1.0)
+    }
+
+    /// Divides members, which ascend, into those that agree not by chance and the others, where a wrong edge weighs as much
+    /// as `cost` correct ones.
+    ///
+    /// Members vouch for each other where a link causes no more false alarms than [`acceptable`] says. Within one chain the
+    /// odometry is where it begins; between two, the largest island of members that hang together. One more island of m
+    /// members joins if its best link causes at most m times as many: of N candidates there are at most N / m such islands.
+    /// Something to begin with always stays, be it a lone candidate. O(n log n), and as much again for each round in which islands join.
+    pub fn support(&self, members: &[usize], cost: f64) -> Support {
+        let nearest = Nearest::new(self.pairs, members);
+        let near: Vec<Vec<usize>> = members
+            .par_iter()
+            .map(|&member| nearest.of(self.pairs.position(member), member, WITNESSES))
+            .collect();
+        let false_alarms: Vec<(usize, f64)> = members
+            .par_iter()
+            .zip(&near)
+            .map(|(&member, near)| (member, self.false_alarms(member, near)))
+            .collect();
+        let limit = acceptable(false_alarms.iter().map(|&(_, expected)| expected).collect(), cost);
+        let links: Vec<(bool, Vec<usize>)> = members
+            .par_iter()
+            .zip(near)
+            .map(|(&member, mut near)| {
+                near.retain(|&other| self.count(self.with(member, other)) <= limit);
+                (self.count(self.with_odometry(member)) <= limit, near)
+            })
+            .collect();
+        let mut islands = Islands::of(members, &links);
+        let mut supported = islands.take_first();
+        loop {
+            let nearest = Nearest::new(self.pairs, &supported);
+            let joining = islands.take_where(|island| {
+                let enough = limit * island.len() as f64;
+                island.par_iter().any(|&member| {
+                    let near = nearest.of(self.pairs.position(member), member, WITNESSES);
+                    self.false_alarms(member, &near) <= enough
+                })
+            });
+            if joining.is_empty() {
+                break;
+            }
+            supported.extend(joining);
+        }
+        supported.sort_unstable();
+        let by_chance =
+            members.iter().copied().filter(|member| supported.binary_search(member).is_err()).collect();
+        Support { supported, by_chance, false_alarms }
+    }
+}
+
+/// The most false alarms that an edge may cause: of k edges that cause up to a each, a are expected to be wrong, and the k
+/// of which k - a - cost a is greatest are worth it. One more edge then is, too, if it adds less than 1 / (1 + cost) to what
+/// is expected. O(n log n).
+pub fn acceptable(mut false_alarms: Vec<f64>, cost: f64) -> f64 {
+    let weight = 1.0 + cost;
+    false_alarms.sort_by(f64::total_cmp);
+    let mut best = (0.0, 0.0);
+    for (place, &expected) in false_alarms.iter().enumerate() {
+        let gain = (place + 1) as f64 - weight * expected;
+        if gain > best.0 {
+            best = (gain, expected);
+        }
+    }
+    best.1 + 1.0 / weight
+}

@@ -1,0 +1,193 @@
+//! What becomes of the candidates of a group.
+
+use std::time::Instant;
+
+use posecut_graph::PoseGraph;
+use posecut_stage::GraphStage as _;
+
+use crate::candidate::Group;
+use crate::cells::solve_by_cells;
+use crate::chain::Chains;
+use crate::chance::Chance;
+use crate::clique::{BitGraph, Limits, maximum_clique};
+use crate::consistency::Pairs;
+use crate::growth::grow;
+use crate::summary::Summary;
+use crate::{Gate, Options, PcmError, Scheme, Spatial};
+
+/// Whether a candidate stays, and why.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Role {
+    Clique,
+    Grown,
+    /// It agrees, but no better than chance.
+    Chance,
+    Outside,
+}
+
+impl Role {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Clique => "clique",
+            Self::Grown => "grown",
+            Self::Chance => "chance",
+            Self::Outside => "outside",
+        }
+    }
+
+    fn stays(self) -> bool {
+        matches!(self, Self::Clique | Self::Grown)
+    }
+}
+
+/// What was found out about the candidates of a group.
+pub(crate) struct Judged {
+    roles: Vec<Role>,
+    degrees: Vec<usize>,
+    /// Where it was asked.
+    false_alarms: Vec<Option<f64>>,
+    /// The consistency graph with the candidates that its vertices stand for.
+    pub(crate) graph: Option<(BitGraph, Vec<usize>)>,
+}
+
+impl Judged {
+    fn new(degrees: Vec<usize>) -> Self {
+        let count = degrees.len();
+        Self { roles: vec![Role::Outside; count], degrees, false_alarms: vec![None; count], graph: None }
+    }
+
+    fn play(&mut self, role: Role, candidates: &[usize]) {
+        for &candidate in candidates {
+            self.roles[candidate] = role;
+        }
+    }
+
+    fn note(&mut self, false_alarms: &[(usize, f64)]) {
+        for &(candidate, expected) in false_alarms {
+            self.false_alarms[candidate] = Some(expected);
+        }
+    }
+
+    /// Writes the evidence to the edges of the group, and rejects those that do not stay.
+    pub(crate) fn mark<G, const DOF: usize>(&self, graph: &mut PoseGraph, group: &Group<G, DOF>) {
+        for (place, candidate) in group.candidates.iter().enumerate() {
+            let edge = &mut graph.edges[candidate.edge];
+            edge.extra.insert("pcm_degree".to_owned(), self.degrees[place].into());
+            edge.extra.insert("pcm_role".to_owned(), self.roles[place].name().into());
+            if let Some(expected) = self.false_alarms[place] {
+                edge.extra.insert("pcm_false_alarms".to_owned(), expected.into());
+            }
+            if !self.roles[place].stays() {
+                edge.reject(Options::NAME);
+            }
+        }
+    }
+
+    /// Adds the roles to the summary's counts.
+    fn count(&self, summary: &mut Summary) {
+        let playing = |role| self.roles.iter().filter(|&&played| played == role).count();
+        summary.kept += self.roles.iter().filter(|role| role.stays()).count();
+        summary.grown += playing(Role::Grown);
+        summary.by_chance += playing(Role::Chance);
+    }
+}
+
+/// Judges the candidates of a group by the scheme for their number.
+pub(crate) fn judge<G: Spatial<DOF>, const DOF: usize>(
+    options: &Options,
+    chains: &Chains<G, DOF>,
+    group: &Group<G, DOF>,
+    limits: Limits,
+    summary: &mut Summary,
+) -> Result<Judged, PcmError> {
+    let count = group.candidates.len();
+    let scheme = options.scheme.for_candidates(count);
+    if scheme == Scheme::Cells && options.consistency_graph.is_some() {
+        return Err(PcmError::GraphNotMade { candidates: count, megabytes: (count * count / 8) >> 20 });
+    }
+    summary.candidates += count;
+    summary.lone_candidates += usize::from(count == 1);
+    let pairs = Pairs::new(chains, group).with_odometry_test(!options.no_odometry_test);
+    let gate = options.gate(options.probability, count, DOF)?;
+    let growth_gate = match options.grow {
+        Some(probability) => Some(options.gate(probability, count, DOF)?),
+        None => None,
+    };
+    let judged = match scheme {
+        Scheme::Cells => by_cells(options, &pairs, (gate, growth_gate.unwrap_or(gate)), limits, summary),
+        _ => by_clique(options, &pairs, (gate, growth_gate), limits, summary),
+    };
+    judged.count(summary);
+    Ok(judged)
+}
+
+fn by_cells<G: Spatial<DOF>, const DOF: usize>(
+    options: &Options,
+    pairs: &Pairs<'_, G, DOF>,
+    (gate, growth_gate): (Gate, Gate),
+    limits: Limits,
+    summary: &mut Summary,
+) -> Judged {
+    let start = Instant::now();
+    let solution = solve_by_cells(pairs, gate, growth_gate, options.cell_size, limits, options.cost());
+    summary.seconds_clique += start.elapsed().as_secs_f64();
+    summary.groups_by_cells += 1;
+    summary.cells += solution.cells;
+    summary.hypotheses += solution.hypotheses;
+    summary.hypotheses_left_out += solution.hypotheses_left_out;
+    summary.counts += solution.counts;
+    summary.clique_size += solution.members.len();
+    // Nothing is proved about candidates that are no hypotheses.
+    summary.clique_upper_bound += pairs.len();
+    summary.work += solution.clique.work;
+    let mut judged = Judged::new(solution.degrees);
+    judged.play(Role::Chance, &solution.by_chance);
+    judged.play(Role::Grown, &solution.grown);
+    judged.play(Role::Clique, &solution.members);
+    judged.note(&solution.false_alarms);
+    judged
+}
+
+fn by_clique<G: Spatial<DOF>, const DOF: usize>(
+    options: &Options,
+    pairs: &Pairs<'_, G, DOF>,
+    (gate, growth_gate): (Gate, Option<Gate>),
+    limits: Limits,
+    summary: &mut Summary,
+) -> Judged {
+    let start = Instant::now();
+    let (tested, graph, counts) = pairs.tested_graph(gate);
+    summary.against_odometry += pairs.len() - tested.len();
+    summary.seconds_pairs += start.elapsed().as_secs_f64();
+    summary.counts += counts;
+    let start = Instant::now();
+    let clique = maximum_clique(&graph, limits);
+    summary.seconds_clique += start.elapsed().as_secs_f64();
+    summary.clique_size += clique.vertices.len();
+    summary.clique_upper_bound += clique.upper_bound;
+    summary.work += clique.work;
+    let mut degrees = vec![0; pairs.len()];
+    for (vertex, &candidate) in tested.iter().enumerate() {
+        degrees[candidate] = graph.degree(vertex);
+    }
+    let mut judged = Judged::new(degrees);
+    let mut members: Vec<usize> = clique.vertices.iter().map(|&vertex| tested[vertex]).collect();
+    let start = Instant::now();
+    if let Some(cost) = options.chance {
+        let support = Chance::new(pairs).support(&members, cost);
+        judged.play(Role::Chance, &support.by_chance);
+        judged.note(&support.false_alarms);
+        members = support.supported;
+    }
+    judged.play(Role::Clique, &members);
+    if let Some(gate) = growth_gate {
+        let growth = grow(pairs, &members, gate, options.cost());
+        judged.play(Role::Chance, &growth.by_chance);
+        judged.play(Role::Grown, &growth.grown);
+        judged.note(&growth.false_alarms);
+        summary.counts += growth.counts;
+    }
+    summary.seconds_growth += start.elapsed().as_secs_f64();
+    judged.graph = options.consistency_graph.is_some().then_some((graph, tested));
+    judged
+}
