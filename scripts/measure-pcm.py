@@ -34,6 +34,8 @@ GATES = [
     ("root 0.99", ["--test", "root"]),
     ("threshold", ["--test", "threshold"]),
     ("0.99, grown", ["--grow", "0.999999"]),
+    ("0.99, chance", ["--chance", "10"]),
+    ("0.99, grown, chance", ["--grow", "0.999999", "--chance", "10"]),
     ("auto 0.95", ["--scale", "auto", "--probability", "0.95"]),
     ("auto 0.99", ["--scale", "auto"]),
     ("auto 1 - 10^-6", ["--scale", "auto", "--probability", "0.999999"]),
