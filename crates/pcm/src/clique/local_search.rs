@@ -189,11 +189,10 @@ impl<'a> LocalSearch<'a> {
 
     /// The free vertex that conflicts with fewest others of them.
     fn least_in_conflict(&self) -> Option<usize> {
-        let free: Vec<usize> = self.free.members().collect();
-        if free.len() > MANY {
-            return free.first().copied();
+        if self.free.count() > MANY {
+            return self.free.members().next();
         }
-        free.into_iter().max_by_key(|&vertex| {
+        self.free.members().max_by_key(|&vertex| {
             (self.free.count_within(self.graph.neighbours(vertex)), std::cmp::Reverse(vertex))
         })
     }
