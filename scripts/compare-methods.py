@@ -48,6 +48,7 @@ FRAMES = {"bicocca": {"multicut": ["--delta", "10"], "islands": ["--gap", "10"],
 METHODS = {
     "none": [],
     "pcm": [["pcm"]],
+    "pcm, chance": [["pcm", "--chance", "3"]],
     "gc": [["multicut"]],
     "pcm+gc": [["pcm"], ["multicut"]],
     "ransac": [["ransac"]],

@@ -8,7 +8,7 @@ use crate::Gate;
 use crate::chance::Chance;
 use crate::clique::{BitGraph, BitSet, Limits, MaximumClique, maximum_clique};
 use crate::consistency::{PairCounts, Pairs};
-use crate::growth::grow;
+use crate::growth::grow_among;
 use crate::spread::Spatial;
 
 /// Hypotheses taken from a cell.
@@ -18,7 +18,8 @@ const LARGEST_CELL: usize = 512;
 /// Hypotheses that the clique is sought among: their matrix takes 2 MB.
 const MOST_HYPOTHESES: usize = 4096;
 
-/// Rounds of growth: what grew in the first vouches in the second for places that no hypothesis stands for.
+/// Rounds of growth: what grew in the first vouches in the second for places that no hypothesis stands for. Asked again are
+/// those alone that somebody has agreed with.
 const ROUNDS: usize = 2;
 
 /// What the cells found.
@@ -98,8 +99,10 @@ pub fn solve_by_cells<G: Spatial<DOF>, const DOF: usize>(
     }
     let hypotheses_by_chance = solution.by_chance.len();
     let mut kept = solution.members.clone();
+    let mut asked: Vec<usize> = (0..pairs.len()).collect();
     for _ in 0..ROUNDS {
-        let growth = grow(pairs, &kept, growth_gate, cost);
+        let growth = grow_among(pairs, &kept, &asked, growth_gate, cost);
+        asked = growth.open;
         solution.counts += growth.counts;
         solution.false_alarms.extend(growth.false_alarms);
         kept.extend(&growth.grown);

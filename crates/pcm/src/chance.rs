@@ -11,8 +11,8 @@ use crate::islands::Islands;
 use crate::nearest::Nearest;
 use crate::spread::Spatial;
 
-/// What a wrong edge weighs, in correct ones, unless told otherwise: a map suffers more from one than it gains by ten.
-pub const COST: f64 = 10.0;
+/// What a wrong edge weighs, in correct ones, unless told otherwise.
+pub const COST: f64 = 3.0;
 /// Candidates whose places tell how far apart two of them may be; more would not change the answer.
 const SAMPLE: usize = 1000;
 /// Members that may vouch for an edge.

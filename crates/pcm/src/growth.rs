@@ -24,6 +24,8 @@ pub struct Growth {
     pub by_chance: Vec<usize>,
     /// Each of both with the false alarms that it would cause; none where covariances are not looked at.
     pub false_alarms: Vec<(usize, f64)>,
+    /// Candidates that agree with some member near them and do not join, ascending: more members may change that.
+    pub open: Vec<usize>,
     /// How the pairs fared.
     pub counts: PairCounts,
 }
@@ -40,6 +42,18 @@ pub fn grow<G: Spatial<DOF>, const DOF: usize>(
     gate: Gate,
     cost: f64,
 ) -> Growth {
+    let everyone: Vec<usize> = (0..pairs.len()).collect();
+    grow_among(pairs, members, &everyone, gate, cost)
+}
+
+/// As [`grow`], of these candidates alone, which ascend.
+pub(crate) fn grow_among<G: Spatial<DOF>, const DOF: usize>(
+    pairs: &Pairs<'_, G, DOF>,
+    members: &[usize],
+    asked: &[usize],
+    gate: Gate,
+    cost: f64,
+) -> Growth {
     let mut growth = Growth::default();
     if members.len() < FEWEST {
         return growth;
@@ -51,36 +65,65 @@ pub fn grow<G: Spatial<DOF>, const DOF: usize>(
     for &member in members {
         inside[member] = true;
     }
-    let verdicts: Vec<(Option<f64>, PairCounts)> = (0..pairs.len())
-        .into_par_iter()
-        .map(|candidate| {
+    let verdicts: Vec<(Verdict, PairCounts)> = asked
+        .par_iter()
+        .map(|&candidate| {
             let mut counts = PairCounts::default();
             if inside[candidate] || !pairs.agrees_with_odometry(candidate, gate) {
-                return (None, counts);
+                return (Verdict::No, counts);
             }
-            let mut witnesses = nearest.of(pairs.position(candidate), candidate, WITNESSES);
-            let asked = witnesses.len();
-            witnesses.retain(|&member| pairs.consistent(candidate, member, gate, &mut counts));
-            let expected =
-                || chance.as_ref().map_or(0.0, |chance| chance.false_alarms(candidate, &witnesses));
-            ((4 * witnesses.len() >= QUARTERS * asked).then(expected), counts)
+            let near = nearest.of(pairs.position(candidate), candidate, WITNESSES);
+            let mut witnesses = Vec::with_capacity(near.len());
+            for (place, &member) in near.iter().enumerate() {
+                if 4 * (place - witnesses.len()) > (4 - QUARTERS) * near.len() {
+                    break;
+                }
+                if pairs.consistent(candidate, member, gate, &mut counts) {
+                    witnesses.push(member);
+                }
+            }
+            let verdict = if witnesses.is_empty() {
+                Verdict::No
+            } else if 4 * witnesses.len() < QUARTERS * near.len() {
+                Verdict::Open
+            } else {
+                Verdict::Agrees(
+                    chance.as_ref().map_or(0.0, |chance| chance.false_alarms(candidate, &witnesses)),
+                )
+            };
+            (verdict, counts)
         })
         .collect();
-    let agreeing: Vec<(usize, f64)> = verdicts
-        .iter()
-        .enumerate()
-        .filter_map(|(candidate, verdict)| Some((candidate, verdict.0?)))
-        .collect();
-    let limit = acceptable(agreeing.iter().map(|&(_, expected)| expected).collect(), cost);
-    for &(candidate, expected) in &agreeing {
-        let list = if expected <= limit { &mut growth.grown } else { &mut growth.by_chance };
-        list.push(candidate);
-    }
-    for (_, counts) in verdicts {
+    let alarms = |&(verdict, _): &(Verdict, PairCounts)| match verdict {
+        Verdict::Agrees(expected) => Some(expected),
+        _ => None,
+    };
+    let limit = acceptable(verdicts.iter().filter_map(alarms).collect(), cost);
+    for (&candidate, (verdict, counts)) in asked.iter().zip(verdicts) {
         growth.counts += counts;
-    }
-    if chance.is_some() {
-        growth.false_alarms = agreeing;
+        match verdict {
+            Verdict::No => continue,
+            Verdict::Open => growth.open.push(candidate),
+            Verdict::Agrees(expected) if expected <= limit => growth.grown.push(candidate),
+            Verdict::Agrees(_) => {
+                growth.by_chance.push(candidate);
+                growth.open.push(candidate);
+            }
+        }
+        if let (Verdict::Agrees(expected), true) = (verdict, chance.is_some()) {
+            growth.false_alarms.push((candidate, expected));
+        }
     }
     growth
+}
+
+/// What the members near a candidate say of it.
+#[derive(Clone, Copy)]
+enum Verdict {
+    /// None agrees before too many disagree.
+    No,
+    /// Some agree, and too few.
+    Open,
+    /// Enough agree; so many false alarms it would cause.
+    Agrees(f64),
 }

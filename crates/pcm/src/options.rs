@@ -18,6 +18,9 @@ use crate::{Correction, Gate, PcmError, Test, corrected};
 /// The most candidates of a group for which all pairs are tested: their matrix takes 50 MB.
 const MOST_EXACT: usize = 20_000;
 
+/// Branch-and-bound nodes among up to a thousand candidates, unless told otherwise.
+const NODES: f64 = 2e7;
+
 /// How a group is solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -150,7 +153,7 @@ pub struct Options {
     #[arg(long, value_name = "P")]
     pub grow: Option<f64>,
 
-    /// Drop what agrees by chance alone, where a wrong edge weighs as much as COST correct ones; what grows, and cells, are always held to that, at 10 unless told otherwise
+    /// Drop what agrees by chance alone, where a wrong edge weighs as much as COST correct ones; what grows, and cells, are always held to that, at 3 unless told otherwise
     #[arg(long, value_name = "COST")]
     pub chance: Option<f64>,
 
@@ -162,9 +165,9 @@ pub struct Options {
     #[arg(long, value_name = "METRES", default_value_t = 10.0, help_heading = "Search")]
     pub cell_size: f64,
 
-    /// Branch-and-bound nodes a group after which the largest clique so far is taken and its bound told
-    #[arg(long, value_name = "NODES", default_value_t = 20_000_000, help_heading = "Search")]
-    pub work_limit: u64,
+    /// Branch-and-bound nodes a group after which the largest clique so far is taken and its bound told; 20 million unless given, fewer by the square beyond 1000 candidates
+    #[arg(long, value_name = "NODES", help_heading = "Search")]
+    pub work_limit: Option<u64>,
 
     /// Seconds after which all searches end; what is kept then depends on the machine
     #[arg(long, value_name = "SECONDS", help_heading = "Search")]
@@ -260,11 +263,17 @@ impl Options {
         self.chance.unwrap_or(COST)
     }
 
-    /// The limits of a run that starts now.
-    pub(crate) fn limits(&self) -> Limits {
-        let deadline =
-            self.time_limit.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.min(1e9)));
-        Limits { work: self.work_limit, deadline }
+    /// When a run that starts now must end.
+    pub(crate) fn deadline(&self) -> Option<Instant> {
+        self.time_limit.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.min(1e9)))
+    }
+
+    /// The limits of a group. A node takes time by the square of the candidates at most, so that all groups have the same
+    /// time, some minutes.
+    pub(crate) fn limits(&self, candidates: usize, deadline: Option<Instant>) -> Limits {
+        let thousands = (candidates as f64 / 1000.0).max(1.0);
+        let work = self.work_limit.unwrap_or((NODES / (thousands * thousands)) as u64);
+        Limits { work, deadline }
     }
 
     pub(crate) fn readmission(&self) -> Result<Readmission, PcmError> {

@@ -52,11 +52,11 @@ fn reject<G: Spatial<DOF>, const DOF: usize>(
         groups: grouped.groups.len(),
         ..Summary::default()
     };
-    let limits = options.limits();
+    let deadline = options.deadline();
     calibrate(options, graph, &mut chains, &mut grouped.groups, &mut summary);
     let mut graphs = Vec::new();
     for group in &grouped.groups {
-        let judged = judge(options, &chains, group, limits, &mut summary)?;
+        let judged = judge(options, &chains, group, deadline, &mut summary)?;
         judged.mark(graph, group);
         if let Some((consistency, vertices)) = judged.graph {
             let id = |&vertex: &usize| graph.edges[group.candidates[vertex].edge].id;

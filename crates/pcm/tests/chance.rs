@@ -132,8 +132,8 @@ fn a_random_edge_that_only_long_odometry_vouches_for_is_dropped() {
     }
     println!("{wrong_before} wrong edges of 60 cliques, {wrong_after} left; {lost} correct ones lost");
     assert!(wrong_before >= 20, "the scenario has nothing to drop: {wrong_before}");
-    // One run in eleven may keep one: 5.5 expected, and Poisson's tail beyond 12 is 0.5 %.
-    assert!(wrong_after <= 12 && lost <= 6, "{wrong_after} of {wrong_before}, {lost} lost");
+    // One run in four may keep one: 15 expected of random edges that their luck brings into a clique.
+    assert!(wrong_after <= 20 && lost <= 6, "{wrong_after} of {wrong_before}, {lost} lost");
 }
 
 #[test]
@@ -201,7 +201,7 @@ fn the_stage_drops_chance_agreement_only_when_asked_and_tells_the_evidence() {
     assert_eq!(stats["agree_by_chance"], 0);
     let field = |edge: &Edge, name: &str| edge.extra.get(name).cloned();
     assert!(plain.edges.iter().all(|edge| field(edge, "pcm_false_alarms").is_none()));
-    let (judged, stats) = run(&folder, &["--chance", "10"]);
+    let (judged, stats) = run(&folder, &["--chance", "3"]);
     let mut dropped = 0;
     for (edge, before) in judged.edges_of(EdgeKind::Landmark).zip(plain.edges_of(EdgeKind::Landmark)) {
         let evidence = field(edge, "pcm_false_alarms").and_then(|value| value.as_f64());
@@ -210,7 +210,7 @@ fn the_stage_drops_chance_agreement_only_when_asked_and_tells_the_evidence() {
             dropped += 1;
             assert_eq!(field(edge, "pcm_role").unwrap(), "chance");
             assert_eq!(edge.truth_correct(), Some(false));
-            assert!(evidence.unwrap() > 1.0 / 11.0);
+            assert!(evidence.unwrap() > 1.0 / (1.0 + COST));
         } else {
             assert_eq!(edge.rejected_by, before.rejected_by);
         }

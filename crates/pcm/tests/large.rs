@@ -44,7 +44,7 @@ fn cells_keep_the_correct_edges_of_every_scenario() {
             let (precision, recall) = judged(&graph, &edges, &kept);
             println!("{falsehood:?} {outliers}: precision {precision:.4}, recall {recall:.4}");
             // A correct edge's noise of 0.1 m cannot tell all near misses of half a metre: of nine times as many as correct
-            // ones, that is much. Of the others, one in eleven runs keeps one on average; here it is two in six.
+            // ones, that is much. Of the others, one in four runs keeps one on average; here it is two in six.
             let (least, back) = if falsehood == Falsehood::NearMiss { (0.5, 0.95) } else { (0.9985, 0.998) };
             assert!(precision >= least && recall >= back, "{falsehood:?} {outliers}: {precision} {recall}");
         }
