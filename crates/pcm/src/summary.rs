@@ -49,7 +49,7 @@ impl Summary {
         let kept = self.kept;
         let grown = if self.grown > 0 { format!(", {} of them grown", self.grown) } else { String::new() };
         let by_chance = if self.by_chance > 0 {
-            format!(", {} not for agreeing by chance", self.by_chance)
+            format!(", {} left out for agreeing by chance", self.by_chance)
         } else {
             String::new()
         };
