@@ -126,7 +126,8 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
     /// Members vouch for each other where a link causes no more false alarms than [`acceptable`] says. Within one chain the
     /// odometry is where it begins; between two, the largest island of members that hang together. One more island of m
     /// members joins if its best link causes at most m times as many: of N candidates there are at most N / m such islands.
-    /// Something to begin with always stays, be it a lone candidate. O(n log n), and as much again for each round in which islands join.
+    /// Something to begin with always stays, be it a lone candidate. O(n log n), and as much again for each round in which
+    /// islands join.
     pub fn support(&self, members: &[usize], cost: f64) -> Support {
         let nearest = Nearest::new(self.pairs, members);
         let near: Vec<Vec<usize>> = members

@@ -221,8 +221,8 @@ impl Colours {
         }
     }
 
-    /// Makes room for a vertex, the last of its class, in the first `spare` colours: where it has one neighbour there, and that neighbour fits
-    /// into another of them.
+    /// Makes room for a vertex, the last of its class, in the first `spare` colours: where it has one neighbour there, and that
+    /// neighbour fits into another of them.
     fn recolour(&mut self, graph: &BitGraph, vertex: usize, colours: usize, spare: usize) -> bool {
         for one in 0..spare {
             let class = &self.classes[one];
