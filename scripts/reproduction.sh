@@ -7,6 +7,7 @@ cd "$(dirname "$0")/.."
 nclt=${1:?name the directory of NCLT sessions, such as data/nclt}
 sessions='2012-01-08 2012-01-22 2012-08-04 2012-11-16 2013-02-23'
 document=docs/reproduction.md
+chance='none pcm pcm-chance pcm+gc pcm-chance+gc'
 
 real() { # NAME, then variables of make
   name=$1
@@ -27,6 +28,9 @@ splice() { # NAME FILE
 make --silent -j2 table SEEDS=5 RESULTS=results/reproduction/simulated >/dev/null
 splice simulated results/reproduction/simulated/table-simulated.md
 real real
+make --silent -j2 table SEEDS=5 METHODS="$chance" RESULTS=results/reproduction/chance-simulated >/dev/null
+splice chance-simulated results/reproduction/chance-simulated/table-simulated.md
+real chance METHODS="$chance"
 # 2012-11-16 is not in this one: nothing but neighbours across the cut joins its halves.
 real seam SESSIONS='2012-01-08 2012-01-22 2012-08-04 2013-02-23' METHODS='pcm pcm+gc' \
   'paper.construct=--split middle --minimum-interval 60' 'calibrated.construct=--split middle --minimum-interval 60'
