@@ -97,8 +97,7 @@ pub fn solve_by_cells<G: Spatial<DOF>, const DOF: usize>(
         solution.by_chance = support.by_chance;
         solution.false_alarms = support.false_alarms;
     }
-    let hypotheses_by_chance = solution.by_chance.len();
-    let mut kept = solution.members.clone();
+    let (mut kept, mut by_chance) = (solution.members.clone(), Vec::new());
     let mut asked: Vec<usize> = (0..pairs.len()).collect();
     for _ in 0..ROUNDS {
         let growth = grow_among(pairs, &kept, &asked, growth_gate, cost);
@@ -107,10 +106,10 @@ pub fn solve_by_cells<G: Spatial<DOF>, const DOF: usize>(
         solution.false_alarms.extend(growth.false_alarms);
         kept.extend(&growth.grown);
         solution.grown.extend(growth.grown);
-        solution.by_chance.truncate(hypotheses_by_chance);
-        solution.by_chance.extend(growth.by_chance);
+        by_chance = growth.by_chance;
     }
     solution.grown.sort_unstable();
+    solution.by_chance.extend(by_chance);
     solution.by_chance.retain(|candidate| solution.grown.binary_search(candidate).is_err());
     solution.by_chance.sort_unstable();
     solution.by_chance.dedup();

@@ -34,6 +34,8 @@ pub struct Chance<'a, G, const DOF: usize> {
     pairs: &'a Pairs<'a, G, DOF>,
     /// R, as seen at a place of chain B.
     apart: SMatrix<f64, DOF, DOF>,
+    /// ln Gamma(D/2 + 1)
+    log_gamma: f64,
 }
 
 /// Which members agree not by chance alone.
@@ -48,10 +50,18 @@ pub struct Support {
 }
 
 /// What a loop through an edge and its witness says.
+#[derive(Clone, Copy)]
 struct Evidence {
     /// |S| / |S + R|
     ratio: f64,
     squared_distance: f64,
+}
+
+/// The false alarms that a member would cause: with its best witness, with the odometry, and with each member near it.
+struct Vouched {
+    false_alarms: f64,
+    odometry: f64,
+    near: Vec<(usize, f64)>,
 }
 
 impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
@@ -62,24 +72,17 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
         let mut apart = SMatrix::zeros();
         let sample: Vec<usize> = (0..count).step_by(count.div_ceil(SAMPLE).max(1)).collect();
         for (turn, &one) in sample.iter().enumerate() {
-            // Steps of the golden section spread over all candidates without a pattern.
-            let step = (count as f64 * (0.618_034 * (turn + 1) as f64).fract()) as usize;
-            let error = place(one).between(&place((one + step) % count)).log();
+            let error = place(one).between(&place(pairs.elsewhere(one, turn + 1))).log();
             apart += error * error.transpose() / sample.len() as f64;
         }
-        Self { pairs, apart }
+        Self { pairs, apart, log_gamma: ln_gamma(0.5 * DOF as f64 + 1.0) }
     }
 
     /// The false alarms that an edge would cause, with the best of these candidates or, within one chain, the odometry
     /// alone for its witness; N without any. O(witnesses).
     pub fn false_alarms(&self, candidate: usize, witnesses: &[usize]) -> f64 {
-        let best = witnesses
-            .iter()
-            .map(|&witness| self.with(candidate, witness))
-            .chain([self.with_odometry(candidate)])
-            .flatten()
-            .min_by(|one, other| one.ratio.total_cmp(&other.ratio));
-        self.count(best)
+        let all = witnesses.iter().map(|&witness| self.with(candidate, witness));
+        self.count(best(all.chain([self.with_odometry(candidate)])))
     }
 
     fn with(&self, candidate: usize, witness: usize) -> Option<Evidence> {
@@ -113,9 +116,8 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
     }
 
     fn count(&self, evidence: Option<Evidence>) -> f64 {
-        let half = 0.5 * DOF as f64;
         let chance = evidence.map_or(1.0, |Evidence { ratio, squared_distance }| {
-            (half * (0.5 * squared_distance).ln() - ln_gamma(half + 1.0)).exp() * ratio.sqrt()
+            (0.5 * DOF as f64 * (0.5 * squared_distance).ln() - self.log_gamma).exp() * ratio.sqrt()
         });
         self.pairs.len() as f64 * chance.min(1.0)
     }
@@ -130,22 +132,14 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
     /// islands join.
     pub fn support(&self, members: &[usize], cost: f64) -> Support {
         let nearest = Nearest::new(self.pairs, members);
-        let near: Vec<Vec<usize>> = members
-            .par_iter()
-            .map(|&member| nearest.of(self.pairs.position(member), member, WITNESSES))
-            .collect();
-        let false_alarms: Vec<(usize, f64)> = members
-            .par_iter()
-            .zip(&near)
-            .map(|(&member, near)| (member, self.false_alarms(member, near)))
-            .collect();
-        let limit = acceptable(false_alarms.iter().map(|&(_, expected)| expected).collect(), cost);
-        let links: Vec<(bool, Vec<usize>)> = members
-            .par_iter()
-            .zip(near)
-            .map(|(&member, mut near)| {
-                near.retain(|&other| self.count(self.with(member, other)) <= limit);
-                (self.count(self.with_odometry(member)) <= limit, near)
+        let vouched: Vec<Vouched> =
+            members.par_iter().map(|&member| self.vouched(member, &nearest)).collect();
+        let limit = acceptable(vouched.iter().map(|of| of.false_alarms).collect(), cost);
+        let links: Vec<(bool, Vec<usize>)> = vouched
+            .iter()
+            .map(|of| {
+                let linked = of.near.iter().filter(|&&(_, expected)| expected <= limit);
+                (of.odometry <= limit, linked.map(|&(other, _)| other).collect())
             })
             .collect();
         let mut islands = Islands::of(members, &links);
@@ -167,8 +161,26 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
         supported.sort_unstable();
         let by_chance =
             members.iter().copied().filter(|member| supported.binary_search(member).is_err()).collect();
+        let false_alarms =
+            members.iter().zip(&vouched).map(|(&member, of)| (member, of.false_alarms)).collect();
         Support { supported, by_chance, false_alarms }
     }
+
+    fn vouched(&self, member: usize, nearest: &Nearest) -> Vouched {
+        let near = nearest.of(self.pairs.position(member), member, WITNESSES);
+        let odometry = self.with_odometry(member);
+        let evidence: Vec<Option<Evidence>> = near.iter().map(|&other| self.with(member, other)).collect();
+        Vouched {
+            false_alarms: self.count(best(evidence.iter().copied().chain([odometry]))),
+            odometry: self.count(odometry),
+            near: near.into_iter().zip(evidence.into_iter().map(|link| self.count(link))).collect(),
+        }
+    }
+}
+
+/// The evidence of the witness that says most: of least |S| / |S + R|, the first among equals.
+fn best(evidence: impl Iterator<Item = Option<Evidence>>) -> Option<Evidence> {
+    evidence.flatten().min_by(|one, other| one.ratio.total_cmp(&other.ratio))
 }
 
 /// The most false alarms that an edge may cause: of k edges that cause up to a each, a are expected to be wrong, and the k

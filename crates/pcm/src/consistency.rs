@@ -130,6 +130,12 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
         [self.chain_a.travelled[candidate.i], self.chain_b.travelled[candidate.k]]
     }
 
+    /// Another candidate, mostly far away: steps of the golden section spread over all of them without a pattern.
+    pub(crate) fn elsewhere(&self, candidate: usize, turn: usize) -> usize {
+        let count = self.len();
+        (candidate + (count as f64 * (0.618_034 * turn as f64).fract()) as usize) % count
+    }
+
     /// Whether two different candidates agree. To first order their order does not matter to a squared distance; here it is
     /// that of the earlier candidate with the later, and so is an error per step. O(1).
     pub fn consistent(&self, one: usize, other: usize, gate: Gate, counts: &mut PairCounts) -> bool {

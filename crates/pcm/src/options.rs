@@ -211,7 +211,7 @@ impl Options {
             ("--rotation-per-step", self.rotation_per_step),
             ("--cell-size", self.cell_size),
             ("--time-limit", self.time_limit.unwrap_or(1.0)),
-            ("--chance", self.chance.unwrap_or(COST)),
+            ("--chance", self.cost()),
         ] {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(PcmError::NotPositive { option, value });

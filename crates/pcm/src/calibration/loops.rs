@@ -58,21 +58,22 @@ pub(super) fn sample<G: Spatial<DOF>, const DOF: usize>(
         let closing = Closing(&pairs);
         let all: Vec<usize> = (0..count).collect();
         let nearest = Nearest::new(&pairs, &all);
-        // Steps of the golden section spread over all candidates without a pattern.
-        let donor = |candidate: usize, turn: usize| {
-            (candidate + (count as f64 * (0.618_034 * turn as f64).fract()) as usize) % count
-        };
         for candidate in (0..count).filter(|candidate| (before + candidate).is_multiple_of(step)) {
             let neighbours = nearest.of(pairs.position(candidate), candidate, RANKS[7] + 1);
             for (turn, &rank) in RANKS.iter().enumerate() {
                 let Some(&other) = neighbours.get(rank) else { break };
                 let class = class_of(turn);
                 loops.push(closing.pair(candidate, other, class));
-                exchanged[class].push(closing.pair_exchanged(candidate, other, donor(other, turn + 1)));
+                exchanged[class].push(closing.pair_exchanged(
+                    candidate,
+                    other,
+                    pairs.elsewhere(other, turn + 1),
+                ));
             }
             if let Some(own) = closing.odometry(candidate) {
                 loops.push(own);
-                exchanged[ODOMETRY].push(closing.odometry_exchanged(candidate, donor(candidate, 1)));
+                exchanged[ODOMETRY]
+                    .push(closing.odometry_exchanged(candidate, pairs.elsewhere(candidate, 1)));
             }
         }
         before += count;
