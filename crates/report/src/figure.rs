@@ -7,6 +7,7 @@ pub mod graphs;
 pub mod plotting;
 pub mod ramp;
 pub mod regimes;
+pub mod regret;
 pub mod trajectories;
 
 /// How a line is broken.

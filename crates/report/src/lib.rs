@@ -4,6 +4,7 @@
 //! - [`table`]: methods against sessions, mean and spread over seeds, beside published figures; as Markdown,
 //!   CSV and LaTeX.
 //! - [`regimes`]: where the graph cut helps, is neutral, or hurts, with intervals and tests over seeds.
+//! - [`trust`]: what every method gets wrong on every family of graphs, and which one to use.
 //! - [`consistency`]: the matrix that PCM decided on.
 //! - [`figure`]: all of it drawn, as SVG, PDF and PNG.
 //! - [`page`]: all of it as one HTML page.
@@ -15,3 +16,4 @@ pub mod published;
 pub mod regimes;
 pub mod results;
 pub mod table;
+pub mod trust;

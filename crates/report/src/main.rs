@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use posecut_stage::{CommonArguments, Identity, Outcome, run};
-use task::{figures, html, regimes, table};
+use task::{figures, html, regimes, table, trust};
 
 #[derive(Parser)]
 struct Command {
@@ -35,6 +35,8 @@ enum Task {
     Error(figures::Error),
     /// Where the graph cut helps, is neutral, or hurts: heat maps and curves (SVG, PDF or PNG), or tables
     Regimes(regimes::Regimes),
+    /// Every method on every family of graphs: regret, false edges, recall, and which method to use
+    Trust(trust::Trust),
 }
 
 fn main() -> ExitCode {
@@ -57,6 +59,7 @@ fn main() -> ExitCode {
                 Task::Components(task) => task.write(common, context)?,
                 Task::Error(task) => task.write(common, context)?,
                 Task::Regimes(task) => task.write(common)?,
+                Task::Trust(task) => task.write(context)?,
             };
             context.write_bytes(&bytes)?;
             Ok(Outcome::Done)

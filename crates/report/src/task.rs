@@ -4,3 +4,4 @@ pub(crate) mod figures;
 pub(crate) mod html;
 pub(crate) mod regimes;
 pub(crate) mod table;
+pub(crate) mod trust;

@@ -2,9 +2,12 @@
 
 mod charts;
 mod grids;
+mod lanes;
+mod pen;
 
 pub use charts::charts;
 pub use grids::{Grid, GridCell, LegendEntry, Matrix, Ramp, grids, matrices};
+pub use lanes::{Dot, Lane, LanePanel, Lanes, lanes};
 
 use anyhow::{Context as _, bail};
 use kuva::PngBackend;

@@ -216,7 +216,7 @@ fn powers(top: f64, share: impl Fn(f64) -> f64) -> Vec<(f64, String)> {
 }
 
 /// The next of 1, 2 or 5 times a power of ten.
-fn round_up(value: f64) -> f64 {
+pub(crate) fn round_up(value: f64) -> f64 {
     let power = 10_f64.powf(value.log10().floor());
     [1.0, 2.0, 5.0]
         .map(|factor| factor * power)

@@ -4,6 +4,7 @@ use anyhow::bail;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
 use super::Drawing;
+use super::pen::Pen;
 use crate::figure::colours::INK;
 
 /// A cell of a heat map.
@@ -145,45 +146,7 @@ fn runs(count: usize, colour: impl Fn(usize) -> Option<&'static str>) -> Vec<(us
     runs
 }
 
-struct Pen(Scene);
-
 impl Pen {
-    #[allow(clippy::too_many_arguments, reason = "one for each property of a text")]
-    fn text(
-        &mut self,
-        x: f64,
-        y: f64,
-        content: &str,
-        size: u32,
-        anchor: TextAnchor,
-        bold: bool,
-        colour: &str,
-    ) {
-        self.0.add(Primitive::Text {
-            x,
-            y,
-            content: content.to_owned(),
-            size,
-            anchor,
-            rotate: None,
-            bold,
-            color: Some(colour.into()),
-        });
-    }
-
-    fn rectangle(&mut self, x: f64, y: f64, width: f64, height: f64, colour: &str) {
-        self.0.add(Primitive::Rect {
-            x,
-            y,
-            width,
-            height,
-            fill: colour.into(),
-            stroke: None,
-            stroke_width: None,
-            opacity: None,
-        });
-    }
-
     fn ramp(&mut self, ramp: &Ramp, left: f64, top: f64) {
         let width = 300.0;
         let step = width / ramp.colours.len().max(1) as f64;

@@ -1,0 +1,99 @@
+//! `posecut-report trust`.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use clap::Args;
+use posecut_report::figure::plotting::{Drawing, lanes};
+use posecut_report::figure::regret::{figure, regrets};
+use posecut_report::regimes::document::splice;
+use posecut_report::trust::document::sections;
+use posecut_report::trust::records::{read_results, read_times};
+use posecut_report::trust::{Benchmark, Half, tables::tables};
+use posecut_stage::{Context, write_atomically};
+
+/// Panels of the figure in a row.
+const COLUMNS: usize = 3;
+
+/// Options of `trust`.
+#[derive(Args)]
+pub(crate) struct Trust {
+    /// Results of the trust benchmark, one JSON object a line
+    #[arg(required = true, value_name = "RESULTS")]
+    results: Vec<PathBuf>,
+
+    /// CPU times of the same runs, one JSON object a line; may be given several times
+    #[arg(long, value_name = "FILE")]
+    times: Vec<PathBuf>,
+
+    /// Report this half of every family
+    #[arg(long, value_enum, default_value_t = Half::Test)]
+    half: Half,
+
+    /// Draw the regret of every run (SVG, PDF or PNG by the file's name)
+    #[arg(long, value_name = "FILE")]
+    figure: Option<PathBuf>,
+
+    /// Put the answer and the tables between the markers of this document (docs/trust.md)
+    #[arg(long, value_name = "FILE")]
+    document: Option<PathBuf>,
+}
+
+impl Trust {
+    pub(crate) fn write(&self, context: &mut Context) -> anyhow::Result<Vec<u8>> {
+        for (option, path) in [("--figure", &self.figure), ("--document", &self.document)] {
+            if let Some(path) = path {
+                context.check_further_output(option, path)?;
+            }
+        }
+        let benchmark = benchmark(&self.results, &self.times, context)?;
+        anyhow::ensure!(
+            benchmark.of(self.half, None).next().is_some(),
+            "there is no run of the {} half in the results; choose the other one with --half, or run the benchmark on it",
+            self.half
+        );
+        if let Some(path) = &self.figure {
+            let drawing = lanes(&figure(&regrets(&benchmark, self.half)), COLUMNS)?;
+            write_figure(path, &drawing)?;
+        }
+        if let Some(document) = &self.document {
+            let place = || format!("{}: cannot be used", document.display());
+            let mut text = std::fs::read_to_string(document).with_context(place)?;
+            for (name, section) in sections(&benchmark)? {
+                text = splice(&text, name, &section).with_context(place)?;
+            }
+            write_atomically(document, |writer| Ok(writer.write_all(text.as_bytes())?))?;
+        }
+        context.statistics.note("runs", benchmark.runs.len());
+        context.statistics.note("methods", benchmark.methods.len());
+        let text: String = tables(&benchmark, self.half).iter().map(|table| table.markdown()).collect();
+        Ok(text.into_bytes())
+    }
+}
+
+/// Reads results and times; the context remembers their digests.
+pub(crate) fn benchmark(
+    results: &[PathBuf],
+    times: &[PathBuf],
+    context: &mut Context,
+) -> anyhow::Result<Benchmark> {
+    let mut records = Vec::new();
+    for path in results {
+        let (own, digest) = read_results(path)?;
+        records.extend(own);
+        context.inputs.push(digest);
+    }
+    let mut seconds = Vec::new();
+    for path in times {
+        let (own, digest) = read_times(path)?;
+        seconds.extend(own);
+        context.inputs.push(digest);
+    }
+    Benchmark::new(&records, (!times.is_empty()).then_some(&seconds))
+}
+
+fn write_figure(path: &Path, drawing: &Drawing) -> anyhow::Result<()> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    let bytes = drawing.write(&extension).with_context(|| path.display().to_string())?;
+    write_atomically(path, |writer| Ok(writer.write_all(&bytes)?))
+}

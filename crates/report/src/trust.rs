@@ -1,0 +1,19 @@
+//! The trust benchmark: every method on every family of graphs, what each gets wrong, and which one to use.
+//!
+//! - [`records`]: the results of runs, and the CPU times beside them, read strictly.
+//! - [`benchmark`]: runs with the outcome of every method, and its regret.
+//! - [`bootstrap`]: intervals from clusters of runs that are not independent.
+//! - [`summary`]: what a method does on a family, or on all of them.
+//! - [`tables`], [`recommendation`]: the tables, and the answer in sentences.
+//! - [`document`]: both, as the sections of docs/trust.md.
+
+pub mod benchmark;
+pub mod bootstrap;
+pub mod document;
+pub mod recommendation;
+pub mod records;
+pub mod summary;
+pub mod tables;
+
+pub use benchmark::{Benchmark, Run, Status};
+pub use records::Half;

@@ -1,0 +1,28 @@
+//! The sections of docs/trust.md.
+
+use super::benchmark::Benchmark;
+use super::recommendation::answer;
+use super::records::Half;
+use super::tables::{self, Table};
+
+/// The sections with the names of their markers, Markdown.
+///
+/// # Errors
+/// If no method can be recommended.
+pub fn sections(benchmark: &Benchmark) -> anyhow::Result<Vec<(&'static str, String)>> {
+    let half = Half::Test;
+    let joined = |tables: Vec<Table>| -> String { tables.iter().map(Table::markdown).collect() };
+    Ok(vec![
+        ("answer", answer(benchmark)?),
+        ("overall", joined(vec![tables::overall(benchmark, half), tables::matrix(benchmark, half)])),
+        ("counts", joined(vec![tables::counts(benchmark)])),
+        ("families", joined(tables::families(benchmark, half))),
+        ("failures", joined(vec![tables::failures(benchmark, half)])),
+        ("tuning", joined(vec![tables::overall(benchmark, Half::Tuning)])),
+        (
+            "time",
+            tables::time(benchmark, half)
+                .map_or_else(|| "No CPU times were given (`--times`).".to_owned(), |table| table.markdown()),
+        ),
+    ])
+}
