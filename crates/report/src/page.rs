@@ -4,7 +4,7 @@
 //! - [`collect`]: results and the graphs that lie beside them, as the page's data.
 //! - [`view`]: that data, as the page's scripts read it.
 //! - [`encode`]: numbers as short text.
-//! - [`tables`], [`history`]: what stands in the page as HTML.
+//! - [`tables`], [`trust`], [`history`]: what stands in the page as HTML.
 //! - [`document`]: the page.
 
 pub mod collect;
@@ -13,4 +13,5 @@ pub mod encode;
 pub mod history;
 pub mod markup;
 pub mod tables;
+pub mod trust;
 pub mod view;

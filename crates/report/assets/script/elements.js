@@ -42,6 +42,10 @@ function swatch(style) {
     sample.append(svg("circle", { cx: 17, cy: 7, r: 4.5, fill: "none", stroke: style.colour, "stroke-width": 1.6 }));
     return sample;
   }
+  if (style.bar) {
+    sample.append(svg("rect", { x: 15.5, y: 0, width: 3, height: 14, fill: style.colour }));
+    return sample;
+  }
   if (style.cross) {
     sample.append(svg("path", { d: "M12 2L22 12M22 2L12 12", stroke: style.colour, "stroke-width": 2 }));
     return sample;

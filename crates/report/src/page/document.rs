@@ -8,7 +8,7 @@ const TEMPLATE: &str = include_str!("../../assets/page.html");
 const STYLE: &str = include_str!("../../assets/page.css");
 
 /// The scripts in the order they are run, as one function, so that nothing of them is visible outside.
-const SCRIPTS: [&str; 15] = [
+const SCRIPTS: [&str; 16] = [
     include_str!("../../assets/script/decode.js"),
     include_str!("../../assets/script/elements.js"),
     include_str!("../../assets/script/theme.js"),
@@ -23,6 +23,7 @@ const SCRIPTS: [&str; 15] = [
     include_str!("../../assets/script/consistency.js"),
     include_str!("../../assets/script/components.js"),
     include_str!("../../assets/script/regimes.js"),
+    include_str!("../../assets/script/trust.js"),
     include_str!("../../assets/script/start.js"),
 ];
 
@@ -33,6 +34,7 @@ const ERROR: &str = include_str!("../../assets/section/error.html");
 const CONSISTENCY: &str = include_str!("../../assets/section/consistency.html");
 const COMPONENTS: &str = include_str!("../../assets/section/components.html");
 const REGIMES: &str = include_str!("../../assets/section/regimes.html");
+const TRUST: &str = include_str!("../../assets/section/trust.html");
 
 /// The parts of the page that are HTML already.
 #[derive(Clone, Debug, Default)]
@@ -45,6 +47,8 @@ pub struct Parts {
     pub published: String,
     /// Sessions that were asked for and have no data.
     pub missing: Vec<String>,
+    /// The tables of the trust benchmark; empty without its results.
+    pub trust: String,
     /// The history of the numbers.
     pub history: String,
     /// The version of the program.
@@ -121,6 +125,11 @@ pub fn document(page: &Page, parts: &Parts) -> anyhow::Result<String> {
             page.regimes.is_some(),
             REGIMES,
             "There are no results over regimes of covariance and false-edge rate (make regimes makes them).",
+        ),
+        "trust" => section(
+            page.trust.is_some(),
+            &fill(TRUST, |name| (name == "tables").then(|| parts.trust.clone())),
+            "There are no results of the trust benchmark (make trust DATA=DIR makes them).",
         ),
         "history" => Some(parts.history.clone()),
         "version" => Some(escape(&parts.version)),

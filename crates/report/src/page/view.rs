@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::figure::regret::Regrets;
 use crate::regimes::Map;
 
 /// Metres to which drawn positions are rounded.
@@ -17,6 +18,8 @@ pub struct Page {
     pub experiments: Vec<Experiment>,
     /// The map of regimes, if there is one.
     pub regimes: Option<Map>,
+    /// The regret of every run of the trust benchmark, if there are results of it.
+    pub trust: Option<Regrets>,
     /// Metres a step of positions.
     pub position_step: f64,
     /// Metres a step of errors.

@@ -5,21 +5,24 @@ use std::path::PathBuf;
 use clap::Args;
 use posecut_graph::InputDigest;
 use posecut_report::figure::Frame;
+use posecut_report::figure::regret::regrets;
 use posecut_report::page::collect::{Selection, experiment};
 use posecut_report::page::document::{Parts, document};
+use posecut_report::page::trust::html;
 use posecut_report::page::view::{ERROR_STEP, POSITION_STEP, Page};
-use posecut_report::page::{history, tables};
+use posecut_report::page::{history, tables as page_tables};
 use posecut_report::published::Published;
 use posecut_report::regimes::Map;
 use posecut_report::results::{self, RunResult};
 use posecut_report::table;
+use posecut_report::trust::{Benchmark, Half, tables::tables};
 use posecut_stage::{Context, info};
 
 /// Options of `html`.
 #[derive(Args)]
 pub(crate) struct Html {
     /// Results of posecut-evaluate, or directories searched for *.result.json; graphs are found beside them
-    #[arg(required = true)]
+    #[arg(required_unless_present = "trust")]
     results: Vec<PathBuf>,
 
     /// Published figures to stand beside ours (TOML)
@@ -37,6 +40,14 @@ pub(crate) struct Html {
     /// Results over regimes, one a line; may be given several times
     #[arg(long, value_name = "FILE")]
     regimes: Vec<PathBuf>,
+
+    /// Results of the trust benchmark, one a line; may be given several times
+    #[arg(long, value_name = "FILE")]
+    trust: Vec<PathBuf>,
+
+    /// CPU times of the trust benchmark, one a line; may be given several times
+    #[arg(long, value_name = "FILE", requires = "trust")]
+    trust_times: Vec<PathBuf>,
 
     /// Seeds of each session whose graphs are drawn; tables have all
     #[arg(long, value_name = "N", default_value_t = 3)]
@@ -57,26 +68,32 @@ impl Html {
         let published =
             self.published.as_ref().map(|path| Published::read(path)).transpose()?.unwrap_or_default();
         let plain: Vec<RunResult> = located.iter().map(|located| located.result.clone()).collect();
-        let tables = table::tables(&plain, &self.methods, &self.missing);
+        let experiment_tables = table::tables(&plain, &self.methods, &self.missing);
         let selection = Selection { seeds: self.graph_seeds, frame: self.frame };
-        let experiments = tables
+        let experiments = experiment_tables
             .iter()
             .map(|table| experiment(table, &located, &published, selection, context))
             .collect::<anyhow::Result<Vec<_>>>()?;
         let regimes = self.regimes(context)?;
+        let trust = self.trust(context)?;
         let (right, up) = self.frame.directions();
         let page = Page {
             experiments,
             regimes,
+            trust: trust.as_ref().map(|benchmark| regrets(benchmark, Half::Test)),
             position_step: POSITION_STEP,
             error_step: ERROR_STEP,
             axes: [right, up],
         };
         let parts = Parts {
             title: self.title.clone(),
-            tables: tables.iter().map(|table| tables::experiment(table, &published)).collect(),
+            tables: experiment_tables
+                .iter()
+                .map(|table| page_tables::experiment(table, &published))
+                .collect(),
             published: published.source.clone(),
             missing: self.missing.clone(),
+            trust: trust.as_ref().map_or_else(String::new, |benchmark| html(&tables(benchmark, Half::Test))),
             history: history::history(&located, &context.inputs),
             version: env!("CARGO_PKG_VERSION").to_owned(),
         };
@@ -86,6 +103,15 @@ impl Html {
         context.statistics.note("graphs", context.inputs.len());
         context.statistics.note("bytes", text.len());
         Ok(text.into_bytes())
+    }
+
+    fn trust(&self, context: &mut Context) -> anyhow::Result<Option<Benchmark>> {
+        if self.trust.is_empty() {
+            return Ok(None);
+        }
+        let benchmark = super::trust::benchmark(&self.trust, &self.trust_times, context)?;
+        super::trust::check_half(&benchmark, Half::Test)?;
+        Ok(Some(benchmark))
     }
 
     fn regimes(&self, context: &mut Context) -> anyhow::Result<Option<Map>> {

@@ -2,14 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Context as _;
+use anyhow::{Context as _, ensure};
 use clap::Args;
 use posecut_report::figure::plotting::{Drawing, lanes};
 use posecut_report::figure::regret::{figure, regrets};
 use posecut_report::regimes::document::splice;
 use posecut_report::trust::document::sections;
 use posecut_report::trust::records::{read_results, read_times};
-use posecut_report::trust::{Benchmark, Half, tables::tables};
+use posecut_report::trust::tables::{Table, tables};
+use posecut_report::trust::{Benchmark, Half};
 use posecut_stage::{Context, write_atomically};
 
 /// Panels of the figure in a row.
@@ -47,11 +48,7 @@ impl Trust {
             }
         }
         let benchmark = benchmark(&self.results, &self.times, context)?;
-        anyhow::ensure!(
-            benchmark.of(self.half, None).next().is_some(),
-            "there is no run of the {} half in the results; choose the other one with --half, or run the benchmark on it",
-            self.half
-        );
+        check_half(&benchmark, self.half)?;
         if let Some(path) = &self.figure {
             let drawing = lanes(&figure(&regrets(&benchmark, self.half)), COLUMNS)?;
             write_figure(path, &drawing)?;
@@ -66,7 +63,7 @@ impl Trust {
         }
         context.statistics.note("runs", benchmark.runs.len());
         context.statistics.note("methods", benchmark.methods.len());
-        let text: String = tables(&benchmark, self.half).iter().map(|table| table.markdown()).collect();
+        let text: String = tables(&benchmark, self.half).iter().map(Table::markdown).collect();
         Ok(text.into_bytes())
     }
 }
@@ -90,6 +87,15 @@ pub(crate) fn benchmark(
         context.inputs.push(digest);
     }
     Benchmark::new(&records, (!times.is_empty()).then_some(&seconds))
+}
+
+/// Refuses a half that has no runs.
+pub(crate) fn check_half(benchmark: &Benchmark, half: Half) -> anyhow::Result<()> {
+    ensure!(
+        benchmark.of(half, None).next().is_some(),
+        "there is no run of the {half} half in the results of the trust benchmark; run the benchmark on it, or choose the other half (--half of `posecut-report trust`)"
+    );
+    Ok(())
 }
 
 fn write_figure(path: &Path, drawing: &Drawing) -> anyhow::Result<()> {
