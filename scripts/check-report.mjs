@@ -96,7 +96,7 @@ async function filled(page) {
       unnamed: [...section.querySelectorAll("canvas, svg:not(.swatch)")].filter((one) => !one.getAttribute("aria-label")).length,
     };
   }));
-  const expected = { table: [0, 1], trajectories: [0, 1], graphs: [2, 0], error: [0, 1], consistency: [1, 0], components: [2, 0], regimes: [0, 4], history: [0, 0] };
+  const expected = { table: [0, 1], trajectories: [0, 1], graphs: [2, 0], error: [0, 1], consistency: [1, 0], components: [2, 0], regimes: [0, 4], trust: [0, 1], history: [0, 0] };
   for (const [id, [canvases, drawings]] of Object.entries(expected)) {
     const section = sections.find((one) => one.id === id);
     if (!section) {

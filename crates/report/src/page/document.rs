@@ -80,7 +80,7 @@ pub fn document(page: &Page, parts: &Parts) -> anyhow::Result<String> {
         "script" => Some(script.clone()),
         "data" => Some(data.clone()),
         "tables" => Some(if parts.tables.is_empty() {
-            "<p class=\"absent-section\">There are no results.</p>".to_owned()
+            "<p class=\"absent-section\">There are no results. Name files that posecut-evaluate wrote, or directories of them.</p>".to_owned()
         } else {
             parts.tables.clone()
         }),

@@ -74,6 +74,7 @@ impl Html {
             .iter()
             .map(|table| experiment(table, &located, &published, selection, context))
             .collect::<anyhow::Result<Vec<_>>>()?;
+        let graphs = context.inputs.len();
         let regimes = self.regimes(context)?;
         let trust = self.trust(context)?;
         let (right, up) = self.frame.directions();
@@ -98,9 +99,9 @@ impl Html {
             version: env!("CARGO_PKG_VERSION").to_owned(),
         };
         let text = document(&page, &parts)?;
-        info!("{} results, {} graphs, {} kB", located.len(), context.inputs.len(), text.len() / 1000);
+        info!("{} results, {} graphs, {} kB", located.len(), graphs, text.len() / 1000);
         context.statistics.note("results", located.len());
-        context.statistics.note("graphs", context.inputs.len());
+        context.statistics.note("graphs", graphs);
         context.statistics.note("bytes", text.len());
         Ok(text.into_bytes())
     }
