@@ -253,6 +253,14 @@ fn bad_input_is_refused_with_file_line_and_field() {
 }
 
 #[test]
+fn a_real_and_a_simulated_session_of_one_date_are_two_clusters() {
+    let real = done(("test", "f", "2012-08-04", 1), "one", 1.0, [1, 0, 0]);
+    let simulated = real.replace("\"pipeline\":\"trust\"", "\"pipeline\":\"trust-simulated\"");
+    let benchmark = read(&(real + &simulated)).unwrap();
+    assert!(summary(&benchmark, Half::Test, None, 0).share.unwrap().interval.is_some());
+}
+
+#[test]
 fn times_belong_to_results() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("times.jsonl");

@@ -38,7 +38,7 @@ pub struct Run {
     pub family: String,
     /// The half of the family.
     pub half: Half,
-    /// Runs of one cluster are not independent of each other.
+    /// Pipeline and cluster: runs of one cluster are not independent of each other.
     pub cluster: String,
     /// The smallest RMSE of all methods but the oracle, metres; `None` if all failed.
     pub best: Option<f64>,
@@ -129,7 +129,8 @@ impl Benchmark {
                 key: key.clone(),
                 family: first.family.clone(),
                 half: first.half,
-                cluster: first.cluster.clone(),
+                // A real and a simulated session may have one date.
+                cluster: format!("{}/{}", key.pipeline(), first.cluster),
                 best: rmse.min_by(f64::total_cmp),
                 seconds: methods.iter().map(|method| seconds.get(&(key, method.as_str())).copied()).collect(),
                 outcomes,

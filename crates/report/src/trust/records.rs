@@ -34,6 +34,13 @@ const GROUPING: [&str; 3] = ["family", "half", "cluster"];
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RunKey(BTreeMap<String, String>);
 
+impl RunKey {
+    /// The experiment that the run is of.
+    pub fn pipeline(&self) -> &str {
+        self.0.get("pipeline").map_or("", String::as_str)
+    }
+}
+
 impl fmt::Display for RunKey {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
         for (index, (name, value)) in self.0.iter().enumerate() {
