@@ -70,7 +70,7 @@ const GRID: &str = "#dfe3e8";
 const SOFT: &str = "#56616f";
 const WHITE: &str = "#ffffff";
 /// The width of a character of the labels, pixels.
-const CHARACTER: f64 = 7.0;
+const CHARACTER: f64 = 7.6;
 
 /// Draws panels in rows of at most `columns`.
 pub fn lanes(figure: &Lanes, columns: usize) -> anyhow::Result<Drawing> {
