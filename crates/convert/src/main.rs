@@ -140,11 +140,7 @@ fn read(command: &Command, from: FileFormat, context: &mut Context) -> anyhow::R
 }
 
 /// Reads one or several g2o or TORO files.
-fn read_graph_files(
-    command: &Command,
-    from: FileFormat,
-    context: &mut Context,
-) -> anyhow::Result<PoseGraph> {
+fn read_graph_files(command: &Command, from: FileFormat, context: &mut Context) -> anyhow::Result<PoseGraph> {
     let mut inputs = command.inputs.iter().map(open).collect::<anyhow::Result<Vec<_>>>()?;
     let name = inputs[0].name.clone();
     let options = g2o::ReadOptions {

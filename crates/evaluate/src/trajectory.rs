@@ -99,7 +99,13 @@ mod tests {
             .map(|frame| {
                 let angle = f64::from(frame) * 0.1 - 10.0;
                 let pose = SE3::from_euler(angle, angle.cos(), 0.0, 0.3 * angle.sin(), 0.2, angle);
-                Match { session: String::new(), frame: i64::from(frame), component: 0, estimate: pose, reference: pose }
+                Match {
+                    session: String::new(),
+                    frame: i64::from(frame),
+                    component: 0,
+                    estimate: pose,
+                    reference: pose,
+                }
             })
             .collect();
         let all: Vec<&Match> = matches.iter().collect();
