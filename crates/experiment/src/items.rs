@@ -132,6 +132,12 @@ pub(crate) fn items(
     Ok(found)
 }
 
+/// The sessions and graphs of an experiment that has halves, by name, with the half of each.
+pub fn members(experiment: &Experiment, source: &Source) -> anyhow::Result<Vec<(String, &'static str)>> {
+    let items = items(experiment, source, &mut BTreeSet::new())?;
+    Ok(items.into_iter().filter_map(|item| Some((item.name, item.half?.name()))).collect())
+}
+
 /// Whether an item belongs to a list of names and patterns.
 pub(crate) fn matches(names: &[String], item: &str) -> anyhow::Result<bool> {
     Ok(names.iter().any(|name| name == item) || any(names, item).context("a list of sessions")?)

@@ -37,6 +37,7 @@ pub use expected::{Close, Expected, Order, Recorded, Tolerance};
 pub use fingerprint::Fingerprint;
 pub use graphs::Graphs;
 pub use halves::{Half, Halves};
+pub use items::members;
 pub use junit::junit;
 pub use make_rules::make_rules;
 pub use measure::{Measured, measure};

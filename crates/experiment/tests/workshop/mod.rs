@@ -35,6 +35,12 @@ argv = ["{program}", "ingest", "{input}", "--", "{options}", "-o", "{output}"]
 [construct]
 program = "./stage.sh"
 argv = ["{program}", "construct", "{input}", "--", "{options}", "{seed}", "-o", "{output}"]
+[convert]
+program = "./stage.sh"
+argv = ["{program}", "convert", "{input}", "--", "{options}", "-o", "{output}"]
+[label]
+program = "./stage.sh"
+argv = ["{program}", "label", "{input}", "--", "{options}", "-o", "{output}"]
 [oracle]
 program = "./stage.sh"
 argv = ["{program}", "oracle", "{input}", "--", "{options}", "-o", "{output}"]
