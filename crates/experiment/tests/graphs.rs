@@ -177,10 +177,9 @@ fn a_failed_run_is_a_result_and_stays_one_until_something_changes() {
 fn a_task_over_its_limit_is_stopped_and_noted_with_its_time() {
     let workshop = workshop(&GRAPHS.replace("cpu_limit = 60", "cpu_limit = 1"));
     let script = std::fs::read_to_string(workshop.path("stage.sh")).unwrap();
-    workshop.write(
-        "stage.sh",
-        &script.replace("shift\n[", "shift\nif [ $name = pcm ]; then while :; do :; done; fi\n["),
-    );
+    let slow = script.replace("[ -e slow ]", "[ $name = pcm ] && while :; do :; done\n[ -e slow ]");
+    assert_ne!(slow, script);
+    workshop.write("stage.sh", &slow);
     let more = [DATA, &["--sessions", "second"]].concat();
     let done = workshop.run(&more);
     assert_eq!(done["failed_runs"], 1, "{done}");
