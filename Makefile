@@ -14,13 +14,13 @@ SIMULATED ?= data/simulated
 BIN        := $(or $(CARGO_TARGET_DIR),target)/release
 EXPERIMENTS = $(BIN)/posecut-experiment
 REPORT     ?= $(BIN)/posecut-report
-stages     := SIMULATE INGEST CONSTRUCT ORACLE PCM RANSAC ISLANDS DENSEST VOTING MULTICUT OPTIMIZE EVALUATE
+stages     := SIMULATE INGEST CONSTRUCT CONVERT LABEL ORACLE PCM RANSAC ISLANDS DENSEST VOTING MULTICUT OPTIMIZE EVALUATE
 
 SHELL := /bin/sh
 .DELETE_ON_ERROR:
 .SECONDARY:
 .DEFAULT_GOAL := help
-.PHONY: help documentation install table methods figures report regimes sweep run check-results accept-results stages test check bench data clean
+.PHONY: help trust documentation install table methods figures report regimes sweep run check-results accept-results stages test check bench data clean
 
 help:
 	@echo 'posecut: which landmark edges of a multi-session pose graph are wrong?'
@@ -31,7 +31,8 @@ help:
 	@echo '       PIPELINES="paper …"       which regimes       METHODS="…"   none pcm gc pcm+gc oracle,'
 	@echo '                                 and to compare: pcm-chance ransac islands densest voting gnc dcs,'
 	@echo '                                 each +gc too'
-	@echo '  make methods DATA=DIR          all methods on the same graphs: the tables of docs/methods.md (about half an hour)'
+	@echo '  make trust DATA=DIR            every method on every kind of graph: docs/trust.md (under half an hour; resumes)'
+	@echo '       FAMILIES="clean kitti"    which families      HALF=test       one half'
 	@echo '  make figures [NCLT=DIR]        trajectories, graphs, consistency, components, errors, regimes; SVG and PNG'
 	@echo '  make report [NCLT=DIR]         one HTML page: tables, maps, matrices, errors over time, regimes'
 	@echo '  make sweep EXPERIMENT=NAME     any experiment declared in pipelines/NAME.toml'
@@ -79,7 +80,7 @@ table_of       = $(call declared,$(PIPELINES)) $(both) --sessions $(call listed,
 
 # ---- programs ---------------------------------------------------------------------------------------------
 sources       := $(shell find crates -name '*.rs' -o -name Cargo.toml -o -path '*/assets/*' -type f) Cargo.toml Cargo.lock
-binaries      := $(addprefix $(BIN)/posecut-,simulate ingest construct oracle pcm multicut islands ransac voting densest \
+binaries      := $(addprefix $(BIN)/posecut-,simulate ingest construct label oracle pcm multicut islands ransac voting densest \
                  optimize evaluate report convert conform experiment)
 
 $(BIN)/.posecut-built: $(sources)
@@ -186,10 +187,7 @@ report: run $(REPORT)
 
 include pipelines/online.mk
 
-# All methods on the same graphs; docs/methods.md says what DATA holds.
-methods: $(if $(DATA),$(BIN)/.posecut-built)
-	@$(if $(DATA),,echo 'Say where the graphs are: make methods DATA=DIR; docs/methods.md says what it holds.'; exit 1)
-	PROGRAMS=$(BIN) scripts/compare-methods.py $(DATA)
+include pipelines/trust.mk
 
 # ---- development ------------------------------------------------------------------------------------------
 # The programs first: the contract tests run them. Optimised, because tests run real experiments, and because

@@ -1,19 +1,27 @@
 #!/bin/sh
-# PCM, then re-admission with the optimiser's marginals, in rounds: optimise what is in use, hold every landmark edge
-# against what the others predict, take back and drop, and again until nothing changes (at most five rounds).
+# PCM, then re-admission with the optimiser's marginals, in rounds: optimise what is in use, compare every landmark edge
+# with what the others predict, re-admit and drop, until nothing changes (at most five rounds).
 #
-# Usage: pipelines/readmission.sh GRAPH OUTPUT [PCM OPTIONS]
-# PCM OPTIONS are those of the first run, --calibrate --grow 0.999999 if there are none.
-# Programs: PCM and OPTIMIZE (default posecut-pcm and posecut-optimize of target/release), options of the rounds: READMIT.
-# OUTPUT is the optimised graph with the rejections of the last round; OUTPUT.rounds has a line of figures a round.
+# Usage: pipelines/readmission.sh [--pcm PROGRAM] [--optimize PROGRAM] [--rounds FILE] GRAPH OUTPUT [PCM OPTIONS]
+# PCM OPTIONS are those of the first run [default: --calibrate --grow 0.999999].
+# PROGRAM [default: posecut-pcm and posecut-optimize of target/release]; READMIT holds the options of the rounds.
+# OUTPUT is the optimised graph with the rejections of the last round; FILE gets a line of figures a round.
 set -eu
+programs=$(dirname "$0")/../target/release
+pcm=$programs/posecut-pcm optimize=$programs/posecut-optimize rounds=/dev/null
+while [ $# -gt 0 ]; do
+  case $1 in
+    --pcm) pcm=$2 && shift 2 ;;
+    --optimize) optimize=$2 && shift 2 ;;
+    --rounds) rounds=$2 && shift 2 ;;
+    --version) echo 'readmission.sh 0.1.0' && exit ;;
+    *) break ;;
+  esac
+done
 [ $# -ge 2 ] || { sed -n '2,8s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 graph=$1 output=$2
 shift 2
 [ $# -gt 0 ] || set -- --calibrate --grow 0.999999
-programs=$(dirname "$0")/../target/release
-pcm=${PCM:-$programs/posecut-pcm}
-optimize=${OPTIMIZE:-$programs/posecut-optimize}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -29,4 +37,4 @@ for round in 1 2 3 4 5; do
   [ "$(figure changed)" != 0 ] || break
 done
 "$optimize" --quiet "$work/judged.jsonl" -o "$output"
-cp "$work/rounds" "$output.rounds"
+cat "$work/rounds" > "$rounds"

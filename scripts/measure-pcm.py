@@ -108,7 +108,8 @@ def table(rows, correct_of, folder, methods):
                 scale = f"{figures['scale_odometry']:.2g}, {figures['scale_landmark']:.2g}"
         for _, options in READMISSIONS:
             try:
-                run([ROOT / "pipelines/readmission.sh", graph, out, *options])
+                run([ROOT / "pipelines/readmission.sh", "--pcm", TARGET / "posecut-pcm", "--optimize", TARGET / "posecut-optimize",
+                     "--rounds", f"{out}.rounds", graph, out, *options])
                 cells.append(cell(*judged(out, correct)))
             except SystemExit as error:
                 print(error, file=sys.stderr)

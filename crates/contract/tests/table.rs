@@ -83,6 +83,7 @@ const TABLE: &[Row] = &[
         writes_stream: true,
     },
     Row { name: "islands", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
+    Row { name: "label", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
     Row { name: "multicut", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
     Row { name: "optimize", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
     Row { name: "oracle", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },

@@ -90,6 +90,8 @@ fn matches(estimate: &PoseGraph, reference: &PoseGraph, session: Option<&str>) -
     let mut timed: Vec<TimedMatch> = spatial_poses(estimate, Poses::Estimate, session)
         .filter_map(|(node, pose)| {
             let found = Match {
+                // One alignment for all: components do not matter.
+                component: 0,
                 session: node.session.clone().unwrap_or_default(),
                 frame: node.frame.unwrap_or_default(),
                 estimate: SE3::from_components(&pose)?,

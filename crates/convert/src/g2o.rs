@@ -17,7 +17,7 @@ use std::collections::HashSet;
 use posecut_graph::EdgeKind;
 
 pub(crate) use read::{Dialect, read_dialect};
-pub use read::{ReadOptions, ReadSummary, read};
+pub use read::{ReadOptions, ReadSummary, read, read_several};
 pub use write::{WriteSummary, write};
 
 /// What an edge is by the ids of its vertices: the first between each vertex and its successor is odometry.

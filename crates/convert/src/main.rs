@@ -14,9 +14,9 @@ use serde::Serialize;
 
 #[derive(Parser)]
 struct Command {
-    /// The file to read; `-` is standard input
+    /// The file to read; `-` is standard input. Several g2o or TORO files, such as one a robot, become one graph
     #[arg(value_name = "INPUT", default_value = "-")]
-    input: Source,
+    inputs: Vec<Source>,
 
     /// Format of the input; by its name unless given
     #[arg(long, value_enum)]
@@ -78,7 +78,7 @@ fn main() -> ExitCode {
         identity,
         |command| &command.common,
         |command, context| {
-            let from = match (&command.input, command.from) {
+            let from = match (&command.inputs[0], command.from) {
                 (_, Some(format)) => format,
                 (Source::Standard, None) => FileFormat::Jsonl,
                 (Source::File(path), None) => by_name(path, "--from")?,
@@ -114,35 +114,50 @@ fn by_name(path: &Path, option: &str) -> anyhow::Result<FileFormat> {
 }
 
 fn read(command: &Command, from: FileFormat, context: &mut Context) -> anyhow::Result<PoseGraph> {
-    if from == FileFormat::Jsonl {
-        return context.read_graph(&command.input, "graph");
+    if matches!(from, FileFormat::G2o | FileFormat::Toro) {
+        return read_graph_files(command, from, context);
     }
-    let mut input = open(&command.input)?;
+    if let Some(second) = command.inputs.get(1) {
+        bail!(
+            "{second}: only g2o and TORO files can be joined; convert one file at a time, and join session graphs with posecut-construct"
+        );
+    }
+    if from == FileFormat::Jsonl {
+        return context.read_graph(&command.inputs[0], "graph");
+    }
+    let mut input = open(&command.inputs[0])?;
     let name = input.name.clone();
     let session = command.reading.session.as_str();
     let graph = match from {
-        FileFormat::G2o | FileFormat::Toro => {
-            let repair = if command.reading.repair_information { Repair::Clamp } else { Repair::Refuse };
-            let options = g2o::ReadOptions {
-                session: session.to_owned(),
-                repair,
-                skip_unknown: command.reading.skip_unknown,
-            };
-            let (graph, summary) = if from == FileFormat::Toro {
-                toro::read(&name, &mut input, &options)?
-            } else {
-                g2o::read(&name, &mut input, &options)?
-            };
-            report(&name, &summary, context);
-            graph
-        }
         FileFormat::Tum => tum::read(&name, &mut input, session)?,
         FileFormat::Evo => bail!(
             "{name}: evo's results hold errors and no graph, and are written only; read the trajectories that they were made from"
         ),
-        FileFormat::Kitti | FileFormat::Jsonl => kitti::read(&name, &mut input, session)?,
+        _ => kitti::read(&name, &mut input, session)?,
     };
     context.inputs.push(InputDigest { name: "input".to_owned(), sha256: input.finish()? });
+    Ok(graph)
+}
+
+/// Reads one or several g2o or TORO files.
+fn read_graph_files(command: &Command, from: FileFormat, context: &mut Context) -> anyhow::Result<PoseGraph> {
+    let mut inputs = command.inputs.iter().map(open).collect::<anyhow::Result<Vec<_>>>()?;
+    let name = inputs[0].name.clone();
+    let options = g2o::ReadOptions {
+        session: command.reading.session.clone(),
+        repair: if command.reading.repair_information { Repair::Clamp } else { Repair::Refuse },
+        skip_unknown: command.reading.skip_unknown,
+    };
+    let files = inputs.iter_mut().map(|input| (input.name.clone(), input)).collect();
+    let (graph, summary) = if from == FileFormat::Toro {
+        toro::read_several(files, &options)?
+    } else {
+        g2o::read_several(files, &options)?
+    };
+    report(&name, &summary, context);
+    for input in inputs {
+        context.inputs.push(InputDigest { name: "input".to_owned(), sha256: input.finish()? });
+    }
     Ok(graph)
 }
 

@@ -25,7 +25,15 @@ pub fn read(
     reader: impl BufRead,
     options: &ReadOptions,
 ) -> Result<(PoseGraph, ReadSummary), ConvertError> {
-    g2o::read_dialect(file, reader, options, Dialect::Toro)
+    read_several(vec![(file.to_owned(), reader)], options)
+}
+
+/// Reads TORO files into one graph, as [`g2o::read_several`] does.
+pub fn read_several(
+    files: Vec<(String, impl BufRead)>,
+    options: &ReadOptions,
+) -> Result<(PoseGraph, ReadSummary), ConvertError> {
+    g2o::read_dialect(files, options, Dialect::Toro)
 }
 
 /// Writes a TORO file: vertices and edges in use (or all of them, `keep_rejected`). A measurement whose pitch is a right angle

@@ -21,6 +21,8 @@ pub enum Scope {
     Joint,
     /// One alignment a session: only its shape counts
     PerSession,
+    /// One alignment for each connected component of the reference; equal to joint where the reference is connected
+    PerComponent,
 }
 
 impl Scope {
@@ -29,6 +31,7 @@ impl Scope {
         match self {
             Self::Joint => "all sessions together",
             Self::PerSession => "each session by itself",
+            Self::PerComponent => "each component of the reference by itself",
         }
     }
 }
@@ -40,7 +43,7 @@ pub struct Options {
     #[arg(long, value_enum)]
     pub align: Option<Freedom>,
 
-    /// Whether sessions are aligned together or each by itself
+    /// Which poses share one alignment
     #[arg(long, value_enum, default_value_t = Scope::Joint)]
     pub scope: Scope,
 
@@ -89,7 +92,7 @@ pub struct AlignmentUsed {
     pub freedom: Freedom,
     /// Together or apart.
     pub scope: Scope,
-    /// What was found: one for all, or one a session.
+    /// What was found: one for all, one a session, or one a component (named by its first node).
     pub found: BTreeMap<String, AlignmentFound>,
 }
 
@@ -169,18 +172,26 @@ pub fn evaluate(
     })
 }
 
-/// Connected components over the edges in use that measure something.
-fn components(graph: &PoseGraph) -> usize {
+/// For each node the first node (by index) of its connected component, over the edges in use that measure something.
+fn first_of_component(graph: &PoseGraph) -> Vec<usize> {
     let mut parts = petgraph::unionfind::UnionFind::<usize>::new(graph.nodes.len());
-    let mut count = graph.nodes.len();
     for edge in graph.edges.iter().filter(|edge| edge.in_use() && edge.measurement.is_some()) {
-        if let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to))
-            && parts.union(from, to)
-        {
-            count -= 1;
+        if let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to)) {
+            parts.union(from, to);
         }
     }
-    count
+    let mut first = vec![usize::MAX; graph.nodes.len()];
+    (0..graph.nodes.len())
+        .map(|node| {
+            let representative = &mut first[parts.find(node)];
+            *representative = node.min(*representative);
+            *representative
+        })
+        .collect()
+}
+
+fn components(graph: &PoseGraph) -> usize {
+    first_of_component(graph).into_iter().enumerate().filter(|(node, first)| node == first).count()
 }
 
 /// Numbers stay numbers, everything else is text.
@@ -199,6 +210,8 @@ fn labels(pairs: &[String]) -> Result<BTreeMap<String, Value>, EvaluateError> {
 /// Common nodes, by session and frame.
 fn matches(estimate: &PoseGraph, reference: Option<&PoseGraph>) -> Vec<Match> {
     let dimension = estimate.header.dimension;
+    let graph = reference.unwrap_or(estimate);
+    let first = first_of_component(graph);
     let mut matches: Vec<Match> = estimate
         .nodes
         .iter()
@@ -210,6 +223,7 @@ fn matches(estimate: &PoseGraph, reference: Option<&PoseGraph>) -> Vec<Match> {
             Some(Match {
                 session: node.session.clone().unwrap_or_default(),
                 frame: node.frame.unwrap_or(i64::try_from(node.id).unwrap_or(i64::MAX)),
+                component: graph.nodes[first[graph.node_index(node.id)?]].id,
                 estimate: spatial(dimension, node.pose.as_deref()?)?,
                 reference: spatial(dimension, known)?,
             })
@@ -232,6 +246,7 @@ fn groups(matches: &[Match], scope: Scope) -> BTreeMap<String, Vec<&Match>> {
         let name = match scope {
             Scope::Joint => "all".to_owned(),
             Scope::PerSession => found.session.clone(),
+            Scope::PerComponent => format!("node {}", found.component),
         };
         groups.entry(name).or_default().push(found);
     }

@@ -14,6 +14,8 @@ pub struct Match {
     pub session: String,
     /// The frame number, which orders the nodes of a session.
     pub frame: i64,
+    /// The id of the first node of the reference's connected component.
+    pub component: u64,
     /// The estimated pose.
     pub estimate: SE3,
     /// The reference's pose.
@@ -97,7 +99,13 @@ mod tests {
             .map(|frame| {
                 let angle = f64::from(frame) * 0.1 - 10.0;
                 let pose = SE3::from_euler(angle, angle.cos(), 0.0, 0.3 * angle.sin(), 0.2, angle);
-                Match { session: String::new(), frame: i64::from(frame), estimate: pose, reference: pose }
+                Match {
+                    session: String::new(),
+                    frame: i64::from(frame),
+                    component: 0,
+                    estimate: pose,
+                    reference: pose,
+                }
             })
             .collect();
         let all: Vec<&Match> = matches.iter().collect();

@@ -40,11 +40,19 @@ enum Task {
         /// Only share K of N of the runs, whose shared part is there
         #[arg(long, value_name = "K/N", value_parser = shard)]
         shard: Option<(usize, usize)>,
+
+        /// Run failed runs again; otherwise they stay failed until their program, options or input change
+        #[arg(long)]
+        retry: bool,
     },
-    /// Gather results in one file, JSON Lines
+    /// Gather results in one file, JSON Lines; failed runs too
     Collect {
         #[command(flatten)]
         selection: Selection,
+
+        /// Write the CPU seconds of each run's method to this file, JSON Lines
+        #[arg(long, value_name = "FILE")]
+        times: Option<PathBuf>,
     },
     /// Compare results with what is expected; exit status 1 if something differs
     Check {
@@ -117,15 +125,30 @@ pub(crate) fn execute(command: &Command, context: &mut Context) -> anyhow::Resul
             context.write_bytes(&bytes)?;
             Ok(Outcome::Done)
         }
-        Task::Run { selection, shared, shard } => execute_run(selection, *shared, *shard, context),
-        Task::Collect { selection } => {
-            let mut bytes = Vec::new();
-            let (found, missing) = collect(&selection.plan()?, &mut bytes)?;
-            info!("{}, {missing} missing", counted(found, "result"));
-            context.statistics.note("results", found);
-            context.statistics.note("missing", missing);
-            context.write_bytes(&bytes)?;
-            Ok(if missing == 0 { Outcome::Done } else { Outcome::CheckFailed })
+        Task::Run { selection, shared, shard, retry } => {
+            let options =
+                RunOptions { threads: context.threads(), shared: *shared, shard: *shard, retry: *retry };
+            execute_run(selection, &options, context)
+        }
+        Task::Collect { selection, times } => {
+            if let Some(file) = times {
+                context.check_further_output("--times", file)?;
+            }
+            let collected = collect(&selection.plan()?)?;
+            info!(
+                "{}, {}, {} missing",
+                counted(collected.found, "result"),
+                counted(collected.failed, "failed run"),
+                collected.missing
+            );
+            context.statistics.note("results", collected.found);
+            context.statistics.note("failed", collected.failed);
+            context.statistics.note("missing", collected.missing);
+            if let Some(file) = times {
+                write_atomically(file, |writer| Ok(writer.write_all(&collected.times)?))?;
+            }
+            context.write_bytes(&collected.results)?;
+            Ok(if collected.missing == 0 { Outcome::Done } else { Outcome::CheckFailed })
         }
         Task::Check { selection, expected, junit: file } => {
             let plan = selection.plan()?;
@@ -159,24 +182,27 @@ pub(crate) fn execute(command: &Command, context: &mut Context) -> anyhow::Resul
 
 fn execute_run(
     selection: &Selection,
-    shared: bool,
-    shard: Option<(usize, usize)>,
+    options: &RunOptions,
     context: &mut Context,
 ) -> anyhow::Result<Outcome> {
     let plan = selection.plan()?;
-    let options = RunOptions { threads: context.threads(), shared, shard };
     let progress = context.progress(0, "stages");
-    let summary = run(&plan, &options, &progress)?;
+    let summary = run(&plan, options, &progress)?;
     progress.finish_and_clear();
     info!("{} run, {} finished before", counted(summary.run, "task"), summary.finished_before);
     context.statistics.note("run", summary.run);
     context.statistics.note("finished_before", summary.finished_before);
+    if summary.failed_runs > 0 {
+        info!("{} noted", counted(summary.failed_runs, "failed run"));
+    }
+    context.statistics.note("failed_runs", summary.failed_runs);
+    context.statistics.note("without_input", summary.without_input);
     context.statistics.note("failed", &summary.failed);
     context.statistics.note("not_run", summary.not_run);
     context.statistics.note("stages", &summary.stages);
     if !summary.failed.is_empty() {
         bail!(
-            "{} failed twice, and {} that read from them were not run; mend them and run again, finished ones stay\n  {}",
+            "{} failed twice, and {} that read from them were not run; fix them and run again: finished tasks are kept\n  {}",
             counted(summary.failed.len(), "task"),
             summary.not_run,
             summary.failed.join("\n  ")

@@ -7,13 +7,27 @@ use anyhow::{Context as _, bail};
 use serde::Deserialize;
 use toml::Value;
 
+use crate::{Graphs, Halves};
+
 /// A declared experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Experiment {
     /// Its name: the folder of its results, and their label `pipeline`.
     pub name: String,
-    /// Names of sessions.
+    /// The label `family` of its results, for tables over several experiments.
+    pub family: Option<String>,
+    /// Names of sessions; `A+B` joins the whole sessions A and B.
     pub sessions: Vec<String>,
+    /// Where sessions come from, if not from where the command line says.
+    pub source: Option<Origin>,
+    /// Given graphs.
+    pub graphs: Vec<Graphs>,
+    /// Whether only those graphs run that are listed under `sessions`, as the command line asks.
+    pub only: bool,
+    /// Which sessions and graphs are for tuning and which for tests.
+    pub halves: Option<Halves>,
+    /// CPU seconds that a task of a method may take. With a limit, a method that fails is a result too.
+    pub cpu_limit: Option<u64>,
     /// Names of sessions where they are simulated, if others.
     pub simulated_sessions: Option<Vec<String>>,
     /// Seeds 1 to this number.
@@ -36,6 +50,16 @@ pub struct Experiment {
     pub grids: Vec<Grid>,
 }
 
+/// Where sessions come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Origin {
+    /// posecut-simulate makes them.
+    Simulated,
+    /// They are real: `--nclt`, or the folder `nclt` below `--data`.
+    Nclt,
+}
+
 /// Which files of an experiment stay when nobody needs them any more.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -56,11 +80,11 @@ pub struct Step {
     pub options: Vec<String>,
 }
 
-/// `factor * of^power`, in six significant digits.
+/// A parameter computed from another: `factor * of^power`, in six significant digits, or one of some texts.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Derived {
-    /// A numeric parameter.
+    /// A parameter; a number where there are no texts.
     pub of: String,
     /// The factor.
     #[serde(default = "one")]
@@ -68,6 +92,11 @@ pub struct Derived {
     /// The exponent.
     #[serde(default = "one")]
     pub power: f64,
+    /// Text by the parameter's value, such as options that only some cases have.
+    #[serde(default)]
+    pub texts: BTreeMap<String, String>,
+    /// The text of all other values; without it they are errors.
+    pub otherwise: Option<String>,
 }
 
 fn one() -> f64 {
@@ -96,8 +125,14 @@ struct File {
     name: Option<String>,
     #[expect(dead_code, reason = "for readers of the file")]
     about: Option<String>,
+    family: Option<String>,
     sessions: Option<Vec<String>>,
     simulated_sessions: Option<Vec<String>>,
+    source: Option<Origin>,
+    #[serde(default)]
+    graphs: Vec<Graphs>,
+    halves: Option<Halves>,
+    cpu_limit: Option<u64>,
     seeds: Option<u64>,
     methods: Option<Vec<String>>,
     reference: Option<String>,
@@ -138,7 +173,13 @@ impl Experiment {
     fn empty() -> Self {
         Self {
             name: String::new(),
+            family: None,
             sessions: Vec::new(),
+            source: None,
+            graphs: Vec::new(),
+            only: false,
+            halves: None,
+            cpu_limit: None,
             simulated_sessions: None,
             seeds: 1,
             methods: Vec::new(),
@@ -158,6 +199,13 @@ impl Experiment {
         let inherited = self.simulated_sessions.take().filter(|_| file.sessions.is_none());
         self.simulated_sessions = file.simulated_sessions.or(inherited);
         self.sessions = file.sessions.unwrap_or(std::mem::take(&mut self.sessions));
+        self.family = file.family.or(self.family.take());
+        self.source = file.source.or(self.source);
+        self.halves = file.halves.or(self.halves.take());
+        self.cpu_limit = file.cpu_limit.or(self.cpu_limit);
+        if !file.graphs.is_empty() {
+            self.graphs = file.graphs;
+        }
         self.seeds = file.seeds.unwrap_or(self.seeds);
         self.methods = file.methods.unwrap_or(std::mem::take(&mut self.methods));
         self.reference = file.reference.unwrap_or(std::mem::take(&mut self.reference));
@@ -183,6 +231,9 @@ impl Experiment {
         for method in self.methods.iter().chain(every).chain([&self.reference]) {
             self.chain(method)?;
         }
+        if self.cpu_limit == Some(0) {
+            bail!("cpu_limit is 0, and must be a number of CPU seconds from 1");
+        }
         for grid in &self.grids {
             if let Some(axis) = grid.axes.keys().find(|axis| !self.parameters.contains_key(*axis)) {
                 bail!("a grid varies \"{axis}\", which is no parameter; declare it under [parameters]");
@@ -194,7 +245,7 @@ impl Experiment {
             bail!("derived.{name} is computed of \"{}\", which is no parameter", derived.of);
         }
         for name in self.parameters.keys().chain(self.derived.keys()) {
-            if ["pipeline", "session", "seed", "method"].contains(&name.as_str()) {
+            if LABELS.contains(&name.as_str()) {
                 bail!("\"{name}\" cannot be a parameter, since results have a label of that name");
             }
         }
@@ -223,6 +274,9 @@ impl Experiment {
         self.stages.entry(step.to_owned()).or_default().options = words(options);
     }
 }
+
+/// Labels of results that are no parameters.
+const LABELS: &[&str] = &["pipeline", "family", "half", "cluster", "session", "seed", "method"];
 
 fn words(options: &str) -> Vec<String> {
     options.split_whitespace().map(str::to_owned).collect()

@@ -16,6 +16,9 @@ pub(crate) struct Entry {
     pub(crate) digest: String,
     /// SHA-256 of each output.
     pub(crate) outputs: BTreeMap<String, String>,
+    /// Why the task has no outputs, of a failed run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) failed: Option<String>,
 }
 
 /// The finished tasks of some groups. Lines are appended as tasks finish, so that nothing is lost when the run

@@ -7,12 +7,16 @@
 //! as JSON Lines or as rules for Make, for other engines. [`collect()`] gathers the results, [`check`] holds them
 //! to expectations.
 
+mod call;
 pub mod check;
 mod collect;
 mod declaration;
 mod digest;
 mod expected;
 mod fingerprint;
+mod graphs;
+mod halves;
+mod items;
 mod journal;
 mod junit;
 mod lock;
@@ -25,11 +29,15 @@ mod programs;
 mod run;
 mod schedule;
 mod selection;
+mod times;
 
-pub use collect::collect;
-pub use declaration::{Experiment, Grid, Keep, Step};
+pub use collect::{Collected, collect};
+pub use declaration::{Experiment, Grid, Keep, Origin, Step};
 pub use expected::{Close, Expected, Order, Recorded, Tolerance};
 pub use fingerprint::Fingerprint;
+pub use graphs::Graphs;
+pub use halves::{Half, Halves};
+pub use items::members;
 pub use junit::junit;
 pub use make_rules::make_rules;
 pub use measure::{Measured, measure};

@@ -29,32 +29,43 @@ impl Point {
         points
     }
 
-    /// Replaces `{name}` in words by parameter values.
+    /// Replaces `{name}` in words by parameter values. A word that is nothing but one parameter becomes as many words as
+    /// the value has, none for an empty one.
     pub fn fill(&self, experiment: &Experiment, words: &[String]) -> anyhow::Result<Vec<String>> {
-        words
-            .iter()
-            .map(|word| {
-                replace(word, |name| {
-                    if let Some(value) = self.0.get(name) {
-                        return Ok(value.clone());
-                    }
-                    let derived = experiment.derived.get(name).with_context(|| {
-                        format!(
-                            "\"{{{name}}}\" in the options is no parameter; declare it under [parameters]"
-                        )
-                    })?;
-                    let text = &self.0[&derived.of];
-                    let base: f64 = text.parse().with_context(|| {
-                        format!("\"{name}\" is computed of {}, and \"{text}\" is no number", derived.of)
-                    })?;
-                    let value = derived.factor * base.powf(derived.power);
-                    if !value.is_finite() {
-                        bail!("\"{name}\" is no finite number for {} = {text}", derived.of);
-                    }
-                    Ok(six_digits(value))
-                })
-            })
-            .collect()
+        let mut filled = Vec::new();
+        for word in words {
+            let value = replace(word, |name| self.value(experiment, name))?;
+            let alone = word.starts_with('{') && word.find('}') == Some(word.len() - 1);
+            if alone {
+                filled.extend(value.split_whitespace().map(str::to_owned));
+            } else {
+                filled.push(value);
+            }
+        }
+        Ok(filled)
+    }
+
+    fn value(&self, experiment: &Experiment, name: &str) -> anyhow::Result<String> {
+        if let Some(value) = self.0.get(name) {
+            return Ok(value.clone());
+        }
+        let derived = experiment.derived.get(name).with_context(|| {
+            format!("\"{{{name}}}\" in the options is no parameter; declare it under [parameters]")
+        })?;
+        let text = &self.0[&derived.of];
+        if !derived.texts.is_empty() {
+            return derived.texts.get(text).or(derived.otherwise.as_ref()).cloned().with_context(|| {
+                format!("derived.{name} has no text for {} = {text}; add it, or say `otherwise`", derived.of)
+            });
+        }
+        let base: f64 = text.parse().with_context(|| {
+            format!("\"{name}\" is computed of {}, and \"{text}\" is no number", derived.of)
+        })?;
+        let value = derived.factor * base.powf(derived.power);
+        if !value.is_finite() {
+            bail!("\"{name}\" is no finite number for {} = {text}", derived.of);
+        }
+        Ok(six_digits(value))
     }
 
     /// The part of a path that tells values of these parameters apart; empty without parameters.

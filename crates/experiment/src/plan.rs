@@ -1,12 +1,13 @@
 //! A plan: tasks in an order in which they can run.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 
 use anyhow::{Context as _, bail};
 use posecut_stage::digest;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use crate::digest::Digests;
 use crate::programs::locate;
@@ -35,6 +36,15 @@ pub struct Task {
     /// Whether its outputs are removed once nobody needs them.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub temporary: bool,
+    /// CPU seconds that it may take. A task with a limit that fails is a failed run, which is a result.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cpu_limit: Option<u64>,
+    /// What a result is called by.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub labels: BTreeMap<String, Value>,
+    /// The tasks of a result's method, by id: their CPU seconds are those of the method.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub chain: Vec<String>,
     /// Over the arguments, the content of the program, and the digests of what it reads: equal digests, equal
     /// outputs.
     pub digest: String,
@@ -114,6 +124,9 @@ impl Plan {
             for argument in &task.argv[1..] {
                 text.push_str(&format!("{}\n", serde_json::to_string(argument)?));
             }
+            if let Some(limit) = task.cpu_limit {
+                text.push_str(&format!("limit {limit}\n"));
+            }
             for input in &task.inputs {
                 let known = match written.get(input) {
                     Some(known) => known.clone(),
@@ -131,9 +144,13 @@ impl Plan {
 
     /// The files of evaluations, in the order of the plan.
     pub fn results(&self) -> impl Iterator<Item = &str> {
-        self.tasks.iter().filter_map(|task| {
-            let output = task.outputs.first()?;
-            output.ends_with(".result.json").then_some(output.as_str())
-        })
+        self.tasks.iter().filter(|task| task.is_result()).map(|task| task.id.as_str())
+    }
+}
+
+impl Task {
+    /// Whether it writes a result.
+    pub(crate) fn is_result(&self) -> bool {
+        self.outputs.first().is_some_and(|output| output.ends_with(".result.json"))
     }
 }

@@ -2,20 +2,18 @@
 
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
-use std::process::Command;
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Instant;
 
-use anyhow::{Context as _, bail};
-use posecut_stage::{ProgressBar, warn};
+use anyhow::Context as _;
+use posecut_stage::{ProgressBar, info, warn};
 use serde::Serialize;
 
-use crate::digest::digest_path;
+use crate::call::{Outcome, call};
 use crate::journal::{Entry, Journals};
 use crate::lock::Lock;
-use crate::make_rules::shell;
 use crate::schedule::{Schedule, select};
-use crate::{Plan, Task};
+use crate::{Plan, times};
 
 /// How often a task is tried before it counts as failed.
 const ATTEMPTS: usize = 2;
@@ -29,6 +27,8 @@ pub struct RunOptions {
     pub shared: bool,
     /// Only share K of N of the other groups, K from 1.
     pub shard: Option<(usize, usize)>,
+    /// Run failed runs again.
+    pub retry: bool,
 }
 
 /// What a run did.
@@ -38,6 +38,10 @@ pub struct Summary {
     pub run: usize,
     /// Tasks that were finished before or that nobody needs.
     pub finished_before: usize,
+    /// Failed runs: tasks with a limit that were stopped or ended with an error. They are results.
+    pub failed_runs: usize,
+    /// Tasks that read what a failed run should have written.
+    pub without_input: usize,
     /// Tasks that failed twice, with what they said.
     pub failed: Vec<String>,
     /// Tasks that read what a failed one should have written.
@@ -62,10 +66,13 @@ struct Shared {
     running: usize,
     /// An error of the runner itself, which ends the run.
     broken: Option<anyhow::Error>,
+    /// The tasks of methods, whose CPU seconds are noted.
+    timed: HashSet<String>,
 }
 
 /// Runs what has not been run: each task once what it reads is there, temporary files removed once nobody reads
-/// them. A task that fails is tried once more; what depends on it is left out, and everything else still runs.
+/// them. A task that fails is tried once more; what depends on it is left out, and everything else still runs. A task with a
+/// limit that fails is a failed run: it is noted like a finished one.
 pub fn run(plan: &Plan, options: &RunOptions, progress: &ProgressBar) -> anyhow::Result<Summary> {
     let selected = select(plan, &plan.dependencies()?, options);
     let Some(first) = selected.iter().position(|selected| *selected) else { return Ok(Summary::default()) };
@@ -79,7 +86,8 @@ pub fn run(plan: &Plan, options: &RunOptions, progress: &ProgressBar) -> anyhow:
     progress.set_length(schedule.needed as u64);
     let needed = schedule.needed;
     let summary = Summary { finished_before: schedule.finished, ..Summary::default() };
-    let shared = Mutex::new(Shared { schedule, journals, summary, running: 0, broken: None });
+    let timed = plan.tasks.iter().flat_map(|task| task.chain.iter().cloned()).collect();
+    let shared = Mutex::new(Shared { schedule, journals, summary, running: 0, broken: None, timed });
     let changed = Condvar::new();
     std::thread::scope(|scope| {
         for _ in 0..threads.min(needed) {
@@ -90,6 +98,7 @@ pub fn run(plan: &Plan, options: &RunOptions, progress: &ProgressBar) -> anyhow:
     let groups: HashSet<&str> = plan.tasks.iter().map(|task| task.group.as_str()).collect();
     for group in groups {
         shared.journals.sort(group)?;
+        times::sort(group)?;
     }
     if let Some(error) = shared.broken {
         return Err(error);
@@ -98,7 +107,9 @@ pub fn run(plan: &Plan, options: &RunOptions, progress: &ProgressBar) -> anyhow:
     for &place in shared.schedule.temporary.iter().filter(|&&place| shared.schedule.wanted[place] == 0) {
         plan.tasks[place].outputs.iter().try_for_each(|output| remove(output))?;
     }
-    shared.summary.not_run = needed - shared.summary.run - shared.summary.failed.len();
+    let summary = &mut shared.summary;
+    summary.not_run =
+        needed - summary.run - summary.failed.len() - summary.failed_runs - summary.without_input;
     Ok(shared.summary)
 }
 
@@ -124,12 +135,14 @@ fn work(
         drop(state);
         let task = &plan.tasks[place];
         let started = Instant::now();
-        let mut outcome = attempt(task, lock, threads);
+        let mut outcome = call(task, lock, threads);
         for _ in 1..ATTEMPTS {
-            if let Err(error) = &outcome {
-                warn!("{}: failed, and is tried again: {error:#}", task.id);
-                outcome = attempt(task, lock, threads);
+            match &outcome {
+                Err(error) => warn!("{}: failed, and is tried again: {error:#}", task.id),
+                Ok(Outcome::FailedRun { by_limit: false, .. }) => {}
+                Ok(_) => break,
             }
+            outcome = call(task, lock, threads);
         }
         state = shared.lock().unwrap_or_else(PoisonError::into_inner);
         state.running -= 1;
@@ -137,8 +150,8 @@ fn work(
         time.tasks += 1;
         time.seconds += started.elapsed().as_secs_f64();
         match outcome {
-            Ok(outputs) => {
-                if let Err(error) = finish(plan, place, outputs, &mut state) {
+            Ok(outcome) => {
+                if let Err(error) = note(plan, place, outcome, &mut state, progress) {
                     state.broken = Some(error);
                 }
             }
@@ -146,6 +159,27 @@ fn work(
         }
         progress.inc(1);
         changed.notify_all();
+    }
+}
+
+/// Notes how a task ended.
+fn note(
+    plan: &Plan,
+    place: usize,
+    outcome: Outcome,
+    state: &mut Shared,
+    progress: &ProgressBar,
+) -> anyhow::Result<()> {
+    let task = &plan.tasks[place];
+    let seconds = match &outcome {
+        Outcome::Done { cpu_seconds, .. } | Outcome::FailedRun { cpu_seconds, .. } => *cpu_seconds,
+    };
+    if state.timed.contains(&task.id) {
+        times::add(&task.group, &task.id, &task.digest, seconds)?;
+    }
+    match outcome {
+        Outcome::Done { outputs, .. } => finish(plan, place, outputs, state),
+        Outcome::FailedRun { said, .. } => fail(plan, place, said, state, progress),
     }
 }
 
@@ -159,6 +193,7 @@ fn finish(
     let task = &plan.tasks[place];
     if let Some(before) = state.journals.get(&task.group, &task.id)
         && before.digest == task.digest
+        && before.failed.is_none()
         && before.outputs != outputs
     {
         warn!(
@@ -166,14 +201,51 @@ fn finish(
             task.id
         );
     }
-    state.journals.add(&task.group, Entry { id: task.id.clone(), digest: task.digest.clone(), outputs })?;
+    let entry = Entry { id: task.id.clone(), digest: task.digest.clone(), outputs, failed: None };
+    state.journals.add(&task.group, entry)?;
     state.summary.run += 1;
     for reader in state.schedule.readers[place].clone() {
         state.schedule.waiting[reader] -= 1;
-        if state.schedule.waiting[reader] == 0 {
+        if state.schedule.waiting[reader] == 0 && !state.schedule.doomed[reader] {
             state.schedule.ready.insert(reader);
         }
     }
+    release(plan, place, state)
+}
+
+/// Notes a failed run. What reads from it is not run, and what it left from another time is removed.
+fn fail(
+    plan: &Plan,
+    place: usize,
+    said: String,
+    state: &mut Shared,
+    progress: &ProgressBar,
+) -> anyhow::Result<()> {
+    let task = &plan.tasks[place];
+    info!("{}: a failed run: {said}", task.id);
+    let (id, digest) = (task.id.clone(), task.digest.clone());
+    let entry = Entry { id, digest, outputs: BTreeMap::new(), failed: Some(said) };
+    state.journals.add(&task.group, entry)?;
+    state.summary.failed_runs += 1;
+    let mut open = vec![place];
+    while let Some(place) = open.pop() {
+        state.schedule.doomed[place] = true;
+        plan.tasks[place].outputs.iter().try_for_each(|output| remove(output))?;
+        release(plan, place, state)?;
+        for &reader in &state.schedule.readers[place] {
+            if !state.schedule.doomed[reader] {
+                state.schedule.doomed[reader] = true;
+                state.summary.without_input += 1;
+                progress.inc(1);
+                open.push(reader);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Removes temporary files that this task was the last to read.
+fn release(plan: &Plan, place: usize, state: &mut Shared) -> anyhow::Result<()> {
     for other in state.schedule.dependencies[place].clone() {
         state.schedule.wanted[other] -= 1;
         if state.schedule.wanted[other] == 0 && plan.tasks[other].temporary {
@@ -186,42 +258,10 @@ fn finish(
 }
 
 fn remove(output: &str) -> anyhow::Result<()> {
-    match std::fs::remove_file(output) {
+    match std::fs::remove_file(Path::new(output)) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
             Err(error).with_context(|| format!("{output}: cannot be removed"))
         }
         _ => Ok(()),
     }
-}
-
-/// Runs a task; returns the digests of its outputs.
-fn attempt(task: &Task, lock: &Lock, threads: usize) -> anyhow::Result<BTreeMap<String, String>> {
-    for output in task.outputs.iter().chain(&task.statistics) {
-        if let Some(folder) = Path::new(output).parent() {
-            std::fs::create_dir_all(folder)
-                .with_context(|| format!("{}: cannot be made", folder.display()))?;
-        }
-    }
-    let mut command = Command::new(&task.argv[0]);
-    command.args(&task.argv[1..]).stdin(lock.stdin()?);
-    if threads > 1 && std::env::var_os("RAYON_NUM_THREADS").is_none() {
-        // Tasks fill the processors already; their results do not depend on the number of threads.
-        command.env("RAYON_NUM_THREADS", "1");
-    }
-    let called = || task.argv.iter().map(|word| shell(word)).collect::<Vec<_>>().join(" ");
-    let output = command.output().with_context(|| format!("cannot be started: {}", called()))?;
-    if !output.status.success() {
-        let said = String::from_utf8_lossy(&output.stderr);
-        let said: Vec<&str> = said.lines().rev().take(3).collect();
-        let said: Vec<&str> = said.into_iter().rev().collect();
-        bail!("{} of `{}`: {}", output.status, called(), said.join(" / "));
-    }
-    task.outputs
-        .iter()
-        .map(|output| {
-            let digest = digest_path(Path::new(output))
-                .with_context(|| format!("`{}` ended well and wrote no {output}", called()))?;
-            Ok((output.clone(), digest))
-        })
-        .collect()
 }

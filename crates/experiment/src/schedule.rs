@@ -16,6 +16,8 @@ enum State {
     Fresh,
     /// Still to do, or to do again for somebody who reads it.
     Open,
+    /// A failed run, which stays one until its digest changes.
+    Failed,
 }
 
 /// The tasks to run.
@@ -34,6 +36,8 @@ pub(crate) struct Schedule {
     pub(crate) finished: usize,
     /// For each task, the earlier ones that it reads from.
     pub(crate) dependencies: Vec<Vec<usize>>,
+    /// For each task, whether it is a failed run or reads from one.
+    pub(crate) doomed: Vec<bool>,
     /// Temporary tasks of this call.
     pub(crate) temporary: Vec<usize>,
 }
@@ -55,8 +59,21 @@ impl Schedule {
                 states[place] = state(task, journals);
             }
         }
+        if options.retry {
+            states.iter_mut().filter(|state| **state == State::Failed).for_each(|state| *state = State::Open);
+        }
+        let mut doomed = vec![false; plan.tasks.len()];
+        for place in 0..plan.tasks.len() {
+            doomed[place] =
+                states[place] == State::Failed || dependencies[place].iter().any(|&other| doomed[other]);
+        }
         let mut needed: Vec<bool> = (0..plan.tasks.len())
-            .map(|place| selected[place] && !plan.tasks[place].temporary && states[place] == State::Open)
+            .map(|place| {
+                !doomed[place]
+                    && selected[place]
+                    && !plan.tasks[place].temporary
+                    && states[place] == State::Open
+            })
             .collect();
         for place in (0..plan.tasks.len()).rev().filter(|&place| needed[place]).collect::<Vec<_>>() {
             mark(place, &dependencies, &states, &mut needed);
@@ -86,6 +103,7 @@ impl Schedule {
             readers,
             waiting,
             dependencies,
+            doomed,
         })
     }
 }
@@ -139,7 +157,11 @@ pub(crate) fn select(plan: &Plan, dependencies: &[Vec<usize>], options: &RunOpti
 }
 
 fn state(task: &Task, journals: &Journals) -> State {
-    let fresh = journals.get(&task.group, &task.id).is_some_and(|entry| {
+    let entry = journals.get(&task.group, &task.id);
+    if entry.is_some_and(|entry| entry.digest == task.digest && entry.failed.is_some()) {
+        return State::Failed;
+    }
+    let fresh = entry.is_some_and(|entry| {
         entry.digest == task.digest
             && task.outputs.iter().all(|output| {
                 entry

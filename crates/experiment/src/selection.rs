@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use posecut_stage::warn;
 
-use crate::{Experiment, Plan, Programs, Source, plan};
+use crate::{Experiment, Half, Plan, Programs, Source, plan};
 
 /// Experiments and what the command line changes of them.
 #[derive(Clone, Debug, clap::Args)]
@@ -30,6 +30,14 @@ pub struct Selection {
     #[arg(long, value_name = "DIRECTORY")]
     pub nclt: Option<PathBuf>,
 
+    /// Where given graphs lie, and real sessions in its folder nclt
+    #[arg(long, value_name = "DIRECTORY")]
+    pub data: Option<PathBuf>,
+
+    /// Only the sessions and graphs of this half
+    #[arg(long, value_enum)]
+    pub half: Option<Half>,
+
     /// Where simulated sessions go
     #[arg(long, value_name = "DIRECTORY", default_value = "data/simulated")]
     pub simulated: PathBuf,
@@ -38,7 +46,7 @@ pub struct Selection {
     #[arg(long, value_name = "DIRECTORY", default_value = "results")]
     pub results: PathBuf,
 
-    /// Instead of the declared sessions
+    /// Instead of the declared sessions and graphs
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub sessions: Vec<String>,
 
@@ -63,6 +71,7 @@ impl Selection {
         for experiment in &mut experiments {
             if !self.sessions.is_empty() {
                 experiment.sessions.clone_from(&self.sessions);
+                experiment.only = true;
             } else if let (None, Some(simulated)) = (&self.nclt, &experiment.simulated_sessions) {
                 experiment.sessions.clone_from(simulated);
             }
@@ -130,15 +139,19 @@ impl Selection {
         }
         let source = Source {
             nclt: self.nclt.clone(),
+            data: self.data.clone(),
+            half: self.half,
             simulated: self.simulated.clone(),
             results: self.results.clone(),
         };
         let (plan, missing) = plan(&self.declared()?, &self.programs()?, &source)?;
-        if let (Some(nclt), false) = (&self.nclt, missing.is_empty()) {
-            warn!("no data in {} for: {}", nclt.display(), missing.join(", "));
+        if !missing.is_empty() {
+            let nclt = self.nclt.clone().or(self.data.as_ref().map(|data| data.join("nclt")));
+            let folder = nclt.unwrap_or_else(|| PathBuf::from("data/nclt"));
+            warn!("no data in {} for: {}", folder.display(), missing.join(", "));
         }
         if plan.tasks.is_empty() {
-            bail!("there is nothing to run: no session has data, or there is no seed or method");
+            bail!("there is nothing to run: no session has data, or there is no graph, seed or method");
         }
         Ok(plan)
     }

@@ -1,6 +1,6 @@
 //! Reading g2o.
 
-use std::collections::{BTreeMap, BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::io::BufRead;
 
 use posecut_graph::{Dimension, Edge, EdgeKind, FIXED, Header, Node, PoseGraph, negative_eigenvalue};
@@ -55,8 +55,17 @@ pub struct ReadSummary {
     pub without_vertex: usize,
 }
 
+/// What earlier files hold.
+#[derive(Default)]
+struct Earlier {
+    vertices: HashSet<u64>,
+    edges: usize,
+    /// Positions in `edges` by the ends of an edge.
+    by_ends: HashMap<(u64, u64), Vec<usize>>,
+}
+
 struct Reader<'a> {
-    file: &'a str,
+    file: String,
     options: &'a ReadOptions,
     dialect: Dialect,
     line: u64,
@@ -67,8 +76,10 @@ struct Reader<'a> {
     kind: Option<(u64, u64, EdgeKind)>,
     /// Pairs of successive vertices that have their odometry.
     successive: HashSet<u64>,
-    /// Vertices that `FIX` names, and its line.
-    fixed: BTreeMap<u64, u64>,
+    /// Vertices that `FIX` names, and its file and line.
+    fixed: BTreeMap<u64, (String, u64)>,
+    /// Vertices and edges of earlier files: what stands in several is read once.
+    earlier: Earlier,
     summary: ReadSummary,
 }
 
@@ -78,18 +89,26 @@ pub fn read(
     reader: impl BufRead,
     options: &ReadOptions,
 ) -> Result<(PoseGraph, ReadSummary), ConvertError> {
-    read_dialect(file, reader, options, Dialect::G2o)
+    read_dialect(vec![(file.to_owned(), reader)], options, Dialect::G2o)
 }
 
-/// Reads a file of either format.
+/// Reads g2o files, such as one a robot, into one graph. Vertices keep their ids, which must be unique among all files; a
+/// vertex or an edge that several files hold with the same numbers is read once.
+pub fn read_several(
+    files: Vec<(String, impl BufRead)>,
+    options: &ReadOptions,
+) -> Result<(PoseGraph, ReadSummary), ConvertError> {
+    read_dialect(files, options, Dialect::G2o)
+}
+
+/// Reads files of either format.
 pub(crate) fn read_dialect(
-    file: &str,
-    reader: impl BufRead,
+    files: Vec<(String, impl BufRead)>,
     options: &ReadOptions,
     dialect: Dialect,
 ) -> Result<(PoseGraph, ReadSummary), ConvertError> {
     let mut state = Reader {
-        file,
+        file: String::new(),
         options,
         dialect,
         line: 0,
@@ -99,22 +118,47 @@ pub(crate) fn read_dialect(
         kind: None,
         successive: HashSet::new(),
         fixed: BTreeMap::new(),
+        earlier: Earlier::default(),
         summary: ReadSummary::default(),
     };
-    for line in bounded_lines(reader) {
-        state.line += 1;
-        let line = line.map_err(|error| ConvertError::Io { file: file.to_owned(), error })?;
-        let fields: Vec<&str> = line.split_whitespace().collect();
-        if fields.first().is_some_and(|tag| !tag.starts_with('#')) {
-            state.record(&fields)?;
-        } else if let Some(kind) = kind_of_comment(&fields) {
-            state.kind = Some(kind);
+    for (file, reader) in files {
+        state.begin(file);
+        for line in bounded_lines(reader) {
+            state.line += 1;
+            let line = line.map_err(|error| ConvertError::Io { file: state.file.clone(), error })?;
+            let fields: Vec<&str> = line.split_whitespace().collect();
+            if fields.first().is_some_and(|tag| !tag.starts_with('#')) {
+                state.record(&fields)?;
+            } else if let Some(kind) = kind_of_comment(&fields) {
+                state.kind = Some(kind);
+            }
         }
     }
     state.graph()
 }
 
 impl Reader<'_> {
+    /// Goes on to the next file.
+    fn begin(&mut self, file: String) {
+        self.file = file;
+        self.line = 0;
+        self.kind = None;
+        self.earlier.vertices.extend(self.vertices.keys());
+        for (index, edge) in self.edges.iter().enumerate().skip(self.earlier.edges) {
+            self.earlier.by_ends.entry((edge.from, edge.to)).or_default().push(index);
+        }
+        self.earlier.edges = self.edges.len();
+    }
+
+    /// Whether an earlier file holds this edge with the same numbers.
+    fn is_repeated(&self, from: u64, to: u64, measurement: &[f64], information: &[f64]) -> bool {
+        self.earlier.by_ends.get(&(from, to)).into_iter().flatten().any(|&index| {
+            let known = &self.edges[index];
+            known.measurement.as_deref() == Some(measurement)
+                && known.information.as_deref() == Some(information)
+        })
+    }
+
     fn record(&mut self, fields: &[&str]) -> Result<(), ConvertError> {
         let (tag, fields) = (fields[0], &fields[1..]);
         match (self.dialect, tag) {
@@ -131,7 +175,7 @@ impl Reader<'_> {
             (Dialect::G2o, "FIX") => {
                 for field in fields {
                     let id = self.id(field)?;
-                    self.fixed.entry(id).or_insert(self.line);
+                    self.fixed.entry(id).or_insert_with(|| (self.file.clone(), self.line));
                 }
                 Ok(())
             }
@@ -154,7 +198,7 @@ impl Reader<'_> {
     }
 
     fn refuse(&self, problem: impl Into<String>, remedy: impl Into<String>) -> ConvertError {
-        ConvertError::line(self.file, self.line, problem, remedy)
+        ConvertError::line(&self.file, self.line, problem, remedy)
     }
 
     fn id(&self, field: &str) -> Result<u64, ConvertError> {
@@ -170,7 +214,7 @@ impl Reader<'_> {
                 "the line is cut short or of another type",
             ));
         }
-        fields.iter().map(|field| number(self.file, self.line, field)).collect()
+        fields.iter().map(|field| number(&self.file, self.line, field)).collect()
     }
 
     fn agree(&mut self, dimension: Dimension) -> Result<(), ConvertError> {
@@ -217,10 +261,14 @@ impl Reader<'_> {
         };
         let id = self.id(id)?;
         let pose = self.pose(dimension, self.numbers(rest, self.pose_numbers(dimension))?)?;
-        if self.vertices.insert(id, pose).is_some() {
-            return Err(self.refuse(format!("vertex {id} stands twice"), "keep one of the two"));
+        match self.vertices.get(&id) {
+            None => {
+                self.vertices.insert(id, pose);
+                Ok(())
+            }
+            Some(known) if self.earlier.vertices.contains(&id) && *known == pose => Ok(()),
+            Some(_) => Err(self.refuse(format!("vertex {id} stands twice"), "keep one of the two")),
         }
-        Ok(())
     }
 
     fn edge(&mut self, dimension: Dimension, fields: &[&str]) -> Result<(), ConvertError> {
@@ -266,12 +314,17 @@ impl Reader<'_> {
             self.summary.open += 1;
             self.summary.first_open.get_or_insert((self.line, from, to));
         }
+        let measurement = self.pose(dimension, numbers)?;
+        if self.is_repeated(from, to, &measurement, &information) {
+            self.kind = None;
+            return Ok(());
+        }
         let kind = match self.kind.take() {
             Some((first, second, kind)) if (first, second) == (from, to) => kind,
             _ => inferred_kind(&mut self.successive, from, to),
         };
         let mut edge = Edge::new(kind, self.edges.len() as u64, from, to);
-        edge.measurement = Some(self.pose(dimension, numbers)?);
+        edge.measurement = Some(measurement);
         edge.information = Some(information);
         self.edges.push(edge);
         Ok(())
@@ -280,7 +333,7 @@ impl Reader<'_> {
     fn graph(mut self) -> Result<(PoseGraph, ReadSummary), ConvertError> {
         let Some(dimension) = self.dimension else {
             return Err(ConvertError::line(
-                self.file,
+                &self.file,
                 self.line,
                 "there is neither vertex nor edge",
                 "name a g2o file of a pose graph",
@@ -304,9 +357,9 @@ impl Reader<'_> {
             }
             graph.nodes.push(node);
         }
-        if let Some((id, line)) = self.fixed.first_key_value() {
+        if let Some((id, (file, line))) = self.fixed.first_key_value() {
             return Err(ConvertError::line(
-                self.file,
+                file,
                 *line,
                 format!("FIX names vertex {id}, which no other line names"),
                 "correct the number, or delete the line",

@@ -35,6 +35,12 @@ argv = ["{program}", "ingest", "{input}", "--", "{options}", "-o", "{output}"]
 [construct]
 program = "./stage.sh"
 argv = ["{program}", "construct", "{input}", "--", "{options}", "{seed}", "-o", "{output}"]
+[convert]
+program = "./stage.sh"
+argv = ["{program}", "convert", "{input}", "--", "{options}", "-o", "{output}"]
+[label]
+program = "./stage.sh"
+argv = ["{program}", "label", "{input}", "--", "{options}", "-o", "{output}"]
 [oracle]
 program = "./stage.sh"
 argv = ["{program}", "oracle", "{input}", "--", "{options}", "-o", "{output}"]
@@ -172,6 +178,8 @@ impl Workshop {
     pub(crate) fn files(&self, folder: &str) -> BTreeMap<String, String> {
         let mut files = BTreeMap::new();
         gather(&self.path(folder), self.folder.path(), &mut files);
+        // CPU seconds differ from run to run.
+        files.retain(|name, _| !name.ends_with(".times.jsonl"));
         files
     }
 
@@ -180,9 +188,7 @@ impl Workshop {
         let mut files = self.files("results");
         files.extend(self.files("simulated"));
         // Locks are empty, and which of them there are depends on how a plan was divided.
-        files.retain(|name, _| {
-            std::path::Path::new(name).extension().is_none_or(|extension| extension != "lock")
-        });
+        files.retain(|name, _| !name.ends_with(".lock"));
         files
     }
 }

@@ -1,0 +1,148 @@
+//! What an experiment runs on: sessions, sessions that are joined, and given graphs.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use anyhow::{Context as _, bail};
+
+use crate::graphs::GraphFile;
+use crate::halves::any;
+use crate::{Experiment, Half, Origin, Source};
+
+/// One session, several that are joined (`A+B`), or one given graph.
+pub(crate) struct Item {
+    pub(crate) name: String,
+    /// The unit of the bootstrap.
+    pub(crate) cluster: String,
+    pub(crate) half: Option<Half>,
+    pub(crate) kind: Kind,
+}
+
+/// What an item is made from.
+pub(crate) enum Kind {
+    /// Names of the sessions and their data.
+    Sessions(Vec<(String, String)>),
+    Graph(GraphFile),
+}
+
+impl Source {
+    /// The folder of real sessions, if this experiment uses them.
+    fn nclt(&self, experiment: &Experiment) -> Option<PathBuf> {
+        match experiment.source {
+            Some(Origin::Simulated) => None,
+            Some(Origin::Nclt) => {
+                let beside = self.data.as_ref().map(|data| data.join("nclt"));
+                Some(self.nclt.clone().or(beside).unwrap_or_else(|| PathBuf::from("data/nclt")))
+            }
+            None => self.nclt.clone(),
+        }
+    }
+
+    /// Whether the sessions of an experiment are simulated.
+    pub(crate) fn simulates(&self, experiment: &Experiment) -> bool {
+        self.nclt(experiment).is_none()
+    }
+
+    /// The file or folder of a session, if it is there or can be made.
+    fn session(&self, experiment: &Experiment, name: &str) -> Option<String> {
+        let text = |path: PathBuf| path.to_string_lossy().into_owned();
+        match self.nclt(experiment) {
+            None => Some(text(self.simulated.join(name))),
+            Some(nclt) => [nclt.join(name), nclt.join(format!("{name}_sen.tar.gz"))]
+                .into_iter()
+                .find(|path| path.exists())
+                .map(text),
+        }
+    }
+
+    /// The ground truth beside an archive, which its session's graph depends on too.
+    pub(crate) fn beside(&self, experiment: &Experiment, name: &str) -> Option<String> {
+        let path = self.nclt(experiment)?.join(format!("groundtruth_{name}.csv"));
+        path.is_file().then(|| path.to_string_lossy().into_owned())
+    }
+}
+
+/// All items of an experiment, of both halves. Sessions without data are left out and noted.
+pub(crate) fn items(
+    experiment: &Experiment,
+    source: &Source,
+    missing: &mut BTreeSet<String>,
+) -> anyhow::Result<Vec<Item>> {
+    let mut found = Vec::new();
+    if !experiment.graphs.is_empty() {
+        let Some(data) = &source.data else {
+            bail!("its graphs are files below a folder of data; name the folder with --data DIRECTORY");
+        };
+        for graphs in &experiment.graphs {
+            found.extend(graphs.find(data)?.into_iter().map(|graph| Item {
+                name: graph.name.clone(),
+                cluster: graph.cluster.clone(),
+                half: None,
+                kind: Kind::Graph(graph),
+            }));
+        }
+    }
+    let listed = experiment.grids.iter().filter_map(|grid| grid.sessions.as_ref()).flatten();
+    let mut sessions: Vec<&String> = experiment.sessions.iter().chain(listed).collect();
+    let mut seen = BTreeSet::new();
+    sessions.retain(|name| seen.insert(name.as_str()));
+    for name in sessions {
+        if found.iter().any(|item| matches(std::slice::from_ref(name), &item.name).unwrap_or(false)) {
+            // A grid or the command line names a given graph.
+            continue;
+        }
+        if !experiment.graphs.is_empty() && experiment.source.is_none() {
+            bail!("there is no graph \"{name}\"; it has {}", names(&found));
+        }
+        let parts: Vec<&str> = name.split('+').collect();
+        let data: Option<Vec<(String, String)>> =
+            parts.iter().map(|part| Some(((*part).to_owned(), source.session(experiment, part)?))).collect();
+        match data {
+            Some(data) => found.push(Item {
+                name: name.clone(),
+                cluster: name.clone(),
+                half: None,
+                kind: Kind::Sessions(data),
+            }),
+            None => {
+                let absent = parts.iter().filter(|part| source.session(experiment, part).is_none());
+                missing.extend(absent.map(|part| (*part).to_owned()));
+            }
+        }
+    }
+    let mut seen = BTreeSet::new();
+    if let Some(twice) = found.iter().find(|item| !seen.insert(&item.name)) {
+        bail!(
+            "two graphs are called \"{}\"; give one of the [[graphs]] another name, such as name = \"mine_{{stem}}\"",
+            twice.name
+        );
+    }
+    if let Some(halves) = &experiment.halves {
+        halves.check(found.iter().map(|item| (item.name.as_str(), item.cluster.as_str())))?;
+        for item in &mut found {
+            item.half = Some(halves.of(&item.name)?);
+        }
+    }
+    if let Some(half) = source.half {
+        if experiment.halves.is_none() {
+            bail!("has no [halves], and --half {} asks for one; declare them", half.name());
+        }
+        found.retain(|item| item.half == Some(half));
+    }
+    Ok(found)
+}
+
+/// The sessions and graphs of an experiment that has halves, by name, with the half of each.
+pub fn members(experiment: &Experiment, source: &Source) -> anyhow::Result<Vec<(String, &'static str)>> {
+    let items = items(experiment, source, &mut BTreeSet::new())?;
+    Ok(items.into_iter().filter_map(|item| Some((item.name, item.half?.name()))).collect())
+}
+
+/// Whether an item belongs to a list of names and patterns.
+pub(crate) fn matches(names: &[String], item: &str) -> anyhow::Result<bool> {
+    Ok(names.iter().any(|name| name == item) || any(names, item).context("a list of sessions")?)
+}
+
+fn names(items: &[Item]) -> String {
+    items.iter().map(|item| item.name.as_str()).collect::<Vec<_>>().join(", ")
+}

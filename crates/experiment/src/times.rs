@@ -1,0 +1,59 @@
+//! CPU seconds of tasks: one line a task, beside its group. They differ from run to run, so they are in files of their own.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use anyhow::Context as _;
+use posecut_stage::write_atomically;
+use serde::{Deserialize, Serialize};
+
+/// A task and its time.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Time {
+    id: String,
+    digest: String,
+    cpu_seconds: f64,
+}
+
+fn path(group: &str) -> PathBuf {
+    PathBuf::from(format!("{group}.times.jsonl"))
+}
+
+/// Notes the time of a task; the last line of a task counts.
+pub(crate) fn add(group: &str, id: &str, digest: &str, cpu_seconds: f64) -> anyhow::Result<()> {
+    let path = path(group);
+    let place = || format!("{}: cannot be written", path.display());
+    let mut line = serde_json::to_vec(&Time { id: id.to_owned(), digest: digest.to_owned(), cpu_seconds })?;
+    line.push(b'\n');
+    let mut file = File::options().create(true).append(true).open(&path).with_context(place)?;
+    file.write_all(&line).with_context(place)
+}
+
+/// The times of a group's tasks, by id, with the digest that each had.
+pub(crate) fn read(group: &str) -> anyhow::Result<BTreeMap<String, (String, f64)>> {
+    let path = path(group);
+    let text = match fs::read_to_string(&path) {
+        Ok(text) => text,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+        Err(error) => return Err(error).with_context(|| format!("{}: cannot be read", path.display())),
+    };
+    let times = text.lines().filter_map(|line| serde_json::from_str::<Time>(line).ok());
+    Ok(times.map(|time| (time.id, (time.digest, time.cpu_seconds))).collect())
+}
+
+/// Writes one line a task, in the order of their names.
+pub(crate) fn sort(group: &str) -> anyhow::Result<()> {
+    let times = read(group)?;
+    if times.is_empty() {
+        return Ok(());
+    }
+    write_atomically(&path(group), |writer| {
+        for (id, (digest, cpu_seconds)) in times {
+            serde_json::to_writer(&mut *writer, &Time { id, digest, cpu_seconds })?;
+            writer.write_all(b"\n")?;
+        }
+        Ok(())
+    })
+}

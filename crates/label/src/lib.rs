@@ -1,0 +1,102 @@
+//! Labels for landmark edges: which of them are correct.
+//!
+//! Exactly one source of labels is used: a table of labels ([`table`]), a list of the correct pairs ([`pairs`]), one
+//! answer for all edges, or ground-truth poses ([`ground_truth`]). Without a source the labels of the file are checked:
+//! every landmark edge must have one. A label without its edge and an edge without its label are errors, so that a file
+//! of labels that belongs to another graph is not used by mistake.
+
+pub mod ground_truth;
+mod options;
+pub mod pairs;
+pub mod table;
+
+pub use options::{Measurements, Options};
+
+use std::collections::HashMap;
+
+use anyhow::bail;
+use posecut_graph::{Dimension, Edge, EdgeKind, EdgeTruth, PoseGraph};
+use posecut_stage::{Context, GraphStage, info};
+
+impl GraphStage for Options {
+    const NAME: &'static str = "label";
+    const ABOUT: &'static str = "Write which landmark edges of a graph are correct";
+
+    fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
+        self.check()?;
+        if let Some(source) = &self.labels {
+            let (file, bytes) = context.read_bytes(source, "labels")?;
+            table::apply(graph, &file, &table::read(&file, &bytes)?)?;
+        } else if let Some(source) = &self.correct_pairs {
+            let (file, bytes) = context.read_bytes(source, "correct pairs")?;
+            pairs::apply(graph, &file, &pairs::read(&file, &bytes)?)?;
+        } else if self.all_correct {
+            landmarks(graph).for_each(|edge| set(edge, true));
+        } else if let Some(truth) = ground_truth::read(self, graph, context)? {
+            ground_truth::apply(graph, &truth, self)?;
+        } else {
+            check_labels(graph)?;
+        }
+        if self.measurements == Measurements::Zero {
+            let identity = identity(graph.header.dimension);
+            landmarks(graph).for_each(|edge| edge.measurement = Some(identity.clone()));
+        }
+        let all = graph.edges_of(EdgeKind::Landmark).count();
+        let correct =
+            graph.edges_of(EdgeKind::Landmark).filter(|edge| edge.truth_correct() == Some(true)).count();
+        info!("{correct} landmark edges are correct, {} are not", all - correct);
+        context.statistics.note("landmark_edges", all);
+        context.statistics.note("correct", correct);
+        context.statistics.note("incorrect", all - correct);
+        Ok(())
+    }
+}
+
+/// The measurement "the same place".
+fn identity(dimension: Dimension) -> Vec<f64> {
+    match dimension {
+        Dimension::Two => vec![0.0; 3],
+        Dimension::Three => vec![0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+    }
+}
+
+fn landmarks(graph: &mut PoseGraph) -> impl Iterator<Item = &mut Edge> {
+    graph.edges.iter_mut().filter(|edge| edge.kind == EdgeKind::Landmark)
+}
+
+/// Writes a label; other fields of `truth` stay.
+pub(crate) fn set(edge: &mut Edge, correct: bool) {
+    match &mut edge.truth {
+        Some(truth) => truth.correct = Some(correct),
+        none => *none = Some(EdgeTruth::of(correct)),
+    }
+}
+
+/// What messages call an edge: its kind, id and ends.
+pub(crate) fn described(edge: &Edge) -> String {
+    format!("{} ({} {})", edge.name(), edge.from, edge.to)
+}
+
+/// Positions of landmark edges by their ends as they are in the file.
+pub(crate) fn by_ends(graph: &PoseGraph) -> HashMap<(u64, u64), Vec<usize>> {
+    let mut positions: HashMap<(u64, u64), Vec<usize>> = HashMap::new();
+    for (position, edge) in graph.edges.iter().enumerate() {
+        if edge.kind == EdgeKind::Landmark {
+            positions.entry((edge.from, edge.to)).or_default().push(position);
+        }
+    }
+    positions
+}
+
+/// Refuses a graph in which a landmark edge has no label.
+fn check_labels(graph: &PoseGraph) -> anyhow::Result<()> {
+    let mut unknown = graph.edges_of(EdgeKind::Landmark).filter(|edge| edge.truth_correct().is_none());
+    if let Some(first) = unknown.next() {
+        bail!(
+            "{} of the landmark edges have no label \"truth\":{{\"correct\":…}}, first {}; name a source of labels: --labels, --correct-pairs, --all-correct, --ground-truth or --vertices",
+            1 + unknown.count(),
+            described(first)
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,34 @@
+# The trust benchmark: every method on every kind of graph (pipelines/trust/*.toml, docs/trust.md).
+#   make trust DATA=DIR [FAMILIES="clean kitti"] [SEEDS=1] [HALF=tuning|test] [DOCUMENT=FILE]
+DATA          ?=
+FAMILIES      ?= clean corrupted bicocca kitti kitti-zero robots two-experiences many-sessions hard
+HALF          ?=
+# The page is rewritten where all of the benchmark runs.
+DOCUMENT      ?= $(if $(call given,FAMILIES,1)$(call given,SEEDS,1)$(call given,METHODS,1)$(HALF),,docs/trust.md)
+
+trust_results  = $(RESULTS)/trust
+trust_files    = $(wildcard $(foreach family,$(FAMILIES),$(foreach part,$(family) $(family)-real $(family)-simulated,\
+                 pipelines/trust/$(part).toml)))
+trust_unknown  = $(foreach family,$(FAMILIES),$(if $(wildcard pipelines/trust/$(family).toml pipelines/trust/$(family)-*.toml),,$(family)))
+trust_of       = $(trust_files) --programs $(BIN) --simulated $(call quoted,$(SIMULATED)) --data $(call quoted,$(DATA)) \
+                 --results $(call quoted,$(trust_results)) $(swapped) $(if $(HALF),--half $(HALF)) \
+                 $(call given,SEEDS,--seeds $(SEEDS)) $(call given,METHODS,--methods $(call listed,$(METHODS)))
+trust_figure   = $(if $(DOCUMENT),docs/results/trust-regret.svg,$(trust_results)/regret.svg)
+
+trust: $(if $(DATA),$(EXPERIMENTS) $(REPORT))
+	@test -n $(call quoted,$(DATA)) || { echo 'Name the folder of graphs and sessions: make trust DATA=DIR. It holds'; \
+	  echo '  g2o/             benchmark graphs (clean)'; \
+	  echo '  false_closures/  corrupted/, bicocca25b/, kitti/, pcm_two_robots/ (corrupted, bicocca, kitti, kitti-zero, robots)'; \
+	  echo '  nclt/DATE/       NCLT sessions (two-experiences, many-sessions, hard)'; \
+	  echo 'FAMILIES="clean kitti" needs those of these families alone; docs/methods.md says where to get them.'; exit 2; }
+	@test -d $(call quoted,$(DATA)) || { printf '%s: there is no such folder; name the one with g2o/, false_closures/ and nclt/\n' $(call quoted,$(DATA)); exit 2; }
+	@$(if $(trust_unknown),echo 'No family is called $(trust_unknown); there are: $(sort $(patsubst %-real,%,$(patsubst %-simulated,%,$(filter-out methods sessions,$(basename $(notdir $(wildcard pipelines/trust/*.toml)))))))'; exit 2)
+	@mkdir -p $(call quoted,$(trust_results)) $(if $(DOCUMENT),docs/results)
+	@# What could not be run is said, and fails in the end; what there is, is collected.
+	@status=0; $(EXPERIMENTS) run $(trust_of) --threads $(threads) || status=$$?; \
+	  $(EXPERIMENTS) collect $(trust_of) --quiet -o $(call quoted,$(trust_results)/results.jsonl) \
+	    --times $(call quoted,$(trust_results)/times.jsonl) || status=$$?; \
+	  $(REPORT) trust $(call quoted,$(trust_results)/results.jsonl) --times $(call quoted,$(trust_results)/times.jsonl) \
+	    -o $(call quoted,$(trust_results)/trust.md) --figure $(call quoted,$(trust_figure)) \
+	    $(if $(HALF),--half $(HALF)) $(if $(DOCUMENT),--document $(call quoted,$(DOCUMENT))) || status=$$?; exit $$status
+	@echo '  tables in $(trust_results)/trust.md, one line a run in $(trust_results)/results.jsonl'
