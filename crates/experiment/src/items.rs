@@ -97,18 +97,17 @@ pub(crate) fn items(
         let parts: Vec<&str> = name.split('+').collect();
         let data: Option<Vec<(String, String)>> =
             parts.iter().map(|part| Some(((*part).to_owned(), source.session(experiment, part)?))).collect();
-        match data {
-            Some(data) => found.push(Item {
-                name: name.clone(),
-                cluster: name.clone(),
-                half: None,
-                kind: Kind::Sessions(data),
-            }),
-            None => {
-                let absent = parts.iter().filter(|part| source.session(experiment, part).is_none());
-                missing.extend(absent.map(|part| (*part).to_owned()));
-            }
-        }
+        let Some(data) = data else {
+            let absent = parts.iter().filter(|part| source.session(experiment, part).is_none());
+            missing.extend(absent.map(|part| (*part).to_owned()));
+            continue;
+        };
+        found.push(Item {
+            name: name.clone(),
+            cluster: name.clone(),
+            half: None,
+            kind: Kind::Sessions(data),
+        });
     }
     let mut seen = BTreeSet::new();
     if let Some(twice) = found.iter().find(|item| !seen.insert(&item.name)) {

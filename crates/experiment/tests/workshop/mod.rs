@@ -188,7 +188,9 @@ impl Workshop {
         let mut files = self.files("results");
         files.extend(self.files("simulated"));
         // Locks are empty, and which of them there are depends on how a plan was divided.
-        files.retain(|name, _| !name.ends_with(".lock"));
+        files.retain(|name, _| {
+            std::path::Path::new(name).extension().is_none_or(|extension| extension != "lock")
+        });
         files
     }
 }
