@@ -4,6 +4,7 @@ use nalgebra::Vector2;
 use petgraph::graph::NodeIndex;
 use posecut_stage::ChaCha8Rng;
 use rand::RngExt as _;
+use serde::Serialize;
 
 use crate::campus::{Campus, neighbours};
 use crate::noise::Wander;
@@ -19,6 +20,31 @@ const SIDEWAYS_LENGTH: f64 = 25.0;
 const TURN_ROUND: f64 = 0.04;
 /// How much less a path attracts for each time it was driven in this direction.
 const NOVELTY: f64 = 0.6;
+
+/// Which way a robot takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Route {
+    /// A random walk, which revisits places in both directions
+    Wander,
+    /// A random walk and the same way back: the second half sees the first from the other side
+    Return,
+}
+
+impl Route {
+    /// The crossings that a drive of at least the given length passes, metres.
+    pub fn crossings(self, campus: &Campus, length: f64, draw: &mut ChaCha8Rng) -> Vec<NodeIndex> {
+        match self {
+            Self::Wander => walk(campus, length, draw),
+            Self::Return => {
+                let mut route = walk(campus, 0.5 * length, draw);
+                let way_back: Vec<NodeIndex> = route.iter().rev().skip(1).copied().collect();
+                route.extend(way_back);
+                route
+            }
+        }
+    }
+}
 
 /// A walk over crossings of about the given length, metres. Paths driven before attract less, but often
 /// enough: routes revisit places in both directions.
