@@ -86,13 +86,16 @@ fn kolmogorov_smirnov(mut first: Vec<f64>, mut second: Vec<f64>) -> f64 {
         .fold(0.0, f64::max)
 }
 
+/// A number of a measurement.
+type Value = fn(&[f64; 3]) -> f64;
+
 #[test]
 fn false_claims_are_distributed_as_correct_ones() {
     let edges = measured(&with(IncorrectKind::Uniform, 0.5, 1));
-    let of = |wanted: bool, value: fn(&[f64; 3]) -> f64| -> Vec<f64> {
+    let of = |wanted: bool, value: Value| -> Vec<f64> {
         edges.iter().filter(|edge| edge.1 == wanted).map(|edge| value(&edge.0)).collect()
     };
-    let values: [(&str, fn(&[f64; 3]) -> f64); 4] = [
+    let values: [(&str, Value); 4] = [
         ("x", |edge| edge[0]),
         ("y", |edge| edge[1]),
         ("heading", |edge| edge[2]),

@@ -32,18 +32,34 @@ pub enum Route {
 }
 
 impl Route {
-    /// The crossings that a drive of at least the given length passes, metres.
-    pub fn crossings(self, campus: &Campus, length: f64, draw: &mut ChaCha8Rng) -> Vec<NodeIndex> {
-        match self {
-            Self::Wander => walk(campus, length, draw),
-            Self::Return => {
-                let mut route = walk(campus, 0.5 * length, draw);
-                let way_back: Vec<NodeIndex> = route.iter().rev().skip(1).copied().collect();
-                route.extend(way_back);
-                route
-            }
+    /// The line of a drive of the given length, metres.
+    pub fn line(
+        self,
+        campus: &Campus,
+        length: f64,
+        route: &mut ChaCha8Rng,
+        sideways: &mut ChaCha8Rng,
+    ) -> Vec<Vector2<f64>> {
+        let length = if self == Self::Return { 0.5 * length } else { length };
+        // The line cuts corners, so the walk must be longer.
+        let crossings = walk(campus, length * 1.1 + 200.0, route);
+        let mut points = line(campus, &crossings, length, sideways);
+        if self == Self::Return {
+            points.extend(way_back(&points, sideways));
         }
+        points
     }
+}
+
+/// The same line from its end to its start, again now left, now right of it.
+fn way_back(out: &[Vector2<f64>], draw: &mut ChaCha8Rng) -> Vec<Vector2<f64>> {
+    let mut sideways = Wander::new(draw, SIDEWAYS, SIDEWAYS_LENGTH);
+    let mut points = Vec::with_capacity(out.len());
+    for pair in out.windows(2).rev() {
+        let along = (pair[0] - pair[1]).try_normalize(1e-9).unwrap_or_else(Vector2::x);
+        points.push(pair[0] + Vector2::new(-along.y, along.x) * sideways.step(draw, STEP));
+    }
+    smoothed(&points, (CORNER / STEP) as usize)
 }
 
 /// A walk over crossings of about the given length, metres. Paths driven before attract less, but often

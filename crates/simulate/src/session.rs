@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::campus::Campus;
 use crate::drive::{Instant, drive};
-use crate::route::{Route, line};
+use crate::route::Route;
 use crate::sensors::{self, Row};
 
 /// What shapes a session.
@@ -64,9 +64,7 @@ pub fn simulate(directory: &Path, name: &str, options: &Options) -> anyhow::Resu
     let draw = |purpose: &str| random(options.seed, &format!("{name} {purpose}"));
     let mut route_draw = draw("route");
     let length = options.length.unwrap_or_else(|| route_draw.random_range(5_500.0..6_100.0));
-    // Longer than the drive, since the line cuts the corners.
-    let route = options.route.crossings(&campus, length * 1.1 + 200.0, &mut route_draw);
-    let line = line(&campus, &route, length, &mut draw("line"));
+    let line = options.route.line(&campus, length, &mut route_draw, &mut draw("line"));
     let period = 1.0 / options.rate;
     let instants = drive(&campus, &line, period, &mut draw("drive"));
     let start = start_time(name);
