@@ -1,6 +1,7 @@
 //! Pairs of viewpoints that truly see the same place.
 
 use std::collections::HashMap;
+use std::f64::consts::PI;
 
 use posecut_geometry::wrap_angle;
 
@@ -19,6 +20,8 @@ pub(crate) struct Similarity {
     /// Where the second viewpoint is looked for, seen from the first, metres: zero but for places that are
     /// mistaken for others.
     pub(crate) displacement: [f64; 3],
+    /// Whether viewpoints that look the opposite way see the same place too.
+    pub(crate) opposite: bool,
 }
 
 impl Similarity {
@@ -28,6 +31,7 @@ impl Similarity {
             heading: options.heading.to_radians(),
             minimum_interval: options.minimum_interval,
             displacement: [0.0; 3],
+            opposite: options.opposite_direction,
         }
     }
 
@@ -42,8 +46,13 @@ impl Similarity {
 
     /// Whether the second viewpoint is near where it is looked for, whatever the experiences.
     pub(crate) fn near<G>(&self, first: &Viewpoint<G>, second: &Viewpoint<G>) -> bool {
-        second.distance_to(self.sought(first)) <= self.radius
-            && wrap_angle(first.heading - second.heading).abs() <= self.heading
+        second.distance_to(self.sought(first)) <= self.radius && self.alike(first.heading - second.heading)
+    }
+
+    /// Whether headings that differ by an angle count as the same.
+    fn alike(&self, difference: f64) -> bool {
+        let within = |angle: f64| wrap_angle(angle).abs() <= self.heading;
+        within(difference) || (self.opposite && within(difference - PI))
     }
 
     fn sought<G>(&self, first: &Viewpoint<G>) -> [f64; 3] {

@@ -50,6 +50,26 @@ pub enum ConstructError {
         /// Degrees.
         heading: f64,
     },
+    /// There are not so many correct edges.
+    #[error(
+        "--correct-edges asks for {wanted} correct landmark edges, but only {found} pairs of viewpoints are spatially similar; lower it, or widen --radius or --heading"
+    )]
+    TooFewCorrectEdges {
+        /// Edges asked for.
+        wanted: usize,
+        /// Pairs found.
+        found: usize,
+    },
+    /// There are not so many odometry edges.
+    #[error(
+        "--odometry-gaps asks for {wanted} gaps, but the graph has only {found} odometry edges; lower it"
+    )]
+    TooFewOdometryEdges {
+        /// Gaps asked for.
+        wanted: usize,
+        /// Odometry edges of all sessions.
+        found: usize,
+    },
     /// There are not so many wrong pairs.
     #[error(
         "a rate of {rate} asks for {wanted} {} landmark edges, but only {found} were found with --incorrect-distance {distance}; {remedy}",

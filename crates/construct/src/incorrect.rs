@@ -1,5 +1,6 @@
 //! Landmark edges that a place recogniser makes by mistake.
 
+mod claims;
 mod corridor;
 mod grouped;
 mod near_miss;
@@ -9,6 +10,8 @@ use std::collections::HashSet;
 
 use posecut_stage::ChaCha8Rng;
 use serde::Serialize;
+
+pub(crate) use claims::Claims;
 
 use crate::viewpoint::{Headed, Viewpoint};
 use crate::{ConstructError, Options};
@@ -64,9 +67,8 @@ pub(crate) struct FalseMatch<G> {
 /// What mistakes are made of.
 pub(crate) struct Scene<'a, G> {
     pub(crate) viewpoints: &'a [Viewpoint<G>],
-    /// The measurements of the correct edges, at least one: a false match claims what correct matches claim,
-    /// "here, within a few metres".
-    pub(crate) claims: &'a [G],
+    /// What correct matches claim.
+    pub(crate) claims: Claims<'a, G>,
     pub(crate) options: &'a Options,
 }
 

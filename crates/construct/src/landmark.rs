@@ -3,10 +3,11 @@
 use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, Edge, EdgeKind, EdgeTruth, PoseGraph};
 use posecut_stage::{Statistics, info, random};
+use rand::seq::SliceRandom as _;
 
 use crate::correct::Similarity;
-use crate::incorrect::{FalseMatch, Scene, count, false_matches};
-use crate::noise::{add_noise_model, draw_noise};
+use crate::incorrect::{Claims, FalseMatch, Scene, count, false_matches};
+use crate::noise::{add_noise_model, with_noise};
 use crate::viewpoint::{Headed, viewpoints};
 use crate::{ConstructError, Options};
 
@@ -32,23 +33,25 @@ fn add<G: Headed<DOF>, const DOF: usize>(
     if viewpoints.is_empty() {
         return Err(ConstructError::NoTruth);
     }
-    let correct = Similarity::of(options).pairs(&viewpoints);
-    if correct.is_empty() {
+    let similar = Similarity::of(options).pairs(&viewpoints);
+    if similar.is_empty() {
         return Err(ConstructError::NoOverlap { radius: options.radius, heading: options.heading });
     }
+    let relative: Vec<G> =
+        similar.iter().map(|&(from, to)| viewpoints[from].pose.between(&viewpoints[to].pose)).collect();
     let mut noise = random(options.seed, "landmark noise");
-    let measure = |&(from, to): &(usize, usize)| {
-        let truth = viewpoints[from].pose.between(&viewpoints[to].pose);
-        truth.compose(&G::exp(&draw_noise(options, &mut noise)))
-    };
-    let claims: Vec<G> = correct.iter().map(measure).collect();
-    let scene = Scene { viewpoints: &viewpoints, claims: &claims, options };
-    let wanted = count(correct.len(), options.incorrect_rate);
+    let measured: Vec<G> = relative.iter().map(|truth| with_noise(truth, options, &mut noise)).collect();
+    let chosen = chosen(similar.len(), options)?;
+    let scene = Scene { viewpoints: &viewpoints, claims: Claims::of(&relative, options), options };
+    let wanted = count(chosen.len(), options.incorrect_rate);
     let wrong = false_matches(&scene, wanted, &mut random(options.seed, "incorrect edges"))?;
     let groups = wrong.iter().filter_map(|edge| edge.group).max().map(|last| last + 1);
 
-    let right =
-        correct.iter().zip(&claims).map(|(&(from, to), claim)| (from, to, claim, EdgeTruth::of(true)));
+    let kept = if options.no_correct_edges { &[][..] } else { &chosen };
+    let right = kept.iter().map(|&index| {
+        let (from, to) = similar[index];
+        (from, to, &measured[index], EdgeTruth::of(true))
+    });
     let mut edges: Vec<_> = right
         .chain(wrong.iter().map(|edge| (edge.from, edge.to, &edge.measurement, truth_of(edge))))
         .collect();
@@ -62,18 +65,31 @@ fn add<G: Headed<DOF>, const DOF: usize>(
         edge.truth = Some(truth);
         graph.edges.push(edge);
     }
-    info!("{} correct landmark edges, {wanted} incorrect", correct.len());
+    info!("{} correct landmark edges, {wanted} incorrect", kept.len());
     statistics.note("sessions", graph.sessions());
     statistics.note("nodes", graph.nodes.len());
     statistics.note("nodes_with_truth", viewpoints.len());
-    statistics.note("landmark_edges", correct.len() + wanted);
-    statistics.note("correct_edges", correct.len());
+    statistics.note("landmark_edges", kept.len() + wanted);
+    statistics.note("correct_edges", kept.len());
     statistics.note("incorrect_edges", wanted);
     statistics.note("incorrect_kind", options.incorrect_kind);
     if let Some(groups) = groups {
         statistics.note("incorrect_groups", groups);
     }
     Ok(())
+}
+
+/// Which of the spatially similar pairs become correct edges. Fewer are a part of more.
+fn chosen(similar: usize, options: &Options) -> Result<Vec<usize>, ConstructError> {
+    let mut all: Vec<usize> = (0..similar).collect();
+    if let Some(wanted) = options.correct_edges {
+        if wanted > similar {
+            return Err(ConstructError::TooFewCorrectEdges { wanted, found: similar });
+        }
+        all.shuffle(&mut random(options.seed, "correct edges"));
+        all.truncate(wanted);
+    }
+    Ok(all)
 }
 
 /// That an edge is incorrect, and which mistake it belongs to.

@@ -5,6 +5,7 @@
 
 mod correct;
 mod error;
+mod gaps;
 mod incorrect;
 mod join;
 mod landmark;
@@ -15,10 +16,12 @@ mod split;
 mod viewpoint;
 
 pub use error::ConstructError;
+pub use gaps::cut_odometry;
 pub use incorrect::IncorrectKind;
 pub use join::join;
 pub use landmark::add_landmark_edges;
 pub use matches::{Frame, Match, MatchMeasurement, add_matches, read_matches};
+pub use noise::NoiseKind;
 pub use options::{Options, Split};
 pub use split::split_at_middle;
 
@@ -51,6 +54,11 @@ pub fn construct(
         split_at_middle(&mut graph)?;
     }
     let mut statistics = Statistics::default();
+    if options.odometry_gaps > 0 {
+        let chains = cut_odometry(&mut graph, options.odometry_gaps, options.seed)?;
+        statistics.note("odometry_gaps", options.odometry_gaps);
+        statistics.note("chains", chains);
+    }
     match landmarks {
         Landmarks::Truth => add_landmark_edges(&mut graph, options, &mut statistics)?,
         Landmarks::Matches { file, matches } => {

@@ -1,12 +1,28 @@
 //! Noise of landmark edges.
 
 use nalgebra::SVector;
+use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::isotropic_information;
 use posecut_graph::{Extra, NoiseModel, PoseGraph};
 use posecut_stage::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use serde::Serialize;
 
 use crate::Options;
+
+/// How the errors of landmark edges are distributed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum NoiseKind {
+    /// Normal
+    Gaussian,
+    /// Student's t with 3 degrees of freedom and the Gaussian's covariance as scale matrix, so that the standard
+    /// deviations are sqrt(3) times as large
+    StudentT,
+}
+
+/// Degrees of freedom of the heavy tails: the fewest with a finite variance.
+const TAILS: u32 = 3;
 
 /// Translations per axis of a tangent vector: 2 of 3 in the plane, 3 of 6 in space.
 const fn translations(degrees_of_freedom: usize) -> usize {
@@ -22,17 +38,46 @@ fn sigma<const DOF: usize>(options: &Options, axis: usize) -> f64 {
 }
 
 /// A draw from the noise of an edge, in the tangent space of its measurement.
-pub(crate) fn draw_noise<const DOF: usize>(options: &Options, random: &mut ChaCha8Rng) -> SVector<f64, DOF> {
-    SVector::from_fn(|axis, _| {
+fn draw_noise<const DOF: usize>(options: &Options, random: &mut ChaCha8Rng) -> SVector<f64, DOF> {
+    let noise = SVector::from_fn(|axis, _| {
         let unit: f64 = StandardNormal.sample(random);
         unit * sigma::<DOF>(options, axis)
-    })
+    });
+    match options.noise {
+        NoiseKind::Gaussian => noise,
+        // The multivariate t: one draw stretches all axes, as a bad match is bad in all of them.
+        NoiseKind::StudentT => noise * stretch(random),
+    }
+}
+
+/// sqrt(nu / chi^2_nu), which makes a normal vector one of Student's t.
+fn stretch(random: &mut ChaCha8Rng) -> f64 {
+    let mut squares = 0.0;
+    for _ in 0..TAILS {
+        let unit: f64 = StandardNormal.sample(random);
+        squares += unit * unit;
+    }
+    (f64::from(TAILS) / squares).sqrt()
+}
+
+/// A true relative pose as an edge measures it.
+pub(crate) fn with_noise<G: LieGroup<DOF>, const DOF: usize>(
+    truth: &G,
+    options: &Options,
+    random: &mut ChaCha8Rng,
+) -> G {
+    truth.compose(&G::exp(&draw_noise(options, random)))
 }
 
 /// The name of the landmark edges' noise model, free or with the same content.
 pub(crate) fn add_noise_model<const DOF: usize>(graph: &mut PoseGraph, options: &Options) -> String {
-    let information =
-        isotropic_information(DOF, options.landmark_sigma_translation, options.landmark_sigma_rotation);
+    // The covariance that the edges claim, which need not be that of their noise.
+    let claimed = options.landmark_covariance_scale.sqrt();
+    let information = isotropic_information(
+        DOF,
+        options.landmark_sigma_translation * claimed,
+        options.landmark_sigma_rotation * claimed,
+    );
     let model = NoiseModel { information, extra: Extra::new() };
     let mut name = "landmark".to_owned();
     while graph.header.noise_model(&name).is_some_and(|known| *known != model) {

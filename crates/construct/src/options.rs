@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::{ConstructError, IncorrectKind, MatchMeasurement};
+use crate::{ConstructError, IncorrectKind, MatchMeasurement, NoiseKind};
 
 /// Whether sessions are split into two experiences.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
@@ -53,6 +53,30 @@ pub struct Options {
     #[arg(long, value_name = "RADIANS", default_value_t = 0.02, help_heading = "Correct landmark edges")]
     pub landmark_sigma_rotation: f64,
 
+    /// Distribution of the landmark edges' noise, correct and incorrect
+    #[arg(long, value_enum, default_value_t = NoiseKind::Gaussian, help_heading = "Correct landmark edges")]
+    pub noise: NoiseKind,
+
+    /// Claim this multiple of the noise's covariance in the landmark edges' information
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, help_heading = "Correct landmark edges")]
+    pub landmark_covariance_scale: f64,
+
+    /// Also join viewpoints within --radius whose headings differ by 180 degrees, within --heading
+    #[arg(long, help_heading = "Correct landmark edges")]
+    pub opposite_direction: bool,
+
+    /// Keep this many correct edges, drawn at random [default: all]
+    #[arg(long, value_name = "N", help_heading = "Correct landmark edges")]
+    pub correct_edges: Option<usize>,
+
+    /// Remove every correct edge after the incorrect ones are made: experiences without overlap
+    #[arg(long, conflicts_with = "correct_edges", help_heading = "Correct landmark edges")]
+    pub no_correct_edges: bool,
+
+    /// Remove this many odometry edges, drawn at random, so that sessions fall into chains
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Odometry")]
+    pub odometry_gaps: usize,
+
     /// Share of incorrect edges among all landmark edges, from 0 to below 1
     #[arg(long, value_name = "RATE", default_value_t = 0.1, help_heading = "Incorrect landmark edges")]
     pub incorrect_rate: f64,
@@ -94,6 +118,7 @@ impl Options {
             ("--heading", self.heading),
             ("--landmark-sigma-translation", self.landmark_sigma_translation),
             ("--landmark-sigma-rotation", self.landmark_sigma_rotation),
+            ("--landmark-covariance-scale", self.landmark_covariance_scale),
         ];
         for (option, value) in positive {
             if !(value > 0.0 && value.is_finite()) {
@@ -108,6 +133,12 @@ impl Options {
             if !(value >= 0.0 && value.is_finite()) {
                 return refuse(option, value, "zero or a positive number");
             }
+        }
+        if self.correct_edges == Some(0) {
+            return refuse("--correct-edges", 0.0, "at least 1; for none at all say --no-correct-edges");
+        }
+        if let (Some(wanted), true) = (self.correct_edges, self.no_correct_edges) {
+            return refuse("--correct-edges", wanted as f64, "left out where --no-correct-edges is given");
         }
         if self.group_length < 2 {
             return refuse(

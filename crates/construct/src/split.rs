@@ -47,7 +47,8 @@ pub fn split_at_middle(graph: &mut PoseGraph) -> Result<(), ConstructError> {
     Ok(())
 }
 
-fn restart(dimension: Dimension, start: Option<&[f64]>, node: &mut Node) {
+/// Expresses a node's pose in the frame of a start.
+pub(crate) fn restart(dimension: Dimension, start: Option<&[f64]>, node: &mut Node) {
     fn relative<G: LieGroup<DOF>, const DOF: usize>(start: &[f64], pose: &[f64]) -> Option<Vec<f64>> {
         Some(G::from_components(start)?.between(&G::from_components(pose)?).components())
     }

@@ -65,11 +65,12 @@ pub struct Order {
     pub better: String,
     /// … than this one's …
     pub worse: String,
-    /// … in at least this share of the runs: all sessions, and seeds 1 to `seeds`.
+    /// … in at least this share of the runs: seeds 1 to `seeds` of the sessions.
     pub share: f64,
     /// How many seeds.
     pub seeds: u64,
-    /// Only these sessions, if given.
+    /// The sessions that the share was recorded for: it is judged where the plan has all of them. All that the plan
+    /// has unless given.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sessions: Vec<String>,
     /// Why it must.

@@ -253,6 +253,25 @@ fn an_order_that_no_longer_holds_fails() {
 }
 
 #[test]
+fn a_share_is_judged_on_the_sessions_it_was_recorded_for() {
+    // As with two of the four sessions of NCLT: 1 of 2 runs is below the share of all sessions.
+    let workshop = results();
+    let text = fs::read_to_string(workshop.path("expected.toml")).unwrap();
+    write_result(&workshop, "one/2/pcm+gc.result.json", 60.0, 3);
+    let judged = |sessions: &str| {
+        let text = text.replace("share = 0.75", &format!("share = 0.75\nsessions = {sessions}"));
+        workshop.write("expected.toml", &text);
+        check(&workshop).1
+    };
+    assert!(judged("[\"one\"]").contains("lower RMSE in 1 of 2 runs"));
+    let said = judged("[\"one\", \"two\"]");
+    assert!(!said.contains("where at least 0.75 is expected (the claim)"), "3 of 4 suffice: {said}");
+    let said = judged("[\"one\", \"three\"]");
+    assert!(!said.contains("1 of 2 runs"), "a session is missing: {said}");
+    assert!(said.contains("not judged") && said.contains("this plan lacks three"), "{said}");
+}
+
+#[test]
 fn accepting_records_and_tells_what_changed() {
     let workshop = results();
     write_result(&workshop, "one/1/pcm.result.json", 50.0, 2);

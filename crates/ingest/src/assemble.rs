@@ -7,6 +7,7 @@ use posecut_stage::{ProgressBar, Statistics, info, warn};
 
 use crate::clock::{ClockSource, keyframe_times};
 use crate::covariance::step_error;
+use crate::nees::nees;
 use crate::odometry::{self, Odometry, Reader, from_row};
 use crate::{FileKind, IngestError, Options, SessionFiles, Table, Trajectory};
 
@@ -251,6 +252,7 @@ impl Builder<'_> {
         statistics.note("step_error_forward_m", axis(|error| error[0]));
         statistics.note("step_error_sideways_m", axis(|error| error[1]));
         statistics.note("step_error_heading_rad", axis(|error| error[5]));
+        statistics.note("nees", nees(graph));
         statistics
     }
 }

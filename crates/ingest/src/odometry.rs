@@ -85,7 +85,7 @@ pub(crate) fn read(reader: &mut Reader<'_>, options: &Options) -> Result<Odometr
     let source = choose(reader.files, options.odometry)?;
     let longest = (options.longest_silence * 1e6) as i64;
     let before = reader.dropped_rows;
-    let (heading, trajectory, covariances) = match source {
+    let (heading, mut trajectory, covariances) = match source {
         OdometrySource::Relative => {
             let (trajectory, covariances) = integrated::from_relative(reader, longest)?;
             (None, trajectory, covariances)
@@ -95,11 +95,11 @@ pub(crate) fn read(reader: &mut Reader<'_>, options: &Options) -> Result<Odometr
             (None, trajectory, covariances)
         }
         OdometrySource::Wheels => {
-            let (heading, trajectory) =
-                wheels::dead_reckoning(reader, options.heading, options.wheel_scale, longest)?;
+            let (heading, trajectory) = wheels::dead_reckoning(reader, options.heading, longest)?;
             (Some(heading), trajectory, None)
         }
     };
+    trajectory.scale(options.wheel_scale);
     Ok(Odometry { source, heading, trajectory, covariances, dropped_rows: reader.dropped_rows - before })
 }
 

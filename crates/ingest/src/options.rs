@@ -23,7 +23,8 @@ pub struct Options {
     #[arg(long, value_enum, default_value_t = HeadingSource::Auto, help_heading = "Odometry")]
     pub heading: HeadingSource,
 
-    /// Factor on the wheels' speed; NCLT's wheels over-read by 6 to 8 %, which 0.93 corrects
+    /// Multiply the way that the odometry reports by this factor, whatever its source: 1.07 for wheels that over-read by
+    /// 7 %, 0.93 to correct NCLT's wheels
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, help_heading = "Odometry")]
     pub wheel_scale: f64,
 

@@ -30,6 +30,13 @@ impl Trajectory {
         Some(self.poses[before].interpolate(&self.poses[after], fraction))
     }
 
+    /// Multiplies the way between poses by a factor, as wheels do that over-read; attitudes stay. O(n).
+    pub fn scale(&mut self, factor: f64) {
+        for pose in &mut self.poses {
+            pose.translation *= factor;
+        }
+    }
+
     /// Whether a time lies strictly inside a gap.
     pub fn in_gap(&self, time: i64) -> bool {
         self.gaps.iter().any(|&(before, after)| before < time && time < after)
@@ -60,6 +67,19 @@ mod tests {
         let middle = trajectory.at(5).unwrap().to_planar();
         assert!((middle.angle() - 0.05).abs() < 1e-12, "the rotation turns evenly");
         assert!((middle.translation.x - 0.5).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_scale_lengthens_every_step_and_turns_none() {
+        let known = trajectory();
+        let mut scaled = known.clone();
+        scaled.scale(1.07);
+        for (before, after) in known.poses.windows(2).zip(scaled.poses.windows(2)) {
+            let (step, longer) = (before[0].between(&before[1]), after[0].between(&after[1]));
+            assert!((longer.translation - step.translation * 1.07).norm() < 1e-12);
+            assert_eq!(longer.rotation, step.rotation);
+        }
+        assert!((scaled.path_length() - 1.07 * known.path_length()).abs() < 1e-9);
     }
 
     #[test]

@@ -129,7 +129,7 @@ fn all_sources_of_odometry_tell_the_same_drive() {
     );
     let with = |odometry, heading| Options { odometry, heading, wheel_scale: 1.0 / 1.1, ..options() };
     let cases = [
-        with(OdometrySource::Relative, HeadingSource::Auto),
+        Options { odometry: OdometrySource::Relative, ..options() },
         with(OdometrySource::Wheels, HeadingSource::Kvh),
         with(OdometrySource::Wheels, HeadingSource::Euler),
         with(OdometrySource::Wheels, HeadingSource::Gyro),
@@ -145,6 +145,25 @@ fn all_sources_of_odometry_tell_the_same_drive() {
     let chosen = run(&path, &options()).unwrap().statistics;
     assert_eq!(chosen.as_map()["odometry"], "relative", "the camera's own odometry is preferred");
     assert_eq!(chosen.as_map()["clock"], "relative-odometry");
+}
+
+#[test]
+fn a_scale_lengthens_the_way_of_computed_odometry_too() {
+    let (_folder, path) = session();
+    let (usual, long) = (
+        run(&path, &options()).unwrap().graph,
+        run(&path, &Options { wheel_scale: 1.07, ..options() }).unwrap().graph,
+    );
+    for index in 0..usual.nodes.len() {
+        let (usual, long) = (pose(&usual, index), pose(&long, index));
+        assert!((long.translation - usual.translation * 1.07).norm() < 1e-9, "keyframe {index}");
+        assert!((long.angle() - usual.angle()).abs() < 1e-12);
+    }
+    assert_eq!(usual.nodes[7].truth, long.nodes[7].truth);
+    for scale in [0.0, f64::NAN] {
+        let error = Options { wheel_scale: scale, ..options() }.check().unwrap_err().to_string();
+        assert!(error.starts_with("--wheel-scale is"), "{error}");
+    }
 }
 
 #[test]

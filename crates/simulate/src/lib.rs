@@ -16,4 +16,5 @@ pub mod route;
 pub mod sensors;
 pub mod session;
 
+pub use route::Route;
 pub use session::{Options, simulate};

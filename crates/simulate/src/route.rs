@@ -4,6 +4,7 @@ use nalgebra::Vector2;
 use petgraph::graph::NodeIndex;
 use posecut_stage::ChaCha8Rng;
 use rand::RngExt as _;
+use serde::Serialize;
 
 use crate::campus::{Campus, neighbours};
 use crate::noise::Wander;
@@ -19,6 +20,47 @@ const SIDEWAYS_LENGTH: f64 = 25.0;
 const TURN_ROUND: f64 = 0.04;
 /// How much less a path attracts for each time it was driven in this direction.
 const NOVELTY: f64 = 0.6;
+
+/// Which way a robot takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Route {
+    /// A random walk, which revisits places in both directions
+    Wander,
+    /// A random walk and the same way back: the second half sees the first from the other side
+    Return,
+}
+
+impl Route {
+    /// The line of a drive of the given length, metres.
+    pub fn line(
+        self,
+        campus: &Campus,
+        length: f64,
+        route: &mut ChaCha8Rng,
+        sideways: &mut ChaCha8Rng,
+    ) -> Vec<Vector2<f64>> {
+        let length = if self == Self::Return { 0.5 * length } else { length };
+        // The line cuts corners, so the walk must be longer.
+        let crossings = walk(campus, length * 1.1 + 200.0, route);
+        let mut points = line(campus, &crossings, length, sideways);
+        if self == Self::Return {
+            points.extend(way_back(&points, sideways));
+        }
+        points
+    }
+}
+
+/// The same line from its end to its start, again now left, now right of it.
+fn way_back(out: &[Vector2<f64>], draw: &mut ChaCha8Rng) -> Vec<Vector2<f64>> {
+    let mut sideways = Wander::new(draw, SIDEWAYS, SIDEWAYS_LENGTH);
+    let mut points = Vec::with_capacity(out.len());
+    for pair in out.windows(2).rev() {
+        let along = (pair[0] - pair[1]).try_normalize(1e-9).unwrap_or_else(Vector2::x);
+        points.push(pair[0] + Vector2::new(-along.y, along.x) * sideways.step(draw, STEP));
+    }
+    smoothed(&points, (CORNER / STEP) as usize)
+}
 
 /// A walk over crossings of about the given length, metres. Paths driven before attract less, but often
 /// enough: routes revisit places in both directions.

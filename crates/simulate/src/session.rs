@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::campus::Campus;
 use crate::drive::{Instant, drive};
-use crate::route::{line, walk};
+use crate::route::Route;
 use crate::sensors::{self, Row};
 
 /// What shapes a session.
@@ -27,6 +27,10 @@ pub struct Options {
     /// Length of the drive, metres; between 5500 and 6100 by the seed unless given
     #[arg(long, value_name = "METRES")]
     pub length: Option<f64>,
+
+    /// Which way the robot takes
+    #[arg(long, value_enum, default_value_t = Route::Wander)]
+    pub route: Route,
 
     /// Rows a second of the fast sensors; NCLT's own rates are 40 to 150, which makes files ten times as large
     #[arg(long, value_name = "HZ", default_value_t = 10.0)]
@@ -60,8 +64,7 @@ pub fn simulate(directory: &Path, name: &str, options: &Options) -> anyhow::Resu
     let draw = |purpose: &str| random(options.seed, &format!("{name} {purpose}"));
     let mut route_draw = draw("route");
     let length = options.length.unwrap_or_else(|| route_draw.random_range(5_500.0..6_100.0));
-    let route = walk(&campus, length * 1.1 + 200.0, &mut route_draw);
-    let line = line(&campus, &route, length, &mut draw("line"));
+    let line = options.route.line(&campus, length, &mut route_draw, &mut draw("line"));
     let period = 1.0 / options.rate;
     let instants = drive(&campus, &line, period, &mut draw("drive"));
     let start = start_time(name);

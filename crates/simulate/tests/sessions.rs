@@ -4,10 +4,10 @@
 
 use std::fs;
 
-use posecut_simulate::{Options, simulate};
+use posecut_simulate::{Options, Route, simulate};
 
 fn options(seed: u64) -> Options {
-    Options { seed, campus: 1, length: Some(800.0), rate: 5.0 }
+    Options { seed, campus: 1, length: Some(800.0), route: Route::Wander, rate: 5.0 }
 }
 
 fn files(seed: u64, name: &str) -> Vec<(String, Vec<u8>)> {
@@ -64,6 +64,39 @@ fn the_drive_has_the_asked_length() {
     let statistics = simulate(folder.path(), "2012-01-22", &options(3)).unwrap();
     let length = statistics.as_map()["path_length_m"].as_f64().unwrap();
     assert!((length - 800.0).abs() < 8.0, "{length}");
+}
+
+/// Of the second half's rows of ground truth, the share near a row of the first half: driven in the same direction, and
+/// in the opposite one.
+fn revisits(route: Route) -> [f64; 2] {
+    let folder = tempfile::tempdir().unwrap();
+    simulate(folder.path(), "2012-01-22", &Options { route, ..options(1) }).unwrap();
+    let text = fs::read_to_string(folder.path().join("groundtruth_2012-01-22.csv")).unwrap();
+    let rows: Vec<Vec<f64>> = text
+        .lines()
+        .filter(|line| !line.contains("NaN"))
+        .map(|line| line.split(',').map(|field| field.parse().unwrap()).collect())
+        .collect();
+    let (first, second) = rows.split_at(rows.len() / 2);
+    let met = |row: &&Vec<f64>, opposite: bool| {
+        first.iter().any(|other| {
+            let difference = (row[6] - other[6] - if opposite { std::f64::consts::PI } else { 0.0 }).cos();
+            (row[1] - other[1]).hypot(row[2] - other[2]) < 3.0 && difference > 30_f64.to_radians().cos()
+        })
+    };
+    [false, true]
+        .map(|opposite| second.iter().filter(|row| met(row, opposite)).count() as f64 / second.len() as f64)
+}
+
+#[test]
+fn a_return_trip_sees_its_way_out_from_the_other_side() {
+    let [_, wandering] = revisits(Route::Wander);
+    let [same, opposite] = revisits(Route::Return);
+    assert!(
+        opposite > 0.5 && opposite > same + 0.3,
+        "{same} in the same direction, {opposite} in the opposite one"
+    );
+    assert!(wandering < 0.5, "{wandering}");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use rand::RngExt as _;
 
 use super::{DRAWS_PER_PAIR, FalseMatch, Scene, Taken};
 use crate::correct::Similarity;
-use crate::noise::draw_noise;
+use crate::noise::with_noise;
 use crate::viewpoint::{Headed, Viewpoint};
 
 /// The longest displacement, as a multiple of `--incorrect-distance`.
@@ -40,8 +40,7 @@ pub(super) fn draw<G: Headed<DOF>, const DOF: usize>(
         pairs.retain(|&pair| taken.insert(pair));
         for (from, to) in pairs.into_iter().take(wanted - matches.len()) {
             let shift = displaced(&viewpoints[from].pose, repeats.displacement);
-            let claim = shift.between(&viewpoints[to].pose);
-            let measurement = claim.compose(&G::exp(&draw_noise(scene.options, random)));
+            let measurement = with_noise(&shift.between(&viewpoints[to].pose), scene.options, random);
             matches.push(FalseMatch { from, to, measurement, group: Some(group) });
         }
         group += 1;

@@ -4,12 +4,12 @@ use posecut_stage::ChaCha8Rng;
 use rand::RngExt as _;
 
 use super::{DRAWS_PER_PAIR, FalseMatch, Scene, Taken};
-use crate::noise::draw_noise;
+use crate::noise::with_noise;
 use crate::viewpoint::Headed;
 
 /// Stretches of consecutive viewpoints in two experiences, matched place by place: `(i + k, j + k)` for
-/// `k = 0 … length - 1`. All edges of a stretch claim the same relative pose, that of a random correct edge,
-/// each with noise of its own. Neighbouring edges of a stretch are support edges of each other, and where the
+/// `k = 0 … length - 1`. All edges of a stretch claim the same relative pose, drawn like those of
+/// correct edges, each with noise of its own. Neighbouring edges of a stretch are support edges of each other, and where the
 /// two stretches have the same shape the edges are pairwise consistent as well.
 pub(super) fn draw<G: Headed<DOF>, const DOF: usize>(
     scene: &Scene<'_, G>,
@@ -25,10 +25,10 @@ pub(super) fn draw<G: Headed<DOF>, const DOF: usize>(
         }
         let drawn = scene.distant(random.random_range(0..viewpoints), random.random_range(0..viewpoints));
         let Some(stretch) = drawn.and_then(|start| stretch(scene, &taken, start, length)) else { continue };
-        let claim = &scene.claims[random.random_range(0..scene.claims.len())];
+        let claim = scene.claims.draw(random);
         for (from, to) in stretch {
             taken.insert((from, to));
-            let measurement = claim.compose(&G::exp(&draw_noise(scene.options, random)));
+            let measurement = with_noise(&claim, scene.options, random);
             matches.push(FalseMatch { from, to, measurement, group: Some(group) });
         }
         group += 1;

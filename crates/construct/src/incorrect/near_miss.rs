@@ -2,12 +2,12 @@
 
 use posecut_geometry::LieGroup;
 use posecut_stage::ChaCha8Rng;
-use rand::RngExt as _;
 use rand::seq::SliceRandom as _;
 
 use super::{FalseMatch, Scene};
 use crate::Options;
 use crate::correct::Similarity;
+use crate::noise::with_noise;
 
 /// Headings of a near miss differ by at most this multiple of those of a correct edge.
 const HEADINGS: f64 = 3.0;
@@ -16,8 +16,8 @@ const HEADINGS: f64 = 3.0;
 const CLAIMS_PER_PAIR: usize = 100;
 
 /// Pairs that are no correct edge and yet lie within `--incorrect-distance` and three times `--heading`, each
-/// with the claim of a random correct edge that is off by more than `--radius` or `--heading`. Uniform over
-/// such pairs. O(viewpoints + pairs).
+/// with a claim drawn like those of correct edges, noise included, that is off by more than `--radius` or
+/// `--heading`. Uniform over such pairs. O(viewpoints + pairs).
 pub(super) fn draw<G: LieGroup<DOF>, const DOF: usize>(
     scene: &Scene<'_, G>,
     wanted: usize,
@@ -39,9 +39,9 @@ pub(super) fn draw<G: LieGroup<DOF>, const DOF: usize>(
         }
         let truth = scene.viewpoints[from].pose.between(&scene.viewpoints[to].pose);
         let claim = (0..CLAIMS_PER_PAIR)
-            .map(|_| &scene.claims[random.random_range(0..scene.claims.len())])
+            .map(|_| with_noise(&scene.claims.draw(random), scene.options, random))
             .find(|claim| is_off(&truth, claim, scene.options));
-        matches.extend(claim.map(|claim| FalseMatch { from, to, measurement: *claim, group: None }));
+        matches.extend(claim.map(|claim| FalseMatch { from, to, measurement: claim, group: None }));
     }
     matches
 }

@@ -4,9 +4,12 @@ use posecut_stage::ChaCha8Rng;
 use rand::RngExt as _;
 
 use super::{DRAWS_PER_PAIR, FalseMatch, Scene, Taken};
+use crate::noise::with_noise;
+use crate::viewpoint::Headed;
 
-/// Pairs uniform over those further apart than asked for, each with the claim of a random correct edge.
-pub(super) fn draw<G: Copy>(
+/// Pairs uniform over those further apart than asked for. Each claims a relative pose drawn like those of correct
+/// edges, with noise of its own.
+pub(super) fn draw<G: Headed<DOF>, const DOF: usize>(
     scene: &Scene<'_, G>,
     wanted: usize,
     random: &mut ChaCha8Rng,
@@ -21,11 +24,9 @@ pub(super) fn draw<G: Copy>(
         pairs.extend(drawn.filter(|&pair| taken.insert(pair)));
     }
     // All pairs first, then all claims: so a higher rate adds edges and keeps those of a lower one.
-    let claim = |(from, to)| FalseMatch {
-        from,
-        to,
-        measurement: scene.claims[random.random_range(0..scene.claims.len())],
-        group: None,
+    let claim = |(from, to)| {
+        let claim = scene.claims.draw(random);
+        FalseMatch { from, to, measurement: with_noise(&claim, scene.options, random), group: None }
     };
     pairs.into_iter().map(claim).collect()
 }

@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(dead_code, unreachable_pub, missing_docs, reason = "each test program uses its part")]
 
-use posecut_construct::{ConstructError, IncorrectKind, Landmarks, MatchMeasurement, Options, Split};
+use posecut_construct::{
+    ConstructError, IncorrectKind, Landmarks, MatchMeasurement, NoiseKind, Options, Split,
+};
 use posecut_geometry::{LieGroup, SE2};
 use posecut_graph::{EdgeKind, PoseGraph};
 
@@ -15,6 +17,12 @@ pub fn options() -> Options {
         minimum_interval: 0.0,
         landmark_sigma_translation: 0.1,
         landmark_sigma_rotation: 0.02,
+        noise: NoiseKind::Gaussian,
+        landmark_covariance_scale: 1.0,
+        opposite_direction: false,
+        correct_edges: None,
+        no_correct_edges: false,
+        odometry_gaps: 0,
         incorrect_rate: 0.1,
         incorrect_kind: IncorrectKind::Uniform,
         group_length: 10,
@@ -33,17 +41,40 @@ pub fn construct(
 
 /// A session of two rounds on a ring of 50 m, 2 m a step: every place is seen twice, once in each half.
 pub fn rounds(name: &str, steps: usize) -> PoseGraph {
+    let pose = |step: usize| on_the_ring(step as f64 * 0.04, 50.0, 0.0);
+    session(name, steps, pose)
+}
+
+/// The same, but each viewpoint off the ring by up to 1.5 m and 10 degrees: no two relative poses are alike.
+pub fn unsteady_rounds(name: &str, steps: usize) -> PoseGraph {
+    // Weyl sequences: even and without a period.
+    let even = |step: usize, irrational: f64| (step as f64 * irrational).fract() * 2.0 - 1.0;
+    session(name, steps, |step| {
+        let along = step as f64 * 0.04 + 0.01 * even(step, 2_f64.sqrt());
+        on_the_ring(along, 50.0 + 1.5 * even(step, 3_f64.sqrt()), 0.17 * even(step, 5_f64.sqrt()))
+    })
+}
+
+/// Out along a line of 2 m steps, and back along it, looking the other way.
+pub fn there_and_back(name: &str, steps: usize) -> PoseGraph {
+    session(name, steps, |step| {
+        let half = steps / 2;
+        let x = 2.0 * step.min(2 * half - 1 - step.min(2 * half - 1)) as f64;
+        [x, if step < half { 0.0 } else { 0.5 }, if step < half { 0.0 } else { std::f64::consts::PI }]
+    })
+}
+
+fn on_the_ring(angle: f64, radius: f64, turned: f64) -> [f64; 3] {
+    [radius * angle.sin(), 50.0 - radius * angle.cos(), posecut_geometry::wrap_angle(angle + turned)]
+}
+
+fn session(name: &str, steps: usize, pose: impl Fn(usize) -> [f64; 3]) -> PoseGraph {
     let mut text = String::from(
         "{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":2,\"noise_models\":{\"odometry\":{\"information\":[100,0,0,100,0,2500]}}}\n",
     );
     let pose = |step: usize| {
-        let angle = step as f64 * 0.04;
-        format!(
-            "[{},{},{}]",
-            50.0 * angle.sin(),
-            50.0 * (1.0 - angle.cos()),
-            posecut_geometry::wrap_angle(angle)
-        )
+        let [x, y, theta] = pose(step);
+        format!("[{x},{y},{theta}]")
     };
     for step in 0..steps {
         let pose = pose(step);

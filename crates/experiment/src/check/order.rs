@@ -1,15 +1,17 @@
 //! Which method does better.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::Row;
 use crate::{Fingerprint, Order, Plan};
 
-/// Judges an order by the plan's results; `None` if the plan does not run both methods.
+/// Judges an order by the plan's results; `None` if the plan does not run both methods. A share holds for the sessions
+/// that it was recorded for: where the plan lacks some of them, it is not judged, and the row says so.
 pub(super) fn judge(order: &Order, plan: &Plan, results: &Path) -> Option<Row> {
     let folder = results.join(&order.experiment);
     let mut runs: BTreeMap<&Path, [Option<usize>; 2]> = BTreeMap::new();
+    let mut present: BTreeSet<String> = BTreeSet::new();
     for (place, task) in plan.tasks.iter().enumerate() {
         let path = Path::new(&task.id);
         let (Some(run), Some(name), Ok(below)) =
@@ -19,8 +21,8 @@ pub(super) fn judge(order: &Order, plan: &Plan, results: &Path) -> Option<Row> {
         };
         let session = below.components().next().map(|part| part.as_os_str().to_string_lossy().into_owned());
         let seed: Option<u64> = run.file_name().and_then(|seed| seed.to_string_lossy().parse().ok());
-        let wanted =
-            order.sessions.is_empty() || session.is_some_and(|session| order.sessions.contains(&session));
+        let wanted = order.sessions.is_empty()
+            || session.as_ref().is_some_and(|session| order.sessions.contains(session));
         if !wanted || seed.is_none_or(|seed| seed > order.seeds) {
             continue;
         }
@@ -30,6 +32,7 @@ pub(super) fn judge(order: &Order, plan: &Plan, results: &Path) -> Option<Row> {
             _ => continue,
         };
         runs.entry(run).or_default()[side] = Some(place);
+        present.extend(session);
     }
     runs.retain(|_, sides| sides.iter().all(Option::is_some));
     if runs.is_empty() {
@@ -43,6 +46,17 @@ pub(super) fn judge(order: &Order, plan: &Plan, results: &Path) -> Option<Row> {
         largest: None,
         tasks: runs.values().flatten().flatten().copied().collect(),
     };
+    let missing: Vec<&str> =
+        order.sessions.iter().filter(|&session| !present.contains(session)).map(String::as_str).collect();
+    if !missing.is_empty() {
+        row.notes.push(format!(
+            "not judged: the share of {:.2} was recorded for {}, and this plan lacks {}",
+            order.share,
+            order.sessions.join(", "),
+            missing.join(", ")
+        ));
+        return Some(row);
+    }
     let (mut wins, mut against) = (0, Vec::new());
     for (run, sides) in &runs {
         let rmse: Result<Vec<f64>, String> =

@@ -6,12 +6,10 @@ use posecut_stage::info;
 use super::{HeadingSource, Reader};
 use crate::{FileKind, IngestError, SessionFiles, Table, Trajectory};
 
-/// Integrates the mean speed of both wheels, times `scale`, along the heading: trapezoids in speed, the
-/// middle attitude of each step. Rows that the heading does not cover are left out.
+/// Integrates the mean speed of both wheels along the heading: trapezoids in speed, the middle attitude of each step. Rows that the heading does not cover are left out.
 pub(super) fn dead_reckoning(
     reader: &mut Reader<'_>,
     heading: HeadingSource,
-    scale: f64,
     longest: i64,
 ) -> Result<(HeadingSource, Trajectory), IngestError> {
     let wheels = reader.table(FileKind::Wheels, 2)?;
@@ -21,7 +19,7 @@ pub(super) fn dead_reckoning(
         .times
         .iter()
         .zip(&wheels.rows)
-        .filter_map(|(&time, row)| Some((time, scale * 0.5 * (row[0] + row[1]), attitude.at(time)?)))
+        .filter_map(|(&time, row)| Some((time, 0.5 * (row[0] + row[1]), attitude.at(time)?)))
         .collect();
     let Some(&(first, _, start)) = covered.first() else {
         return Err(IngestError::session(

@@ -104,7 +104,7 @@ fn session(
                 continue;
             };
             if session.seeds.is_empty() && session.truth.is_none() {
-                session.truth = Loader::track(&truth(&graph, selection.frame));
+                session.truth = Loader::track(&bridged(truth(&graph, selection.frame)));
                 session.minutes = minutes(&graph);
             }
             let motion = graphs::onto_truth(reference.as_ref().unwrap_or(&graph));
@@ -212,6 +212,17 @@ fn truth(graph: &PoseGraph, frame: Frame) -> Vec<Option<(f64, f64)>> {
         .collect()
 }
 
+/// Nodes without a place take that of the last node that has one, at the start that of the first: a session is drawn
+/// although its ground truth has gaps, and nodes keep their numbers.
+fn bridged(mut places: Vec<Option<(f64, f64)>>) -> Vec<Option<(f64, f64)>> {
+    let mut last = places.iter().copied().flatten().next();
+    for place in &mut places {
+        *place = place.or(last);
+        last = *place;
+    }
+    places
+}
+
 fn minutes(graph: &PoseGraph) -> Option<String> {
     error::minutes(graph).map(|minutes| encode::series(minutes, 0.01))
 }
@@ -304,4 +315,17 @@ fn matrix(graph: &PoseGraph, edges: &Edges, method: &str) -> Option<Consistency>
         gate: matrix.gate.clone(),
         method: method.to_owned(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::bridged;
+
+    #[test]
+    fn a_node_without_truth_does_not_hide_its_session() {
+        let places = vec![None, Some((1.0, 2.0)), None, None, Some((3.0, 4.0)), None];
+        let expected = [(1.0, 2.0), (1.0, 2.0), (1.0, 2.0), (1.0, 2.0), (3.0, 4.0), (3.0, 4.0)];
+        assert_eq!(bridged(places), expected.map(Some));
+        assert_eq!(bridged(vec![None, None]), [None, None], "a session without any truth stays out");
+    }
 }
