@@ -46,6 +46,8 @@ impl Calibration {
 struct Class<const DOF: usize> {
     /// Whether it tells how many candidates are correct.
     counts: bool,
+    /// Most local errors, as a share of the correct loops: local errors are the exception, or they would be the noise.
+    local_most: f64,
     real: Vec<Loop<DOF>>,
     shuffled: Vec<Loop<DOF>>,
 }
@@ -59,6 +61,8 @@ const PRIOR_CHAIN: f64 = 1.0;
 /// Coherent variance that is likely a priori, and the largest.
 const COHERENT: f64 = 1e-6;
 const COHERENT_MOST: f64 = 1e-2;
+/// The smallest factor of landmark edges: published matrices claim up to a hundred times the variance.
+const LANDMARK_LEAST: f64 = 0.01;
 /// Evidence below which the prior is used, nats.
 const LEAST_EVIDENCE: f64 = 10.0;
 
@@ -145,7 +149,7 @@ fn climb(start: Point, objective: impl Fn(Point) -> (f64, f64, f64)) -> (f64, Po
                 let mut trial = point;
                 match axis {
                     0 => trial.odometry += direction * step,
-                    1 => trial.landmark += direction * step,
+                    1 => trial.landmark = (trial.landmark + direction * step).max(LANDMARK_LEAST.ln()),
                     _ => trial.coherent = (trial.coherent + direction * 2.0 * step).min(COHERENT_MOST.ln()),
                 }
                 let trial_value = objective(trial);
@@ -179,7 +183,7 @@ fn contrast<const DOF: usize>(classes: &[Class<DOF>], factors: &Calibration, tem
                 .collect()
         };
         let (real, shuffled) = (ratios(&class.real), ratios(&class.shuffled));
-        let [share, local] = shares(&real);
+        let [share, local] = shares(&real, class.local_most);
         let gain = |ratios: &[[f64; 2]]| {
             ratios.iter().map(|[ok, near]| (share * (ok - 1.0) + local * (near - 1.0)).ln_1p()).sum::<f64>()
         };
@@ -195,7 +199,7 @@ fn contrast<const DOF: usize>(classes: &[Class<DOF>], factors: &Calibration, tem
 }
 
 /// The mixing proportions of correct loops and of local errors, by expectation maximisation.
-fn shares(ratios: &[[f64; 2]]) -> [f64; 2] {
+fn shares(ratios: &[[f64; 2]], local_most: f64) -> [f64; 2] {
     let (mut share, mut local) = (0.5, 0.05);
     for _ in 0..12 {
         let (mut correct, mut near) = (0.0, 0.0);
@@ -208,14 +212,20 @@ fn shares(ratios: &[[f64; 2]]) -> [f64; 2] {
         // A wrong and a correct loop more than seen: never certain.
         let all = ratios.len() as f64 + 2.5;
         (share, local) = ((correct + 1.0) / all, (near + 0.5) / all);
+        if local > local_most * share {
+            let both = share + local;
+            share = both / (1.0 + local_most);
+            local = both - share;
+        }
     }
     [share, local]
 }
 
 /// Loops through single closures of a chain; between chains, through pairs of near and of random partners.
 fn classes<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, partners: &Partners) -> Vec<Class<DOF>> {
-    let empty = |counts| Class { counts, real: Vec::new(), shuffled: Vec::new() };
-    let (mut single, mut short, mut near, mut far) = (empty(true), empty(false), empty(true), empty(true));
+    let empty = |counts, local_most| Class { counts, local_most, real: Vec::new(), shuffled: Vec::new() };
+    let (mut single, mut short) = (empty(true, 0.5), empty(false, 1.25));
+    let (mut near, mut far) = (empty(true, 1.25), empty(true, 1.25));
     let count = model.closures.len();
     let step = count.div_ceil(SAMPLE).max(1);
     for closure in (0..count).step_by(step) {
@@ -224,9 +234,9 @@ fn classes<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, partners: &P
             single.real.push(closed);
             single.shuffled.extend(model.single_shuffled(closure, donor));
             // Neighbours tell of the landmark edges alone: aliased runs agree with each other, too.
-            if let [other, ..] = *partners.near(closure) {
+            for (turn, &other) in partners.near(closure).iter().enumerate().filter(|(turn, _)| [0, 3, 7].contains(turn)) {
                 short.real.push(model.pair(closure, other));
-                short.shuffled.push(model.pair_shuffled(closure, other, partners.elsewhere(model, other, 2)));
+                short.shuffled.push(model.pair_shuffled(closure, other, partners.elsewhere(model, other, turn + 2)));
             }
             continue;
         }

@@ -35,7 +35,9 @@ pub(crate) fn cut(
 ) -> Clusters {
     let prior = (COST * (1.0 - correct) / correct).ln();
     let clipped = |ratio: f64| ratio.clamp(-CLIP, CLIP);
-    let pairs = ties.iter().map(|tie| (tie.one as u64, tie.other as u64, clipped(tie.ratio - COST.ln())));
+    // What says nothing neither ties nor parts.
+    let pair = |ratio: f64| if ratio > 0.0 { (ratio - COST.ln()).max(0.0) } else { ratio };
+    let pairs = ties.iter().map(|tie| (tie.one as u64, tie.other as u64, clipped(pair(tie.ratio))));
     let single = anchored.iter().enumerate().filter_map(|(closure, anchored)| {
         anchored.map(|(anchor, ratio)| ((closures + anchor) as u64, closure as u64, clipped(ratio - prior)))
     });

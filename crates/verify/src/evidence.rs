@@ -17,6 +17,8 @@ pub(crate) struct Evidence {
     pub(crate) chance: f64,
     /// ln t(e; S) - ln t(e; S + L'), L' a local error: the right neighbourhood, wrongly measured.
     pub(crate) local: f64,
+    /// e^T S^-1 e
+    pub(crate) squared_distance: f64,
     /// Whether the squared distance contradicts, whatever the alternatives say.
     beyond: bool,
 }
@@ -52,7 +54,7 @@ pub(crate) fn compare<const DOF: usize>(
         0.5 * (wide.log_determinant - near.log_determinant)
             + 0.5 * (TAIL + DOF as f64) * ((1.0 + wide.squared / TAIL).ln() - (1.0 + near.squared / TAIL).ln())
     };
-    Some(Evidence { chance: ratio(&far), local: ratio(&local), beyond: near.squared > GATE * DOF as f64 })
+    Some(Evidence { chance: ratio(&far), local: ratio(&local), squared_distance: near.squared, beyond: near.squared > GATE * DOF as f64 })
 }
 
 /// L D L^T of a covariance, with a right-hand side carried along.

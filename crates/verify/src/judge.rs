@@ -12,7 +12,9 @@ use crate::model::{Model, Motion};
 use crate::partners::Partners;
 
 /// Rounds of cut and map.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 10;
+/// Log-likelihood ratio at which a closure contradicts the map.
+const CONTRADICTED: f64 = -3.0;
 /// Evidence below which two parts are not joined, nats.
 const LEAST_EVIDENCE: f64 = 20.0;
 
@@ -80,7 +82,9 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         let mut next = vec![false; count];
         for closure in 0..count {
             if let Some((anchor, _)) = anchored[closure] {
-                next[closure] = label(closure) == clusters.labels[count + anchor] && support[closure] > threshold;
+                next[closure] = label(closure) == clusters.labels[count + anchor]
+                    && support[closure] > threshold
+                    && (round == 0 || single[closure].is_some_and(|ratio| ratio > CONTRADICTED));
             }
         }
         // Clusters between parts: evidence along a spanning tree, which counts every odometry once.
@@ -126,6 +130,22 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
             eprintln!("round {round}: kept {kept} F{wrong} L{lost} merged {merged} optimal {} T {threshold:.1} best {:?}",
                 clusters.optimal, hypotheses.iter().take(3).map(|&h| evidence[h]).collect::<Vec<_>>());
         }
+        if std::env::var_os("VERIFY_TIES").is_some() && round == 0 {
+            for tie in &ties {
+                let e = |c: usize| { let e = &graph.edges[model.closures[c].candidate.edge]; (e.id, e.truth_correct()) };
+                eprintln!("tie {:?} {:?} {:.2} cut {}", e(tie.one), e(tie.other), tie.ratio, label(tie.one) != label(tie.other));
+            }
+        }
+        if std::env::var_os("VERIFY_EDGES").is_some() {
+            for c in 0..count {
+                let e = &graph.edges[model.closures[c].candidate.edge];
+                let t = e.truth_correct();
+                let inside = anchored[c].map(|(a, _)| label(c) == clusters.labels[count + a]);
+                if (t == Some(true)) != next[c] {
+                    eprintln!("  edge {} {}->{} correct {t:?} single {:?} support {:.1} anchored {inside:?}", e.id, e.from, e.to, single[c], support[c]);
+                }
+            }
+        }
         if next == accepted && merged == 0 {
             break;
         }
@@ -136,7 +156,22 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
             .collect();
         let mut map = drawing.map(&calibration, &accepted)?;
         let judged = map.judge(&drawing, model, &calibration, &accepted, &asked);
+        // Of the accepted ones that the rest contradicts, the worst third goes first: the others may be its victims.
+        let mut worst: Vec<f64> = asked
+            .iter()
+            .zip(&judged)
+            .filter(|(closure, _)| accepted[**closure])
+            .filter_map(|(_, evidence)| evidence.filter(|evidence| evidence.weight() <= CONTRADICTED))
+            .map(|evidence| evidence.squared_distance)
+            .collect();
+        worst.sort_by(|a, b| b.total_cmp(a));
+        let limit = worst.get(worst.len().div_ceil(3).saturating_sub(1)).copied().unwrap_or(f64::INFINITY);
         for (&closure, evidence) in asked.iter().zip(judged) {
+            if accepted[closure]
+                && evidence.is_some_and(|found| found.weight() <= CONTRADICTED && found.squared_distance < limit)
+            {
+                continue;
+            }
             // Where the rest of the map does not hold both ends, what was known before counts.
             single[closure] = evidence.map(|evidence| evidence.weight()).or(single[closure]).or(Some(0.0));
         }
