@@ -224,7 +224,7 @@ fn shares(ratios: &[[f64; 2]], local_most: f64) -> [f64; 2] {
 /// Loops through single closures of a chain; between chains, through pairs of near and of random partners.
 fn classes<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, partners: &Partners) -> Vec<Class<DOF>> {
     let empty = |counts, local_most| Class { counts, local_most, real: Vec::new(), shuffled: Vec::new() };
-    let (mut single, mut short) = (empty(true, 0.5), empty(false, 1.25));
+    let (mut single, mut short) = (empty(true, 0.0), empty(false, 1.25));
     let (mut near, mut far) = (empty(true, 1.25), empty(true, 1.25));
     let count = model.closures.len();
     let step = count.div_ceil(SAMPLE).max(1);

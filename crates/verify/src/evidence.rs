@@ -24,6 +24,11 @@ pub(crate) struct Evidence {
 }
 
 impl Evidence {
+    /// The weight of a comparison where local errors are out of sight.
+    pub(crate) fn distant(&self) -> f64 {
+        if self.beyond { -CLIP } else { self.chance }
+    }
+
     /// The weight of a comparison: what speaks against chance, unless a local error explains the loop better.
     pub(crate) fn weight(&self) -> f64 {
         if self.beyond {

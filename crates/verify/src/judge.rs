@@ -52,7 +52,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     let mut single: Vec<Option<f64>> = (0..count)
         .map(|closure| {
             let closed = model.single(closure)?;
-            Some(compare(&closed.error, &calibration.covariance(&closed), &closed.apart, &calibration.local(&closed.landmark)).map_or(-CLIP, |found| found.weight()))
+            Some(compare(&closed.error, &calibration.covariance(&closed), &closed.apart, &calibration.local(&closed.landmark)).map_or(-CLIP, |found| found.distant()))
         })
         .collect();
     let threshold = (COST * count as f64 * (1.0 - calibration.correct)).max(1.0).ln();
@@ -83,8 +83,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         for closure in 0..count {
             if let Some((anchor, _)) = anchored[closure] {
                 next[closure] = label(closure) == clusters.labels[count + anchor]
-                    && support[closure] > threshold
-                    && (round == 0 || single[closure].is_some_and(|ratio| ratio > CONTRADICTED));
+                    && if round == 0 { support[closure] } else { single[closure].unwrap_or(0.0) } > threshold;
             }
         }
         // Clusters between parts: evidence along a spanning tree, which counts every odometry once.

@@ -82,7 +82,7 @@ impl<G: Motion<DOF>, const DOF: usize> Map<G, DOF> {
         }).collect();
         distances.sort_by(f64::total_cmp);
         // The scale of the map's own errors, from the median.
-        let scale = distances.get(distances.len() / 2).map_or(1.0, |median| (median / median_chi_square(DOF)).clamp(1.0, 30.0));
+        let scale = distances.get(distances.len() / 2).map_or(1.0, |median| (median / median_chi_square(DOF)).clamp(if distances.len() < 20 { 1.0 } else { 0.05 }, 30.0));
         if std::env::var_os("VERIFY_DEBUG").is_some() { eprintln!("scale {scale}"); }
         asked.iter().zip(&mut found).map(|(&closure, found)| {
             let (innovation, own) = found.as_ref()?;
