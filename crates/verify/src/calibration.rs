@@ -98,7 +98,7 @@ pub(crate) fn calibrate<G: Motion<DOF>, const DOF: usize>(
     let mut best = (f64::NEG_INFINITY, Point { odometry: 0.0, landmark: 0.0, coherent: COHERENT.ln() }, 0.0, 0.5);
     for (start_odometry, start_landmark) in [(0.0, 0.0), (-4.0, 0.0), (4.0, 0.0), (0.0, 5.0), (0.0, -3.0)] {
         let start = Point { odometry: start_odometry, landmark: start_landmark, coherent: COHERENT.ln() };
-        let found = climb(start, |point| {
+        let found = climb(start, 3, |point| {
             let (contrast, evidence, correct) = contrast(&classes, &uniform(point, chains), tempering);
             let prior = square(point.odometry / PRIOR)
                 + square(point.landmark / PRIOR)
@@ -118,8 +118,61 @@ pub(crate) fn calibrate<G: Motion<DOF>, const DOF: usize>(
         calibration.odometry = common.odometry;
         calibration.coherent = common.coherent;
         calibration.landmark = common.landmark;
+        refine(&mut calibration, &classes, tempering);
     }
     calibration
+}
+
+/// Each chain's own factors, from the loops that it takes part in, beside the common ones.
+fn refine<const DOF: usize>(calibration: &mut Calibration, classes: &[Class<DOF>], tempering: f64) {
+    let chains = calibration.odometry.len();
+    if chains < 2 {
+        return;
+    }
+    let common = (calibration.odometry[0].ln(), calibration.coherent[0].ln());
+    for _ in 0..2 {
+        for chain in 0..chains {
+            let own: Vec<Class<DOF>> = classes.iter().map(|class| class.of(chain)).collect();
+            if own.iter().all(|class| class.real.is_empty()) {
+                continue;
+            }
+            let mut best: Option<(f64, Point)> = None;
+            let now = (calibration.odometry[chain].ln(), calibration.coherent[chain].ln());
+            for start in [now, (common.0 + 4.0, common.1)] {
+                let start = Point { odometry: start.0, landmark: 0.0, coherent: start.1 };
+                let found = climb(start, 2, |point| {
+                    let mut factors = calibration.clone();
+                    factors.odometry[chain] = point.odometry.exp();
+                    factors.coherent[chain] = point.coherent.exp();
+                    let contrast = contrast(&own, &factors, tempering);
+                    let prior = square((point.odometry - common.0) / PRIOR_CHAIN)
+                        + square((point.coherent - common.1) / PRIOR_CHAIN);
+                    (contrast.0 - 0.5 * prior, contrast.1, contrast.2)
+                });
+                if best.is_none_or(|best| found.0 > best.0) {
+                    best = Some((found.0, found.1));
+                }
+            }
+            if let Some((_, point)) = best {
+                calibration.odometry[chain] = point.odometry.exp();
+                calibration.coherent[chain] = point.coherent.exp();
+            }
+        }
+    }
+}
+
+impl<const DOF: usize> Class<DOF> {
+    /// The loops that a chain takes part in.
+    fn of(&self, chain: usize) -> Self {
+        let (mut real, mut shuffled) = (Vec::new(), Vec::new());
+        for (closed, twin) in self.real.iter().zip(&self.shuffled) {
+            if closed.odometry.iter().any(|(of, ..)| *of == chain) {
+                real.push(closed.clone());
+                shuffled.push(twin.clone());
+            }
+        }
+        Self { counts: self.counts, local_most: self.local_most, real, shuffled }
+    }
 }
 
 fn uniform(point: Point, chains: usize) -> Calibration {
@@ -138,13 +191,13 @@ fn square(value: f64) -> f64 {
 }
 
 /// Coordinate ascent by steps that halve. Returns objective, point, evidence, share.
-fn climb(start: Point, objective: impl Fn(Point) -> (f64, f64, f64)) -> (f64, Point, f64, f64) {
+fn climb(start: Point, axes: usize, objective: impl Fn(Point) -> (f64, f64, f64)) -> (f64, Point, f64, f64) {
     let mut point = start;
     let mut value = objective(point);
     let mut step = 2.0;
     while step > 0.1 {
         let mut improved = false;
-        for axis in 0..3 {
+        for axis in [0, 2, 1].into_iter().take(axes) {
             for direction in [1.0, -1.0] {
                 let mut trial = point;
                 match axis {

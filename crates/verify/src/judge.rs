@@ -5,7 +5,7 @@ use petgraph::unionfind::UnionFind;
 use posecut_graph::PoseGraph;
 
 use crate::calibration::{Calibration, calibrate};
-use crate::cut::{COST, Tie, cut};
+use crate::cut::{COST, Clusters, Tie, cut};
 use crate::evidence::{CLIP, compare};
 use crate::map::Drawing;
 use crate::model::{Model, Motion};
@@ -39,7 +39,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     if debug {
         eprintln!(
             "alpha {:?} gamma {:?} beta {:.3} pi {:.3} evidence {:.1} prior {}",
-            calibration.odometry.first(), calibration.coherent.first(), calibration.landmark, calibration.correct,
+            calibration.odometry.iter().take(6).collect::<Vec<_>>(), calibration.coherent.iter().take(6).collect::<Vec<_>>(), calibration.landmark, calibration.correct,
             calibration.evidence, calibration.on_prior
         );
     }
@@ -57,13 +57,16 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         .collect();
     let threshold = (COST * count as f64 * (1.0 - calibration.correct)).max(1.0).ln();
     let (mut rounds, mut joined) = (0, 0);
+    let mut clusters = Clusters { labels: Vec::new(), optimal: true };
     for round in 0..ROUNDS {
         rounds = round + 1;
         let part = parts.clone().into_labeling();
         let anchored: Vec<Option<(usize, f64)>> = (0..count)
             .map(|closure| single[closure].map(|ratio| (part[model.span(closure).a], ratio)))
             .collect();
-        let clusters = cut(count, chains, &ties, &anchored, calibration.correct);
+        if round == 0 {
+            clusters = cut(count, chains, &ties, &anchored, calibration.correct);
+        }
         let label = |closure: usize| clusters.labels[closure];
         // Sums of evidence inside each cluster.
         let mut support: Vec<f64> = anchored
@@ -82,8 +85,11 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         let mut next = vec![false; count];
         for closure in 0..count {
             if let Some((anchor, _)) = anchored[closure] {
-                next[closure] = label(closure) == clusters.labels[count + anchor]
-                    && if round == 0 { support[closure] } else { single[closure].unwrap_or(0.0) } > threshold;
+                next[closure] = if round == 0 {
+                    label(closure) == clusters.labels[count + anchor] && support[closure] > threshold
+                } else {
+                    single[closure].is_some_and(|ratio| ratio > threshold)
+                };
             }
         }
         // Clusters between parts: evidence along a spanning tree, which counts every odometry once.
