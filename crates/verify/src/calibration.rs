@@ -77,6 +77,7 @@ struct Point {
 pub(crate) fn calibrate<G: Motion<DOF>, const DOF: usize>(
     model: &Model<G, DOF>,
     partners: &Partners,
+    with_coherent: bool,
 ) -> Calibration {
     let chains = model.chains.chains.len();
     let classes = classes(model, partners);
@@ -95,14 +96,15 @@ pub(crate) fn calibrate<G: Motion<DOF>, const DOF: usize>(
     }
     // Loops through the same closures are not independent.
     let tempering = (candidates.min(SAMPLE) as f64 / loops as f64).min(1.0);
-    let mut best = (f64::NEG_INFINITY, Point { odometry: 0.0, landmark: 0.0, coherent: COHERENT.ln() }, 0.0, 0.5);
+    let coherent = if with_coherent { COHERENT } else { 1e-12 };
+    let mut best = (f64::NEG_INFINITY, Point { odometry: 0.0, landmark: 0.0, coherent: coherent.ln() }, 0.0, 0.5);
     for (start_odometry, start_landmark) in [(0.0, 0.0), (-4.0, 0.0), (4.0, 0.0), (0.0, 5.0), (0.0, -3.0)] {
-        let start = Point { odometry: start_odometry, landmark: start_landmark, coherent: COHERENT.ln() };
-        let found = climb(start, 3, |point| {
+        let start = Point { odometry: start_odometry, landmark: start_landmark, coherent: coherent.ln() };
+        let found = climb(start, if with_coherent { &[0, 2, 1] } else { &[0, 1] }, |point| {
             let (contrast, evidence, correct) = contrast(&classes, &uniform(point, chains), tempering);
             let prior = square(point.odometry / PRIOR)
                 + square(point.landmark / PRIOR)
-                + square((point.coherent - COHERENT.ln()) / (2.0 * PRIOR));
+                + square((point.coherent - coherent.ln()) / (2.0 * PRIOR));
             (contrast - 0.5 * prior, evidence, correct)
         });
         if found.0 > best.0 {
@@ -118,13 +120,13 @@ pub(crate) fn calibrate<G: Motion<DOF>, const DOF: usize>(
         calibration.odometry = common.odometry;
         calibration.coherent = common.coherent;
         calibration.landmark = common.landmark;
-        refine(&mut calibration, &classes, tempering);
+        refine(&mut calibration, &classes, tempering, with_coherent);
     }
     calibration
 }
 
 /// Each chain's own factors, from the loops that it takes part in, beside the common ones.
-fn refine<const DOF: usize>(calibration: &mut Calibration, classes: &[Class<DOF>], tempering: f64) {
+fn refine<const DOF: usize>(calibration: &mut Calibration, classes: &[Class<DOF>], tempering: f64, with_coherent: bool) {
     let chains = calibration.odometry.len();
     if chains < 2 {
         return;
@@ -140,7 +142,7 @@ fn refine<const DOF: usize>(calibration: &mut Calibration, classes: &[Class<DOF>
             let now = (calibration.odometry[chain].ln(), calibration.coherent[chain].ln());
             for start in [now, (common.0 + 4.0, common.1)] {
                 let start = Point { odometry: start.0, landmark: 0.0, coherent: start.1 };
-                let found = climb(start, 2, |point| {
+                let found = climb(start, if with_coherent { &[0, 2] } else { &[0] }, |point| {
                     let mut factors = calibration.clone();
                     factors.odometry[chain] = point.odometry.exp();
                     factors.coherent[chain] = point.coherent.exp();
@@ -191,13 +193,13 @@ fn square(value: f64) -> f64 {
 }
 
 /// Coordinate ascent by steps that halve. Returns objective, point, evidence, share.
-fn climb(start: Point, axes: usize, objective: impl Fn(Point) -> (f64, f64, f64)) -> (f64, Point, f64, f64) {
+fn climb(start: Point, axes: &[usize], objective: impl Fn(Point) -> (f64, f64, f64)) -> (f64, Point, f64, f64) {
     let mut point = start;
     let mut value = objective(point);
     let mut step = 2.0;
     while step > 0.1 {
         let mut improved = false;
-        for axis in [0, 2, 1].into_iter().take(axes) {
+        for &axis in axes {
             for direction in [1.0, -1.0] {
                 let mut trial = point;
                 match axis {

@@ -35,13 +35,15 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
 ) -> anyhow::Result<Judged> {
     let debug = std::env::var_os("VERIFY_DEBUG").is_some();
     let partners = Partners::of(model);
-    let calibration = calibrate(model, &partners);
+    let calibration = calibrate(model, &partners, true);
+    let random = calibrate(model, &partners, false);
     if debug {
         eprintln!(
             "alpha {:?} gamma {:?} beta {:.3} pi {:.3} evidence {:.1} prior {}",
             calibration.odometry.iter().take(6).collect::<Vec<_>>(), calibration.coherent.iter().take(6).collect::<Vec<_>>(), calibration.landmark, calibration.correct,
             calibration.evidence, calibration.on_prior
         );
+        eprintln!("random alpha {:?} beta {:.3}", random.odometry.iter().take(6).collect::<Vec<_>>(), random.landmark);
     }
     let ties = ties(model, &partners, &calibration);
     let drawing = Drawing::of(graph, model)?;
@@ -159,8 +161,8 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         let asked: Vec<usize> = (0..count)
             .filter(|&closure| part[model.span(closure).a] == part[model.span(closure).b])
             .collect();
-        let mut map = drawing.map(&calibration, &accepted)?;
-        let judged = map.judge(&drawing, model, &calibration, &accepted, &asked);
+        let mut map = drawing.map(&random, &accepted)?;
+        let judged = map.judge(&drawing, model, &random, &accepted, &asked);
         // Of the accepted ones that the rest contradicts, the worst third goes first: the others may be its victims.
         let mut worst: Vec<f64> = asked
             .iter()
