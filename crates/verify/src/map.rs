@@ -7,25 +7,44 @@ use posecut_optimize::{Edge, EdgeKind, Marginals, Options, Problem, optimize};
 use crate::calibration::Calibration;
 use crate::evidence::{Evidence, compare};
 use crate::model::{Model, Motion};
+use crate::partners::Partners;
 
-/// Optimised poses with their covariances.
-pub(crate) struct Map<G, const DOF: usize> {
-    poses: Vec<G>,
-    marginals: Marginals<G, DOF>,
-}
+/// Closures without an accepted neighbour whose covariance is computed exactly, a round. Each costs a triangular solve.
+const EXACT: usize = 400;
+/// Bounds on the scale of the map's own errors.
+const SCALE_LEAST: f64 = 0.05;
+const SCALE_MOST: f64 = 30.0;
+/// Accepted closures from which a scale below one is believed.
+const ENOUGH: usize = 20;
+/// Share of its own variance that a measurement must have left beside the rest of the map to be judged by it.
+const SHARE_LEFT: f64 = 1e-4;
 
 /// All that the optimiser needs of a graph, read once.
 pub(crate) struct Drawing<G, const DOF: usize> {
     start: Vec<G>,
     odometry: Vec<(usize, Edge<G, DOF>)>,
-    /// For each closure.
-    pub(crate) landmarks: Vec<Edge<G, DOF>>,
+    landmarks: Vec<Edge<G, DOF>>,
+    /// The covariance of each landmark edge's measurement, as claimed.
+    covariances: Vec<SMatrix<f64, DOF, DOF>>,
 }
 
-/// What the map says of a closure: its error, and the covariances of measurement and prediction.
-pub(crate) struct Innovation<const DOF: usize> {
-    pub(crate) error: SVector<f64, DOF>,
-    pub(crate) covariance: SMatrix<f64, DOF, DOF>,
+/// Optimised poses with their covariances.
+pub(crate) struct Map<'a, G, const DOF: usize> {
+    drawing: &'a Drawing<G, DOF>,
+    model: &'a Model<G, DOF>,
+    calibration: &'a Calibration,
+    accepted: &'a [bool],
+    poses: Vec<G>,
+    marginals: Marginals<G, DOF>,
+    /// Factor on covariances, from the innovations of accepted closures.
+    pub(crate) scale: f64,
+}
+
+/// How a measurement differs from what the rest of the map predicts.
+#[derive(Clone, Copy)]
+struct Innovation<const DOF: usize> {
+    error: SVector<f64, DOF>,
+    covariance: SMatrix<f64, DOF, DOF>,
 }
 
 impl<G: Motion<DOF>, const DOF: usize> Drawing<G, DOF> {
@@ -39,109 +58,177 @@ impl<G: Motion<DOF>, const DOF: usize> Drawing<G, DOF> {
                 EdgeKind::Landmark => landmark_of[place] = Some(*edge),
             }
         }
-        let landmarks = model
-            .closures
-            .iter()
-            .filter_map(|closure| landmark_of[closure.candidate.edge])
-            .collect::<Vec<_>>();
-        anyhow::ensure!(landmarks.len() == model.closures.len(), "a candidate has no measurement");
-        let start = model.chains.places.iter().map(|&(chain, place)| model.chains.chains[chain].poses[place]);
-        Ok(Self { start: start.collect(), odometry, landmarks })
+        let landmarks: Vec<_> =
+            model.closures.iter().filter_map(|closure| landmark_of[closure.candidate.edge]).collect();
+        let covariances = model.closures.iter().map(|closure| model.measurement_covariance(closure)).collect();
+        let place = |&(chain, place): &(usize, usize)| model.chains.chains[chain].poses[place];
+        Ok(Self { start: model.chains.places.iter().map(place).collect(), odometry, landmarks, covariances })
     }
 
     /// Optimises the odometry with the accepted closures.
-    pub(crate) fn map(&self, calibration: &Calibration, accepted: &[bool]) -> anyhow::Result<Map<G, DOF>> {
+    pub(crate) fn map<'a>(
+        &'a self,
+        model: &'a Model<G, DOF>,
+        calibration: &'a Calibration,
+        accepted: &'a [bool],
+    ) -> anyhow::Result<Map<'a, G, DOF>> {
         let odometry = self.odometry.iter().map(|(chain, edge)| Edge {
             information: edge.information / calibration.odometry[*chain],
             ..*edge
         });
-        let landmarks = self.landmarks.iter().zip(accepted).filter(|(_, accepted)| **accepted).map(
-            |(edge, _)| Edge { information: edge.information / calibration.landmark, ..*edge },
-        );
+        let landmarks =
+            self.landmarks.iter().zip(accepted).filter(|(_, accepted)| **accepted).map(|(edge, _)| Edge {
+                information: edge.information / calibration.landmark,
+                ..*edge
+            });
         let problem = Problem::new(self.start.clone(), odometry.chain(landmarks).collect())?;
         let solution = optimize(&problem, &Options { cost_tolerance: 1e-6, ..Options::default() });
         let marginals = Marginals::new(&problem, &solution.poses, &solution.weights);
-        Ok(Map { poses: solution.poses, marginals })
+        let poses = solution.poses;
+        Ok(Map { drawing: self, model, calibration, accepted, poses, marginals, scale: 1.0 })
     }
 }
 
-impl<G: Motion<DOF>, const DOF: usize> Map<G, DOF> {
-    /// Evidence of closures that the map covers, without their own part in it. `None` where nothing else holds both ends.
+impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
+    /// Evidence of every closure asked for, without its own part in the map; `first` are those to be judged exactly before
+    /// others. `None` where nothing else holds both ends, or where it would cost too much this round.
     pub(crate) fn judge(
         &mut self,
-        drawing: &Drawing<G, DOF>,
-        model: &Model<G, DOF>,
-        calibration: &Calibration,
-        accepted: &[bool],
+        partners: &Partners,
         asked: &[usize],
+        first: &[usize],
     ) -> Vec<Option<Evidence>> {
-        let mut found: Vec<Option<(Innovation<DOF>, SMatrix<f64, DOF, DOF>)>> = self.innovations(drawing, calibration, accepted, asked);
-        let mut distances: Vec<f64> = asked.iter().zip(&found).filter(|(closure, _)| accepted[**closure]).filter_map(|(_, found)| {
-            let (innovation, _) = found.as_ref()?;
-            Some(innovation.error.dot(&innovation.covariance.cholesky()?.solve(&innovation.error)))
-        }).collect();
-        distances.sort_by(f64::total_cmp);
-        // The scale of the map's own errors, from the median.
-        let scale = distances.get(distances.len() / 2).map_or(1.0, |median| (median / median_chi_square(DOF)).clamp(if distances.len() < 20 { 1.0 } else { 0.05 }, 30.0));
-        if std::env::var_os("VERIFY_DEBUG").is_some() { eprintln!("scale {scale}"); }
-        asked.iter().zip(&mut found).map(|(&closure, found)| {
-            let (innovation, own) = found.as_ref()?;
-            let covariance = innovation.covariance * scale;
-            compare(&innovation.error, &covariance, &model.apart_local(closure), &(own * (scale * 900.0)))
-        }).collect()
-    }
-
-    fn innovations(
-        &mut self,
-        drawing: &Drawing<G, DOF>,
-        calibration: &Calibration,
-        accepted: &[bool],
-        asked: &[usize],
-    ) -> Vec<Option<(Innovation<DOF>, SMatrix<f64, DOF, DOF>)>> {
-        let pairs: Vec<(usize, usize)> =
-            asked.iter().map(|&closure| (drawing.landmarks[closure].from, drawing.landmarks[closure].to)).collect();
-        let relative = self.marginals.relative(&pairs);
+        let members: Vec<usize> = asked.iter().copied().filter(|&closure| self.accepted[closure]).collect();
+        let mut found: Vec<Option<Innovation<DOF>>> = vec![None; self.accepted.len()];
+        let posterior = self.relative(&members);
+        let mut held: Vec<Option<SMatrix<f64, DOF, DOF>>> = vec![None; self.accepted.len()];
+        for (&member, covariance) in members.iter().zip(posterior) {
+            held[member] = covariance;
+            found[member] = covariance.and_then(|covariance| self.without(member, &covariance));
+        }
+        self.scale = self.spread(members.iter().filter_map(|&member| found[member]));
+        self.neighbours(partners, asked, &held, &mut found);
+        self.exactly(asked, first, &mut found);
         asked
             .iter()
-            .zip(relative)
-            .map(|(&closure, relative)| {
-                let edge = &drawing.landmarks[closure];
-                let own = posecut_geometry::covariance::covariance_from_information(&edge.information).ok()?
-                    * calibration.landmark;
-                let predicted = self.poses[edge.from].between(&self.poses[edge.to]);
-                let residual = edge.measurement.between(&predicted).log();
-                let innovation = innovation(residual, own, relative?, accepted[closure])?;
-                Some((innovation, own))
-            })
+            .map(|&closure| found[closure].and_then(|innovation| self.evidence(closure, &innovation)))
             .collect()
     }
-}
 
-fn median_chi_square(degrees: usize) -> f64 {
-    if degrees == 3 { 2.366 } else { 5.348 }
-}
-
-/// The innovation of a measurement with covariance S over a prediction with covariance P. Where the measurement takes part
-/// in the map, S (S - P)^-1 r with covariance S (S - P)^-1 S, for the map without it; `None` where it alone holds the ends.
-fn innovation<const DOF: usize>(
-    residual: SVector<f64, DOF>,
-    own: SMatrix<f64, DOF, DOF>,
-    predicted: SMatrix<f64, DOF, DOF>,
-    in_use: bool,
-) -> Option<Innovation<DOF>> {
-    if !in_use {
-        return Some(Innovation { error: residual, covariance: own + predicted });
-    }
-    let left = own - predicted;
-    let left = (left + left.transpose()) * 0.5;
-    let scale = own.diagonal();
-    for axis in 0..DOF {
-        if left[(axis, axis)] < 1e-4 * scale[axis] {
-            return None;
+    /// Those near an accepted closure: its relative pose in the map, and odometry from there, bound their covariance.
+    fn neighbours(
+        &self,
+        partners: &Partners,
+        asked: &[usize],
+        held: &[Option<SMatrix<f64, DOF, DOF>>],
+        found: &mut [Option<Innovation<DOF>>],
+    ) {
+        for &closure in asked.iter().filter(|closure| !self.accepted[**closure]) {
+            let neighbour = partners.near(closure).iter().find(|&&other| held[other].is_some());
+            let Some((&neighbour, covariance)) = neighbour.and_then(|other| Some((other, held[*other]?))) else {
+                continue;
+            };
+            let between = self.model.between(neighbour, closure, &covariance, self.calibration);
+            found[closure] = Some(self.innovation(closure, &between));
         }
     }
-    let inverse = left.cholesky()?.inverse();
-    let gain = own * inverse;
-    let covariance = gain * own;
-    Some(Innovation { error: gain * residual, covariance: (covariance + covariance.transpose()) * 0.5 })
+
+    /// Others: contradicted already by a bound, or by their exact covariance, as many as a round allows.
+    fn exactly(&mut self, asked: &[usize], first: &[usize], found: &mut [Option<Innovation<DOF>>]) {
+        let open: Vec<usize> =
+            asked.iter().copied().filter(|&closure| !self.accepted[closure] && found[closure].is_none()).collect();
+        let mut nodes: Vec<usize> = open.iter().flat_map(|&closure| self.ends(closure)).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let covariances = self.marginals.poses(&nodes);
+        let of = |node: usize| nodes.binary_search(&node).ok().and_then(|place| covariances[place]);
+        let mut unsure = Vec::new();
+        for &closure in &open {
+            let [from, to] = self.ends(closure);
+            let (Some(start), Some(end)) = (of(from), of(to)) else { continue };
+            // Cov(a - b) is at most 2 (Cov(a) + Cov(b)), whatever their correlation.
+            let carry = self.poses[to].between(&self.poses[from]).adjoint();
+            let bound = (carry * start * carry.transpose() + end) * 2.0;
+            let innovation = self.innovation(closure, &bound);
+            match self.evidence(closure, &innovation) {
+                Some(evidence) if evidence.distant() < 0.0 => found[closure] = Some(innovation),
+                _ => unsure.push(closure),
+            }
+        }
+        let mut exact: Vec<usize> = first.iter().copied().filter(|closure| unsure.binary_search(closure).is_ok()).collect();
+        let step = unsure.len().div_ceil(EXACT).max(1);
+        exact.extend(unsure.iter().copied().step_by(step));
+        exact.sort_unstable();
+        exact.dedup();
+        for (&closure, covariance) in exact.iter().zip(self.relative(&exact)) {
+            found[closure] = covariance.map(|covariance| self.innovation(closure, &covariance));
+        }
+    }
+
+    fn ends(&self, closure: usize) -> [usize; 2] {
+        let edge = &self.drawing.landmarks[closure];
+        [edge.from, edge.to]
+    }
+
+    /// Covariances of the relative poses of closures' ends.
+    fn relative(&mut self, closures: &[usize]) -> Vec<Option<SMatrix<f64, DOF, DOF>>> {
+        let pairs: Vec<(usize, usize)> =
+            closures.iter().map(|&closure| self.ends(closure)).map(|[from, to]| (from, to)).collect();
+        self.marginals.relative(&pairs)
+    }
+
+    fn own(&self, closure: usize) -> SMatrix<f64, DOF, DOF> {
+        self.drawing.covariances[closure] * self.calibration.landmark
+    }
+
+    fn residual(&self, closure: usize) -> SVector<f64, DOF> {
+        let edge = &self.drawing.landmarks[closure];
+        edge.measurement.between(&self.poses[edge.from].between(&self.poses[edge.to])).log()
+    }
+
+    fn innovation(&self, closure: usize, predicted: &SMatrix<f64, DOF, DOF>) -> Innovation<DOF> {
+        Innovation { error: self.residual(closure), covariance: self.own(closure) + predicted }
+    }
+
+    /// The innovation of a measurement with covariance S that takes part in the map, for the map without it: with P the
+    /// posterior covariance and r the residual, S (S - P)^-1 r, of covariance S (S - P)^-1 S.
+    fn without(&self, closure: usize, posterior: &SMatrix<f64, DOF, DOF>) -> Option<Innovation<DOF>> {
+        let own = self.own(closure);
+        let left = own - posterior;
+        let left = (left + left.transpose()) * 0.5;
+        if (0..DOF).any(|axis| left[(axis, axis)] < SHARE_LEFT * own[(axis, axis)]) {
+            return None;
+        }
+        let gain = own * left.cholesky()?.inverse();
+        let covariance = gain * own;
+        Some(Innovation {
+            error: gain * self.residual(closure),
+            covariance: (covariance + covariance.transpose()) * 0.5,
+        })
+    }
+
+    /// The median squared distance of innovations over that of chi-square.
+    fn spread(&self, innovations: impl Iterator<Item = Innovation<DOF>>) -> f64 {
+        let mut distances: Vec<f64> = innovations
+            .filter_map(|innovation| {
+                let cholesky = innovation.covariance.cholesky()?;
+                Some(innovation.error.dot(&cholesky.solve(&innovation.error)))
+            })
+            .collect();
+        distances.sort_by(f64::total_cmp);
+        let least = if distances.len() < ENOUGH { 1.0 } else { SCALE_LEAST };
+        let median = distances.get(distances.len() / 2);
+        median.map_or(1.0, |median| (median / chi_square_median(DOF)).clamp(least, SCALE_MOST))
+    }
+
+    fn evidence(&self, closure: usize, innovation: &Innovation<DOF>) -> Option<Evidence> {
+        let local = self.calibration.local(&self.drawing.covariances[closure]) * self.scale;
+        compare(&innovation.error, &(innovation.covariance * self.scale), &self.model.apart_local(closure), &local)
+    }
+}
+
+/// The median of chi-square (Wilson and Hilferty 1931).
+fn chi_square_median(degrees: usize) -> f64 {
+    let degrees = degrees as f64;
+    degrees * (1.0 - 2.0 / (9.0 * degrees)).powi(3)
 }

@@ -7,6 +7,8 @@ use posecut_pcm::candidate::{Candidate, Group, group_with};
 use posecut_pcm::chain::{Chain, Chains, Covariances};
 use posecut_pcm::{PcmError, Spatial};
 
+use crate::calibration::Calibration;
+
 /// Groups of motions that can be judged: SE(2) and SE(3).
 pub trait Motion<const DOF: usize>: Spatial<DOF> + PoseGroup<DOF> {}
 impl<G: Spatial<DOF> + PoseGroup<DOF>, const DOF: usize> Motion<DOF> for G {}
@@ -22,6 +24,8 @@ type Drift<const DOF: usize> = SMatrix<f64, DOF, COHERENT>;
 #[derive(Clone, Debug)]
 pub(crate) struct Closure<G, const DOF: usize> {
     pub(crate) group: usize,
+    /// Whether the edge leads from chain A to chain B, as the candidate does.
+    pub(crate) forward: bool,
     pub(crate) candidate: Candidate<G, DOF>,
 }
 
@@ -69,7 +73,11 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         for (number, group) in grouped.groups.iter().enumerate() {
             let first = closures.len();
             closures.extend(
-                group.candidates.iter().map(|candidate| Closure { group: number, candidate: candidate.clone() }),
+                group.candidates.iter().map(|candidate| {
+                    let edge = &graph.edges[candidate.edge];
+                    let place = |node| graph.node_index(node).map(|node| chains.places[node]);
+                    Closure { group: number, forward: place(edge.from) <= place(edge.to), candidate: candidate.clone() }
+                }),
             );
             spans.push(Span { a: group.a, b: group.b, first, end: closures.len() });
         }
@@ -83,6 +91,53 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
             unmeasured: grouped.unmeasured,
             rejected_before: grouped.rejected_before,
         })
+    }
+
+    /// The covariance of a closure's measurement, of a right perturbation at the node that its edge leads to.
+    pub(crate) fn measurement_covariance(&self, closure: &Closure<G, DOF>) -> SMatrix<f64, DOF, DOF> {
+        let candidate = &closure.candidate;
+        let chain = self.chain(self.spans[closure.group].b);
+        let back = chain.poses[candidate.k].inverse().adjoint();
+        let forward = back * candidate.covariance * back.transpose();
+        if closure.forward {
+            return forward;
+        }
+        // The edge was turned round to lead from chain A to chain B.
+        let chain_a = self.chain(self.spans[closure.group].a);
+        let measured = chain_a.poses[candidate.i].inverse().compose(&candidate.alignment).compose(&chain.poses[candidate.k]);
+        let turn = measured.adjoint();
+        turn * forward * turn.transpose()
+    }
+
+    /// A bound on the covariance of the relative pose of a closure's ends, from that of a neighbour's ends and the odometry
+    /// between them.
+    pub(crate) fn between(
+        &self,
+        neighbour: usize,
+        closure: usize,
+        held: &SMatrix<f64, DOF, DOF>,
+        calibration: &Calibration,
+    ) -> SMatrix<f64, DOF, DOF> {
+        let closed = self.pair(neighbour, closure);
+        let mut sum = SMatrix::zeros();
+        for (chain, random, _) in &closed.odometry {
+            sum += random * calibration.odometry[*chain];
+        }
+        // From the frame of chain B to that of the node which the edge leads to.
+        let span = self.span(closure);
+        let local = |candidate: &Candidate<G, DOF>, forward: bool| {
+            if forward {
+                self.chain(span.b).poses[candidate.k].inverse().adjoint()
+            } else {
+                self.chain(span.a).poses[candidate.i].inverse().compose(&candidate.alignment).adjoint()
+            }
+        };
+        let (one, other) = (&self.closures[neighbour], &self.closures[closure]);
+        let from_neighbour = local(&one.candidate, one.forward)
+            .try_inverse()
+            .map_or_else(SMatrix::zeros, |back| back * held * back.transpose());
+        let to_closure = local(&other.candidate, other.forward);
+        to_closure * (sum + from_neighbour) * to_closure.transpose()
     }
 
     pub(crate) fn span(&self, closure: usize) -> &Span {
