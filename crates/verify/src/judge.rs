@@ -50,11 +50,15 @@ struct Rounds<'a, G, const DOF: usize> {
     /// Calibration without coherent terms, which the optimiser does not have.
     random: Calibration,
     threshold: f64,
+    /// The same for islands, which are fewer.
+    loose: f64,
     hypotheses: Vec<Hypothesis>,
     /// Parts of the graph: chains that accepted closures join.
     parts: UnionFind<usize>,
     accepted: Vec<bool>,
     ratio: Vec<Option<f64>>,
+    /// Where the last map ended, if the next is nearly the same.
+    poses: Option<Vec<G>>,
 }
 
 pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
@@ -80,17 +84,29 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         ratio.iter().enumerate().map(|(closure, ratio)| ratio.map(|ratio| (model.span(closure).a, ratio))).collect();
     let clusters = cut(count, chains, &ties, &anchored, calibration.correct);
     let support = support(&clusters, &ties, &anchored);
+    // Islands that hang together closely are as many chances to agree by chance, and no more.
+    let close = islands(&clusters, &ties, &support, threshold, threshold);
+    let trials = close.count(&support, threshold) as f64;
+    let loose = (COST * trials * (1.0 - calibration.correct)).max(1.0).ln();
+    let islands = islands(&clusters, &ties, &support, threshold, loose);
+    let best = islands.best(&ratio);
+    if std::env::var_os("VERIFY_DEBUG").is_some() {
+        eprintln!("alpha {:?} gamma {:?} beta {:.3} pi {:.3} evidence {:.1} T {threshold:.1} islands {trials} loose {loose:.1}",
+            &calibration.odometry[..calibration.odometry.len().min(5)], &calibration.coherent[..calibration.odometry.len().min(5)], calibration.landmark, calibration.correct, calibration.evidence);
+    }
+    // What an island says of the trajectory shares its odometry: it counts once, as its best member does.
     let accepted: Vec<bool> = (0..count)
         .map(|closure| {
             anchored[closure].is_some_and(|(anchor, _)| clusters.labels[closure] == clusters.labels[count + anchor])
                 && support[closure] > threshold
+                && best[islands.forest.find(closure)] > loose
         })
         .collect();
-    let hypotheses = hypotheses(&clusters, &ties, &support, &accepted, threshold);
+    let hypotheses = islands.hypotheses(&accepted);
     let parts = UnionFind::new(chains);
     let drawing = Drawing::of(graph, model)?;
     let mut rounds =
-        Rounds { model, partners, drawing, random, threshold, hypotheses, parts, accepted, ratio };
+        Rounds { model, partners, drawing, random, threshold, loose, hypotheses, parts, accepted, ratio, poses: None };
     let mut number = 0;
     let mut next = rounds.accepted.clone();
     rounds.join(&mut next);
@@ -129,8 +145,9 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         let mut first: Vec<usize> =
             self.hypotheses.iter().filter(open).flat_map(Hypothesis::witnesses).collect();
         first.sort_unstable();
-        let mut map = self.drawing.map(self.model, &self.random, &self.accepted)?;
+        let mut map = self.drawing.map(self.model, &self.random, &self.accepted, self.poses.as_deref())?;
         let judged = map.judge(&self.partners, &asked, &first);
+        let poses = map.poses;
         // Of the accepted ones that the rest contradicts the worst third goes first: the others may be its victims.
         let mut worst: Vec<f64> = asked
             .iter()
@@ -163,7 +180,8 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             .filter(open)
             .filter(|hypothesis| {
                 let witnesses = hypothesis.witnesses();
-                let agree = witnesses.iter().filter(|&&member| next[member]).count();
+                let agree =
+                    witnesses.iter().filter(|&&member| self.ratio[member].is_some_and(|ratio| ratio > self.loose)).count();
                 2 * agree > witnesses.len()
             })
             .flat_map(|hypothesis| hypothesis.members.iter().copied())
@@ -171,13 +189,15 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         for member in agreeing {
             next[member] = true;
         }
-        self.join(&mut next);
+        let joined = self.join(&mut next);
+        // Nearly the same map: start from this one.
+        self.poses = (!joined).then_some(poses);
         Ok(next)
     }
 
     /// Joins parts by the hypotheses of most evidence, each part at most once a round, so that the next round judges the
     /// others by the larger map.
-    fn join(&mut self, next: &mut [bool]) {
+    fn join(&mut self, next: &mut [bool]) -> bool {
         let part = self.parts.clone().into_labeling();
         let mut busy = vec![false; part.len()];
         for hypothesis in &self.hypotheses {
@@ -192,6 +212,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
                 next[member] = true;
             }
         }
+        busy.contains(&true)
     }
 }
 
@@ -223,42 +244,68 @@ fn support(clusters: &Clusters, ties: &[Tie], anchored: &[Option<(usize, f64)>])
     support
 }
 
-/// Clusters that no anchor holds, with enough evidence along a spanning tree, the heaviest first.
-fn hypotheses(
-    clusters: &Clusters,
-    ties: &[Tie],
-    support: &[f64],
-    accepted: &[bool],
-    threshold: f64,
-) -> Vec<Hypothesis> {
-    let member = |closure: usize| !accepted[closure] && support[closure] > threshold;
-    let mut inside: Vec<&Tie> = ties
+/// Closures of one cluster that hang together by ties which chance hardly makes: each weighs more than the least evidence
+/// of a member. What only weak ties join to a cluster is judged by the map that the rest makes.
+fn islands(clusters: &Clusters, ties: &[Tie], support: &[f64], threshold: f64, least: f64) -> Islands {
+    let mut forest = UnionFind::<usize>::new(support.len());
+    let mut evidence = vec![0.0; support.len()];
+    let mut strong: Vec<&Tie> = ties
         .iter()
-        .filter(|tie| clusters.labels[tie.one] == clusters.labels[tie.other] && member(tie.one) && member(tie.other))
+        .filter(|tie| tie.ratio > least && clusters.labels[tie.one] == clusters.labels[tie.other])
+        .filter(|tie| support[tie.one] > threshold && support[tie.other] > threshold)
         .collect();
-    inside.sort_by(|a, b| b.ratio.total_cmp(&a.ratio).then((a.one, a.other).cmp(&(b.one, b.other))));
-    let mut forest = UnionFind::<usize>::new(accepted.len());
-    let mut evidence = vec![0.0; accepted.len()];
-    for tie in inside {
+    strong.sort_by(|a, b| b.ratio.total_cmp(&a.ratio).then((a.one, a.other).cmp(&(b.one, b.other))));
+    for tie in strong {
         let (a, b) = (forest.find(tie.one), forest.find(tie.other));
         if a != b {
             forest.union(a, b);
             evidence[forest.find(a)] = evidence[a] + evidence[b] + tie.ratio.min(CLIP);
         }
     }
-    let mut found: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for closure in 0..accepted.len() {
-        let root = forest.find(closure);
-        if evidence[root] > LEAST_EVIDENCE {
-            found.entry(root).or_default().push(closure);
-        }
+    Islands { forest, evidence }
+}
+
+/// Sets of closures, each with its evidence along a spanning tree, which counts every odometry once.
+struct Islands {
+    forest: UnionFind<usize>,
+    evidence: Vec<f64>,
+}
+
+impl Islands {
+    /// How many there are among members.
+    fn count(&self, support: &[f64], threshold: f64) -> usize {
+        (0..support.len())
+            .filter(|&closure| support[closure] > threshold && self.forest.find(closure) == closure)
+            .count()
     }
-    let mut hypotheses: Vec<Hypothesis> = found
-        .into_iter()
-        .map(|(root, members)| Hypothesis { evidence: evidence[root], members })
-        .collect();
-    hypotheses.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
-    hypotheses
+
+    /// The largest value of a member, for each root.
+    fn best(&self, values: &[Option<f64>]) -> Vec<f64> {
+        let mut best = vec![f64::NEG_INFINITY; values.len()];
+        for (closure, value) in values.iter().enumerate() {
+            let root = self.forest.find(closure);
+            best[root] = best[root].max(value.unwrap_or(f64::NEG_INFINITY));
+        }
+        best
+    }
+
+    /// Islands of enough evidence without accepted members, the heaviest first.
+    fn hypotheses(&self, accepted: &[bool]) -> Vec<Hypothesis> {
+        let mut found: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for closure in 0..accepted.len() {
+            let root = self.forest.find(closure);
+            if self.evidence[root] > LEAST_EVIDENCE {
+                found.entry(root).or_default().push(closure);
+            }
+        }
+        let mut hypotheses: Vec<Hypothesis> = found
+            .into_iter()
+            .filter(|(_, members)| !members.iter().any(|&member| accepted[member]))
+            .map(|(root, members)| Hypothesis { evidence: self.evidence[root], members })
+            .collect();
+        hypotheses.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+        hypotheses
+    }
 }
 
 /// The evidence of each pair of partners.

@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 use posecut_graph::PoseGraph;
-use posecut_optimize::{Edge, EdgeKind, Marginals, Options, Problem, optimize};
+use posecut_optimize::{Initialisation, Edge, EdgeKind, Marginals, Options, Problem, optimize};
 
 use crate::calibration::Calibration;
 use crate::evidence::{Evidence, compare};
@@ -34,7 +34,7 @@ pub(crate) struct Map<'a, G, const DOF: usize> {
     model: &'a Model<G, DOF>,
     calibration: &'a Calibration,
     accepted: &'a [bool],
-    poses: Vec<G>,
+    pub(crate) poses: Vec<G>,
     marginals: Marginals<G, DOF>,
     /// Factor on covariances, from the innovations of accepted closures.
     pub(crate) scale: f64,
@@ -71,6 +71,7 @@ impl<G: Motion<DOF>, const DOF: usize> Drawing<G, DOF> {
         model: &'a Model<G, DOF>,
         calibration: &'a Calibration,
         accepted: &'a [bool],
+        start: Option<&[G]>,
     ) -> anyhow::Result<Map<'a, G, DOF>> {
         let odometry = self.odometry.iter().map(|(chain, edge)| Edge {
             information: edge.information / calibration.odometry[*chain],
@@ -81,8 +82,11 @@ impl<G: Motion<DOF>, const DOF: usize> Drawing<G, DOF> {
                 information: edge.information / calibration.landmark,
                 ..*edge
             });
-        let problem = Problem::new(self.start.clone(), odometry.chain(landmarks).collect())?;
-        let solution = optimize(&problem, &Options { cost_tolerance: 1e-6, ..Options::default() });
+        let initialisation = if start.is_some() { Initialisation::Given } else { Initialisation::Best };
+        let start = start.unwrap_or(&self.start).to_vec();
+        let problem = Problem::new(start, odometry.chain(landmarks).collect())?;
+        let options = Options { cost_tolerance: 1e-6, initialisation, ..Options::default() };
+        let solution = optimize(&problem, &options);
         let marginals = Marginals::new(&problem, &solution.poses, &solution.weights);
         let poses = solution.poses;
         Ok(Map { drawing: self, model, calibration, accepted, poses, marginals, scale: 1.0 })
