@@ -5,11 +5,14 @@
 use nalgebra::{SMatrix, SVector};
 use petgraph::unionfind::UnionFind;
 use posecut_geometry::LieGroup;
-use posecut_geometry::covariance::{covariance_from_information, unpack_upper_triangle};
+use posecut_geometry::covariance::{CovarianceError, covariance_from_information, unpack_upper_triangle};
 use posecut_graph::{Edge, EdgeKind, PoseGraph};
 use posecut_stage::warn;
 
 use crate::PcmError;
+
+/// What a repaired information matrix has at least, as a share of its diagonal.
+const SINGULAR_SHARE: f64 = 1e-9;
 
 /// A stretch of nodes joined one to the next by odometry.
 ///
@@ -67,6 +70,9 @@ pub struct Chains<G, const DOF: usize> {
 pub enum Covariances {
     /// Every information matrix must have an inverse.
     Needed,
+    /// As `Needed`, but a direction without information gets a variance of 10^9 times the others', in units of the
+    /// matrix's own diagonal.
+    Repaired,
     /// They are not read; all are zero.
     Ignored,
 }
@@ -130,7 +136,22 @@ pub(crate) fn covariance<const DOF: usize>(
     let refused = |reason: String| PcmError::Covariance { edge: edge.name(), reason };
     let packed = graph.information(edge).ok_or_else(|| refused("it has none".to_owned()))?;
     let information = unpack_upper_triangle::<DOF>(packed).map_err(|error| refused(error.to_string()))?;
-    covariance_from_information(&information).map_err(|error| refused(error.to_string()))
+    match covariance_from_information(&information) {
+        Err(CovarianceError::Singular { .. }) if covariances == Covariances::Repaired => {
+            covariance_from_information(&repaired(information)).map_err(|error| refused(error.to_string()))
+        }
+        outcome => outcome.map_err(|error| refused(error.to_string())),
+    }
+}
+
+/// Adds 10^-9 of each diagonal entry to it, of the largest where an entry is zero.
+fn repaired<const DOF: usize>(mut information: SMatrix<f64, DOF, DOF>) -> SMatrix<f64, DOF, DOF> {
+    let largest = information.diagonal().max().max(1.0);
+    for axis in 0..DOF {
+        let entry = information[(axis, axis)];
+        information[(axis, axis)] += SINGULAR_SHARE * if entry > 0.0 { entry } else { largest };
+    }
+    information
 }
 
 /// log(E)^T Sigma^-1 log(E) by elimination of the lower triangle, L D L^T; `None` if Sigma is not positive definite. One

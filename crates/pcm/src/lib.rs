@@ -35,7 +35,7 @@ mod islands;
 mod judgement;
 mod lanes;
 mod logarithm;
-mod nearest;
+pub mod nearest;
 mod options;
 pub mod pretest;
 pub mod readmission;

@@ -5,13 +5,13 @@ use crate::spread::Spatial;
 
 /// Some candidates as a balanced tree of planes (Bentley, CACM 1975) over the distances travelled in both chains: the middle
 /// of a slice divides the rest, by one chain and the other in turn.
-pub(crate) struct Nearest {
+pub struct Nearest {
     tree: Vec<([f64; 2], usize)>,
 }
 
 impl Nearest {
     /// O(n log n).
-    pub(crate) fn new<G: Spatial<DOF>, const DOF: usize>(
+    pub fn new<G: Spatial<DOF>, const DOF: usize>(
         pairs: &Pairs<'_, G, DOF>,
         members: &[usize],
     ) -> Self {
@@ -23,7 +23,7 @@ impl Nearest {
 
     /// Up to `count` members nearest to a position by the sum of both distances (the candidate `but` left out), nearest
     /// first, equal ones by number. O(count log n) where members lie evenly.
-    pub(crate) fn of(&self, position: [f64; 2], but: usize, count: usize) -> Vec<usize> {
+    pub fn of(&self, position: [f64; 2], but: usize, count: usize) -> Vec<usize> {
         let mut query = Query { position, but, count, found: Vec::with_capacity(count + 1) };
         query.search(&self.tree, 0, [0.0; 2]);
         query.found.into_iter().map(|(_, member)| member).collect()

@@ -1,0 +1,308 @@
+//! How far covariances are off, for each chain, against what shuffled closures would say.
+
+use nalgebra::SMatrix;
+use serde::Serialize;
+
+use crate::evidence::compare;
+use crate::model::{Loop, Model, Motion};
+use crate::partners::Partners;
+
+/// Factors on covariances.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct Calibration {
+    /// For each chain: on the covariance of its odometry.
+    pub(crate) odometry: Vec<f64>,
+    /// For each chain: variance of a coherent error, squared share of the distance travelled.
+    pub(crate) coherent: Vec<f64>,
+    /// On the covariance of landmark edges.
+    pub(crate) landmark: f64,
+    /// Share of candidates taken for correct.
+    pub(crate) correct: f64,
+    /// Nats that the closures have over shuffled ones.
+    pub(crate) evidence: f64,
+    /// Whether this was too little for an estimate.
+    pub(crate) on_prior: bool,
+}
+
+/// How much more a local error varies than the noise of landmark edges: thirty standard deviations.
+const LOCAL: f64 = 900.0;
+
+impl Calibration {
+    /// The covariance of a local error of a loop's landmark edges.
+    pub(crate) fn local<const DOF: usize>(&self, landmark: &SMatrix<f64, DOF, DOF>) -> SMatrix<f64, DOF, DOF> {
+        landmark * (self.landmark * LOCAL)
+    }
+
+    pub(crate) fn covariance<const DOF: usize>(&self, closed: &Loop<DOF>) -> SMatrix<f64, DOF, DOF> {
+        let mut sum = closed.landmark * self.landmark;
+        for (chain, random, coherent) in &closed.odometry {
+            sum += random * self.odometry[*chain] + coherent * self.coherent[*chain];
+        }
+        sum
+    }
+}
+
+/// Loops of a kind that share a mixing proportion, with their shuffled twins.
+struct Class<const DOF: usize> {
+    /// Whether it tells how many candidates are correct.
+    counts: bool,
+    /// Most local errors, as a share of the correct loops: local errors are the exception, or they would be the noise.
+    local_most: f64,
+    real: Vec<Loop<DOF>>,
+    shuffled: Vec<Loop<DOF>>,
+}
+
+/// Closures whose loops are looked at.
+const SAMPLE: usize = 400;
+/// Standard deviation of the logarithm of a factor, a priori.
+const PRIOR: f64 = 2.0;
+/// The same of a chain's own factor beside the common one.
+const PRIOR_CHAIN: f64 = 1.0;
+/// Coherent variance that is likely a priori, and the largest.
+const COHERENT: f64 = 1e-6;
+const COHERENT_MOST: f64 = 1e-2;
+/// The smallest factor of landmark edges: published matrices claim up to a hundred times the variance.
+const LANDMARK_LEAST: f64 = 0.01;
+/// Evidence below which the prior is used, nats.
+const LEAST_EVIDENCE: f64 = 10.0;
+
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    odometry: f64,
+    landmark: f64,
+    coherent: f64,
+}
+
+/// Common factors first, then each chain's own.
+pub(crate) fn calibrate<G: Motion<DOF>, const DOF: usize>(
+    model: &Model<G, DOF>,
+    partners: &Partners,
+    with_coherent: bool,
+) -> Calibration {
+    let chains = model.chains.chains.len();
+    let classes = classes(model, partners);
+    let mut calibration = Calibration {
+        odometry: vec![1.0; chains],
+        coherent: vec![COHERENT; chains],
+        landmark: 1.0,
+        correct: 0.5,
+        evidence: 0.0,
+        on_prior: true,
+    };
+    let candidates = model.closures.len();
+    let loops: usize = classes.iter().map(|class| class.real.len()).sum();
+    if loops == 0 {
+        return calibration;
+    }
+    // Loops through the same closures are not independent.
+    let tempering = (candidates.min(SAMPLE) as f64 / loops as f64).min(1.0);
+    let coherent = if with_coherent { COHERENT } else { 1e-12 };
+    let mut best = (f64::NEG_INFINITY, Point { odometry: 0.0, landmark: 0.0, coherent: coherent.ln() }, 0.0, 0.5);
+    for (start_odometry, start_landmark) in [(0.0, 0.0), (-4.0, 0.0), (4.0, 0.0), (0.0, 5.0), (0.0, -3.0)] {
+        let start = Point { odometry: start_odometry, landmark: start_landmark, coherent: coherent.ln() };
+        let found = climb(start, if with_coherent { &[0, 2, 1] } else { &[0, 1] }, |point| {
+            let (contrast, evidence, correct) = contrast(&classes, &uniform(point, chains), tempering);
+            let prior = square(point.odometry / PRIOR)
+                + square(point.landmark / PRIOR)
+                + square((point.coherent - coherent.ln()) / (2.0 * PRIOR));
+            (contrast - 0.5 * prior, evidence, correct)
+        });
+        if found.0 > best.0 {
+            best = found;
+        }
+    }
+    let (_, point, evidence, correct) = best;
+    calibration.evidence = evidence;
+    calibration.correct = correct;
+    calibration.on_prior = evidence < LEAST_EVIDENCE;
+    if !calibration.on_prior {
+        let common = uniform(point, chains);
+        calibration.odometry = common.odometry;
+        calibration.coherent = common.coherent;
+        calibration.landmark = common.landmark;
+        refine(&mut calibration, &classes, tempering, with_coherent);
+    }
+    calibration
+}
+
+/// Each chain's own factors, from the loops that it takes part in, beside the common ones.
+fn refine<const DOF: usize>(calibration: &mut Calibration, classes: &[Class<DOF>], tempering: f64, with_coherent: bool) {
+    let chains = calibration.odometry.len();
+    if chains < 2 {
+        return;
+    }
+    let common = (calibration.odometry[0].ln(), calibration.coherent[0].ln());
+    for _ in 0..2 {
+        for chain in 0..chains {
+            let own: Vec<Class<DOF>> = classes.iter().map(|class| class.of(chain)).collect();
+            if own.iter().all(|class| class.real.is_empty()) {
+                continue;
+            }
+            let mut best: Option<(f64, Point)> = None;
+            let now = (calibration.odometry[chain].ln(), calibration.coherent[chain].ln());
+            for start in [now, (common.0 + 4.0, common.1)] {
+                let start = Point { odometry: start.0, landmark: 0.0, coherent: start.1 };
+                let found = climb(start, if with_coherent { &[0, 2] } else { &[0] }, |point| {
+                    let mut factors = calibration.clone();
+                    factors.odometry[chain] = point.odometry.exp();
+                    factors.coherent[chain] = point.coherent.exp();
+                    let contrast = contrast(&own, &factors, tempering);
+                    let prior = square((point.odometry - common.0) / PRIOR_CHAIN)
+                        + square((point.coherent - common.1) / PRIOR_CHAIN);
+                    (contrast.0 - 0.5 * prior, contrast.1, contrast.2)
+                });
+                if best.is_none_or(|best| found.0 > best.0) {
+                    best = Some((found.0, found.1));
+                }
+            }
+            if let Some((_, point)) = best {
+                calibration.odometry[chain] = point.odometry.exp();
+                calibration.coherent[chain] = point.coherent.exp();
+            }
+        }
+    }
+}
+
+impl<const DOF: usize> Class<DOF> {
+    /// The loops that a chain takes part in.
+    fn of(&self, chain: usize) -> Self {
+        let (mut real, mut shuffled) = (Vec::new(), Vec::new());
+        for (closed, twin) in self.real.iter().zip(&self.shuffled) {
+            if closed.odometry.iter().any(|(of, ..)| *of == chain) {
+                real.push(closed.clone());
+                shuffled.push(twin.clone());
+            }
+        }
+        Self { counts: self.counts, local_most: self.local_most, real, shuffled }
+    }
+}
+
+fn uniform(point: Point, chains: usize) -> Calibration {
+    Calibration {
+        odometry: vec![point.odometry.exp(); chains],
+        coherent: vec![point.coherent.exp(); chains],
+        landmark: point.landmark.exp(),
+        correct: 0.5,
+        evidence: 0.0,
+        on_prior: false,
+    }
+}
+
+fn square(value: f64) -> f64 {
+    value * value
+}
+
+/// Coordinate ascent by steps that halve. Returns objective, point, evidence, share.
+fn climb(start: Point, axes: &[usize], objective: impl Fn(Point) -> (f64, f64, f64)) -> (f64, Point, f64, f64) {
+    let mut point = start;
+    let mut value = objective(point);
+    let mut step = 2.0;
+    while step > 0.1 {
+        let mut improved = false;
+        for &axis in axes {
+            for direction in [1.0, -1.0] {
+                let mut trial = point;
+                match axis {
+                    0 => trial.odometry += direction * step,
+                    1 => trial.landmark = (trial.landmark + direction * step).max(LANDMARK_LEAST.ln()),
+                    _ => trial.coherent = (trial.coherent + direction * 2.0 * step).min(COHERENT_MOST.ln()),
+                }
+                let trial_value = objective(trial);
+                if trial_value.0 > value.0 + 1e-9 {
+                    (point, value, improved) = (trial, trial_value, true);
+                    break;
+                }
+            }
+        }
+        if !improved {
+            step *= 0.5;
+        }
+    }
+    (value.0, point, value.1, value.2)
+}
+
+/// Log-likelihood of the mixture of correct and chance over chance alone, of the loops less of their shuffled twins.
+fn contrast<const DOF: usize>(classes: &[Class<DOF>], factors: &Calibration, tempering: f64) -> (f64, f64, f64) {
+    let (mut sum, mut evidence, mut correct) = (0.0, 0.0, 0.0);
+    let mut counted = 0.0;
+    for class in classes {
+        let ratios = |loops: &[Loop<DOF>]| -> Vec<[f64; 2]> {
+            loops
+                .iter()
+                .filter_map(|closed| {
+                    let local = factors.local(&closed.landmark);
+                    let evidence = compare(&closed.error, &factors.covariance(closed), &closed.apart, &local)?;
+                    // Correct and local error, each against chance.
+                    Some([evidence.chance.exp(), (evidence.chance - evidence.local).exp()])
+                })
+                .collect()
+        };
+        let (real, shuffled) = (ratios(&class.real), ratios(&class.shuffled));
+        let [share, local] = shares(&real, class.local_most);
+        let gain = |ratios: &[[f64; 2]]| {
+            ratios.iter().map(|[ok, near]| (share * (ok - 1.0) + local * (near - 1.0)).ln_1p()).sum::<f64>()
+        };
+        let gained = gain(&real) - gain(&shuffled).max(0.0);
+        sum += gained;
+        if class.counts {
+            evidence += gained;
+            correct += share * real.len() as f64;
+            counted += real.len() as f64;
+        }
+    }
+    (sum * tempering, evidence * tempering, if counted > 0.0 { correct / counted } else { 0.5 })
+}
+
+/// The mixing proportions of correct loops and of local errors, by expectation maximisation.
+fn shares(ratios: &[[f64; 2]], local_most: f64) -> [f64; 2] {
+    let (mut share, mut local) = (0.5, 0.05);
+    for _ in 0..12 {
+        let (mut correct, mut near) = (0.0, 0.0);
+        for [ok, wide] in ratios {
+            let rest = 1.0 - share - local;
+            let total = rest + share * ok + local * wide;
+            correct += share * ok / total;
+            near += local * wide / total;
+        }
+        // A wrong and a correct loop more than seen: never certain.
+        let all = ratios.len() as f64 + 2.5;
+        (share, local) = ((correct + 1.0) / all, (near + 0.5) / all);
+        if local > local_most * share {
+            let both = share + local;
+            share = both / (1.0 + local_most);
+            local = both - share;
+        }
+    }
+    [share, local]
+}
+
+/// Loops through single closures of a chain; between chains, through pairs of near and of random partners.
+fn classes<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, partners: &Partners) -> Vec<Class<DOF>> {
+    let empty = |counts, local_most| Class { counts, local_most, real: Vec::new(), shuffled: Vec::new() };
+    let (mut single, mut short) = (empty(true, 0.0), empty(false, 1.25));
+    let (mut near, mut far) = (empty(true, 1.25), empty(true, 1.25));
+    let count = model.closures.len();
+    let step = count.div_ceil(SAMPLE).max(1);
+    for closure in (0..count).step_by(step) {
+        let donor = partners.elsewhere(model, closure, 3);
+        if let Some(closed) = model.single(closure) {
+            single.real.push(closed);
+            single.shuffled.extend(model.single_shuffled(closure, donor));
+            // Neighbours tell of the landmark edges alone: aliased runs agree with each other, too.
+            for (turn, &other) in partners.near(closure).iter().enumerate().filter(|(turn, _)| [0, 3, 7].contains(turn)) {
+                short.real.push(model.pair(closure, other));
+                short.shuffled.push(model.pair_shuffled(closure, other, partners.elsewhere(model, other, turn + 2)));
+            }
+            continue;
+        }
+        for (turn, &other) in partners.near(closure).iter().enumerate().filter(|(turn, _)| [0, 1, 3, 7].contains(turn)) {
+            near.real.push(model.pair(closure, other));
+            near.shuffled.push(model.pair_shuffled(closure, other, partners.elsewhere(model, other, turn + 2)));
+        }
+        for (turn, &other) in partners.far(closure).iter().take(4).enumerate() {
+            far.real.push(model.pair(closure, other));
+            far.shuffled.push(model.pair_shuffled(closure, other, partners.elsewhere(model, other, turn + 7)));
+        }
+    }
+    [single, short, near, far].into_iter().filter(|class| !class.real.is_empty()).collect()
+}

@@ -1,0 +1,54 @@
+//! The graph of evidence, and its minimum-cost multicut.
+
+use posecut_multicut::{Graph, Options, solve};
+
+use crate::evidence::CLIP;
+
+/// Work after which the best multicut found is taken, the same on every machine.
+const WORK: u64 = 30_000_000;
+/// What accepting a wrong candidate weighs, in correct ones.
+pub(crate) const COST: f64 = 3.0;
+
+/// Evidence that two closures are both correct, nats.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tie {
+    pub(crate) one: usize,
+    pub(crate) other: usize,
+    pub(crate) ratio: f64,
+}
+
+/// Clusters of closures, and of the anchors that stand for maps.
+pub(crate) struct Clusters {
+    /// Label of each closure, then of each anchor.
+    pub(crate) labels: Vec<u32>,
+    pub(crate) optimal: bool,
+}
+
+/// Cuts the graph whose nodes are closures and anchors: `anchored[c]` is the anchor of closure c and the log-likelihood
+/// ratio that c agrees with its map.
+pub(crate) fn cut(
+    closures: usize,
+    anchors: usize,
+    ties: &[Tie],
+    anchored: &[Option<(usize, f64)>],
+    correct: f64,
+) -> Clusters {
+    let prior = (COST * (1.0 - correct) / correct).ln();
+    let clipped = |ratio: f64| ratio.clamp(-CLIP, CLIP);
+    // What says nothing neither ties nor parts.
+    let pair = |ratio: f64| if ratio > 0.0 { (ratio - COST.ln()).max(0.0) } else { ratio };
+    let pairs = ties.iter().map(|tie| (tie.one as u64, tie.other as u64, clipped(pair(tie.ratio))));
+    let single = anchored.iter().enumerate().filter_map(|(closure, anchored)| {
+        anchored.map(|(anchor, ratio)| ((closures + anchor) as u64, closure as u64, clipped(ratio - prior)))
+    });
+    let edges: Vec<_> = pairs.chain(single).collect();
+    let options = Options { time_limit: None, work_limit: Some(WORK), ..Options::default() };
+    match Graph::new(closures + anchors, edges) {
+        Ok(graph) => {
+            let solution = solve(&graph, &options);
+            Clusters { labels: solution.labels, optimal: solution.optimal }
+        }
+        // Costs are clipped and nodes are ours: only more nodes than fit is left, and nothing holds together then.
+        Err(_) => Clusters { labels: (0..(closures + anchors) as u32).collect(), optimal: false },
+    }
+}

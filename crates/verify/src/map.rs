@@ -1,0 +1,238 @@
+//! The map that accepted closures make, and what it says of each closure.
+
+use nalgebra::{SMatrix, SVector};
+use posecut_graph::PoseGraph;
+use posecut_optimize::{Initialisation, Edge, EdgeKind, Marginals, Options, Problem, optimize};
+
+use crate::calibration::Calibration;
+use crate::evidence::{Evidence, compare};
+use crate::model::{Model, Motion};
+use crate::partners::Partners;
+
+/// Closures without an accepted neighbour whose covariance is computed exactly, a round. Each costs a triangular solve.
+const EXACT: usize = 400;
+/// Bounds on the scale of the map's own errors.
+const SCALE_LEAST: f64 = 0.05;
+const SCALE_MOST: f64 = 30.0;
+/// Accepted closures from which a scale below one is believed.
+const ENOUGH: usize = 20;
+/// Share of its own variance that a measurement must have left beside the rest of the map to be judged by it.
+const SHARE_LEFT: f64 = 1e-4;
+
+/// All that the optimiser needs of a graph, read once.
+pub(crate) struct Drawing<G, const DOF: usize> {
+    start: Vec<G>,
+    odometry: Vec<(usize, Edge<G, DOF>)>,
+    landmarks: Vec<Edge<G, DOF>>,
+    /// The covariance of each landmark edge's measurement, as claimed.
+    covariances: Vec<SMatrix<f64, DOF, DOF>>,
+}
+
+/// Optimised poses with their covariances.
+pub(crate) struct Map<'a, G, const DOF: usize> {
+    drawing: &'a Drawing<G, DOF>,
+    model: &'a Model<G, DOF>,
+    calibration: &'a Calibration,
+    accepted: &'a [bool],
+    pub(crate) poses: Vec<G>,
+    marginals: Marginals<G, DOF>,
+    /// Factor on covariances, from the innovations of accepted closures.
+    pub(crate) scale: f64,
+}
+
+/// How a measurement differs from what the rest of the map predicts.
+#[derive(Clone, Copy)]
+struct Innovation<const DOF: usize> {
+    error: SVector<f64, DOF>,
+    covariance: SMatrix<f64, DOF, DOF>,
+}
+
+impl<G: Motion<DOF>, const DOF: usize> Drawing<G, DOF> {
+    pub(crate) fn of(graph: &PoseGraph, model: &Model<G, DOF>) -> anyhow::Result<Self> {
+        let measured = posecut_optimize::stage::edges::<G, DOF>(graph)?;
+        let mut landmark_of = vec![None; graph.edges.len()];
+        let mut odometry = Vec::new();
+        for (edge, &place) in measured.edges.iter().zip(&measured.places) {
+            match edge.kind {
+                EdgeKind::Odometry => odometry.push((model.chains.places[edge.from].0, *edge)),
+                EdgeKind::Landmark => landmark_of[place] = Some(*edge),
+            }
+        }
+        let landmarks: Vec<_> =
+            model.closures.iter().filter_map(|closure| landmark_of[closure.candidate.edge]).collect();
+        let covariances = model.closures.iter().map(|closure| model.measurement_covariance(closure)).collect();
+        let place = |&(chain, place): &(usize, usize)| model.chains.chains[chain].poses[place];
+        Ok(Self { start: model.chains.places.iter().map(place).collect(), odometry, landmarks, covariances })
+    }
+
+    /// Optimises the odometry with the accepted closures.
+    pub(crate) fn map<'a>(
+        &'a self,
+        model: &'a Model<G, DOF>,
+        calibration: &'a Calibration,
+        accepted: &'a [bool],
+        start: Option<&[G]>,
+    ) -> anyhow::Result<Map<'a, G, DOF>> {
+        let odometry = self.odometry.iter().map(|(chain, edge)| Edge {
+            information: edge.information / calibration.odometry[*chain],
+            ..*edge
+        });
+        let landmarks =
+            self.landmarks.iter().zip(accepted).filter(|(_, accepted)| **accepted).map(|(edge, _)| Edge {
+                information: edge.information / calibration.landmark,
+                ..*edge
+            });
+        let initialisation = if start.is_some() { Initialisation::Given } else { Initialisation::Best };
+        let start = start.unwrap_or(&self.start).to_vec();
+        let problem = Problem::new(start, odometry.chain(landmarks).collect())?;
+        let options = Options { cost_tolerance: 1e-6, initialisation, ..Options::default() };
+        let solution = optimize(&problem, &options);
+        let marginals = Marginals::new(&problem, &solution.poses, &solution.weights);
+        let poses = solution.poses;
+        Ok(Map { drawing: self, model, calibration, accepted, poses, marginals, scale: 1.0 })
+    }
+}
+
+impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
+    /// Evidence of every closure asked for, without its own part in the map; `first` are those to be judged exactly before
+    /// others. `None` where nothing else holds both ends, or where it would cost too much this round.
+    pub(crate) fn judge(
+        &mut self,
+        partners: &Partners,
+        asked: &[usize],
+        first: &[usize],
+    ) -> Vec<Option<Evidence>> {
+        let members: Vec<usize> = asked.iter().copied().filter(|&closure| self.accepted[closure]).collect();
+        let mut found: Vec<Option<Innovation<DOF>>> = vec![None; self.accepted.len()];
+        let posterior = self.relative(&members);
+        let mut held: Vec<Option<SMatrix<f64, DOF, DOF>>> = vec![None; self.accepted.len()];
+        for (&member, covariance) in members.iter().zip(posterior) {
+            held[member] = covariance;
+            found[member] = covariance.and_then(|covariance| self.without(member, &covariance));
+        }
+        self.scale = self.spread(members.iter().filter_map(|&member| found[member]));
+        self.neighbours(partners, asked, &held, &mut found);
+        self.exactly(asked, first, &mut found);
+        asked
+            .iter()
+            .map(|&closure| found[closure].and_then(|innovation| self.evidence(closure, &innovation)))
+            .collect()
+    }
+
+    /// Those near an accepted closure: its relative pose in the map, and odometry from there, bound their covariance.
+    fn neighbours(
+        &self,
+        partners: &Partners,
+        asked: &[usize],
+        held: &[Option<SMatrix<f64, DOF, DOF>>],
+        found: &mut [Option<Innovation<DOF>>],
+    ) {
+        for &closure in asked.iter().filter(|closure| !self.accepted[**closure]) {
+            let neighbour = partners.near(closure).iter().find(|&&other| held[other].is_some());
+            let Some((&neighbour, covariance)) = neighbour.and_then(|other| Some((other, held[*other]?))) else {
+                continue;
+            };
+            let between = self.model.between(neighbour, closure, &covariance, self.calibration);
+            found[closure] = Some(self.innovation(closure, &between));
+        }
+    }
+
+    /// Others: contradicted already by a bound, or by their exact covariance, as many as a round allows.
+    fn exactly(&mut self, asked: &[usize], first: &[usize], found: &mut [Option<Innovation<DOF>>]) {
+        let open: Vec<usize> =
+            asked.iter().copied().filter(|&closure| !self.accepted[closure] && found[closure].is_none()).collect();
+        let mut nodes: Vec<usize> = open.iter().flat_map(|&closure| self.ends(closure)).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let covariances = self.marginals.poses(&nodes);
+        let of = |node: usize| nodes.binary_search(&node).ok().and_then(|place| covariances[place]);
+        let mut unsure = Vec::new();
+        for &closure in &open {
+            let [from, to] = self.ends(closure);
+            let (Some(start), Some(end)) = (of(from), of(to)) else { continue };
+            // Cov(a - b) is at most 2 (Cov(a) + Cov(b)), whatever their correlation.
+            let carry = self.poses[to].between(&self.poses[from]).adjoint();
+            let bound = (carry * start * carry.transpose() + end) * 2.0;
+            let innovation = self.innovation(closure, &bound);
+            match self.evidence(closure, &innovation) {
+                Some(evidence) if evidence.distant() < 0.0 => found[closure] = Some(innovation),
+                _ => unsure.push(closure),
+            }
+        }
+        let mut exact: Vec<usize> = first.iter().copied().filter(|closure| unsure.binary_search(closure).is_ok()).collect();
+        let step = unsure.len().div_ceil(EXACT).max(1);
+        exact.extend(unsure.iter().copied().step_by(step));
+        exact.sort_unstable();
+        exact.dedup();
+        for (&closure, covariance) in exact.iter().zip(self.relative(&exact)) {
+            found[closure] = covariance.map(|covariance| self.innovation(closure, &covariance));
+        }
+    }
+
+    fn ends(&self, closure: usize) -> [usize; 2] {
+        let edge = &self.drawing.landmarks[closure];
+        [edge.from, edge.to]
+    }
+
+    /// Covariances of the relative poses of closures' ends.
+    fn relative(&mut self, closures: &[usize]) -> Vec<Option<SMatrix<f64, DOF, DOF>>> {
+        let pairs: Vec<(usize, usize)> =
+            closures.iter().map(|&closure| self.ends(closure)).map(|[from, to]| (from, to)).collect();
+        self.marginals.relative(&pairs)
+    }
+
+    fn own(&self, closure: usize) -> SMatrix<f64, DOF, DOF> {
+        self.drawing.covariances[closure] * self.calibration.landmark
+    }
+
+    fn residual(&self, closure: usize) -> SVector<f64, DOF> {
+        let edge = &self.drawing.landmarks[closure];
+        edge.measurement.between(&self.poses[edge.from].between(&self.poses[edge.to])).log()
+    }
+
+    fn innovation(&self, closure: usize, predicted: &SMatrix<f64, DOF, DOF>) -> Innovation<DOF> {
+        Innovation { error: self.residual(closure), covariance: self.own(closure) + predicted }
+    }
+
+    /// The innovation of a measurement with covariance S that takes part in the map, for the map without it: with P the
+    /// posterior covariance and r the residual, S (S - P)^-1 r, of covariance S (S - P)^-1 S.
+    fn without(&self, closure: usize, posterior: &SMatrix<f64, DOF, DOF>) -> Option<Innovation<DOF>> {
+        let own = self.own(closure);
+        let left = own - posterior;
+        let left = (left + left.transpose()) * 0.5;
+        if (0..DOF).any(|axis| left[(axis, axis)] < SHARE_LEFT * own[(axis, axis)]) {
+            return None;
+        }
+        let gain = own * left.cholesky()?.inverse();
+        let covariance = gain * own;
+        Some(Innovation {
+            error: gain * self.residual(closure),
+            covariance: (covariance + covariance.transpose()) * 0.5,
+        })
+    }
+
+    /// The median squared distance of innovations over that of chi-square.
+    fn spread(&self, innovations: impl Iterator<Item = Innovation<DOF>>) -> f64 {
+        let mut distances: Vec<f64> = innovations
+            .filter_map(|innovation| {
+                let cholesky = innovation.covariance.cholesky()?;
+                Some(innovation.error.dot(&cholesky.solve(&innovation.error)))
+            })
+            .collect();
+        distances.sort_by(f64::total_cmp);
+        let least = if distances.len() < ENOUGH { 1.0 } else { SCALE_LEAST };
+        let median = distances.get(distances.len() / 2);
+        median.map_or(1.0, |median| (median / chi_square_median(DOF)).clamp(least, SCALE_MOST))
+    }
+
+    fn evidence(&self, closure: usize, innovation: &Innovation<DOF>) -> Option<Evidence> {
+        let local = self.calibration.local(&self.drawing.covariances[closure]) * self.scale;
+        compare(&innovation.error, &(innovation.covariance * self.scale), &self.model.apart_local(closure), &local)
+    }
+}
+
+/// The median of chi-square (Wilson and Hilferty 1931).
+fn chi_square_median(degrees: usize) -> f64 {
+    let degrees = degrees as f64;
+    degrees * (1.0 - 2.0 / (9.0 * degrees)).powi(3)
+}

@@ -1,0 +1,288 @@
+//! Chains, candidates and the loops that they close.
+
+use nalgebra::{SMatrix, SVector};
+use posecut_graph::PoseGraph;
+use posecut_optimize::PoseGroup;
+use posecut_pcm::candidate::{Candidate, Group, group_with};
+use posecut_pcm::chain::{Chain, Chains, Covariances};
+use posecut_pcm::{PcmError, Spatial};
+
+use crate::calibration::Calibration;
+
+/// Groups of motions that can be judged: SE(2) and SE(3).
+pub trait Motion<const DOF: usize>: Spatial<DOF> + PoseGroup<DOF> {}
+impl<G: Spatial<DOF> + PoseGroup<DOF>, const DOF: usize> Motion<DOF> for G {}
+
+/// Pairs of places whose relative poses tell how far apart two places of a chain are.
+const PLACES: usize = 500;
+
+/// Directions of coherent odometry errors: along the motion, and both ways across it (one in the plane).
+pub(crate) const COHERENT: usize = 3;
+type Drift<const DOF: usize> = SMatrix<f64, DOF, COHERENT>;
+
+/// A landmark edge to judge.
+#[derive(Clone, Debug)]
+pub(crate) struct Closure<G, const DOF: usize> {
+    pub(crate) group: usize,
+    /// Whether the edge leads from chain A to chain B, as the candidate does.
+    pub(crate) forward: bool,
+    pub(crate) candidate: Candidate<G, DOF>,
+}
+
+/// The chains that a group's candidates join, and where these stand among all closures.
+#[derive(Clone, Debug)]
+pub(crate) struct Span {
+    pub(crate) a: usize,
+    pub(crate) b: usize,
+    pub(crate) first: usize,
+    pub(crate) end: usize,
+}
+
+/// A graph as chains and closures.
+pub(crate) struct Model<G, const DOF: usize> {
+    pub(crate) chains: Chains<G, DOF>,
+    /// Prefix sums over each chain of Ad(P_k) (m_k, 0), m_k the step's translation turned into each coherent direction.
+    drifts: Vec<Vec<Drift<DOF>>>,
+    /// For each chain the second moment of the relative pose of two of its places, and of a place anywhere.
+    apart: Vec<SMatrix<f64, DOF, DOF>>,
+    pub(crate) groups: Vec<Group<G, DOF>>,
+    pub(crate) spans: Vec<Span>,
+    pub(crate) closures: Vec<Closure<G, DOF>>,
+    pub(crate) unmeasured: usize,
+    pub(crate) rejected_before: usize,
+}
+
+/// A loop: its error, and the parts of its covariance, in the frame of chain B.
+#[derive(Clone, Debug)]
+pub(crate) struct Loop<const DOF: usize> {
+    pub(crate) error: SVector<f64, DOF>,
+    pub(crate) landmark: SMatrix<f64, DOF, DOF>,
+    /// Chain and the covariance that its odometry and its coherent errors bring in, at factors of one.
+    pub(crate) odometry: [(usize, SMatrix<f64, DOF, DOF>, SMatrix<f64, DOF, DOF>); 2],
+    /// R, the second moment of the error by chance.
+    pub(crate) apart: SMatrix<f64, DOF, DOF>,
+}
+
+impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
+    pub(crate) fn of(graph: &PoseGraph) -> Result<Self, PcmError> {
+        let chains = Chains::with(graph, Covariances::Repaired)?;
+        let grouped = group_with(graph, &chains, Covariances::Repaired)?;
+        let drifts = chains.chains.iter().map(|chain| drift(chain)).collect();
+        let apart = chains.chains.iter().map(|chain| spread(chain)).collect();
+        let (mut spans, mut closures) = (Vec::new(), Vec::new());
+        for (number, group) in grouped.groups.iter().enumerate() {
+            let first = closures.len();
+            closures.extend(
+                group.candidates.iter().map(|candidate| {
+                    let edge = &graph.edges[candidate.edge];
+                    let place = |node| graph.node_index(node).map(|node| chains.places[node]);
+                    Closure { group: number, forward: place(edge.from) <= place(edge.to), candidate: candidate.clone() }
+                }),
+            );
+            spans.push(Span { a: group.a, b: group.b, first, end: closures.len() });
+        }
+        Ok(Self {
+            chains,
+            drifts,
+            apart,
+            groups: grouped.groups,
+            spans,
+            closures,
+            unmeasured: grouped.unmeasured,
+            rejected_before: grouped.rejected_before,
+        })
+    }
+
+    /// The covariance of a closure's measurement, of a right perturbation at the node that its edge leads to.
+    pub(crate) fn measurement_covariance(&self, closure: &Closure<G, DOF>) -> SMatrix<f64, DOF, DOF> {
+        let candidate = &closure.candidate;
+        let chain = self.chain(self.spans[closure.group].b);
+        let back = chain.poses[candidate.k].inverse().adjoint();
+        let forward = back * candidate.covariance * back.transpose();
+        if closure.forward {
+            return forward;
+        }
+        // The edge was turned round to lead from chain A to chain B.
+        let chain_a = self.chain(self.spans[closure.group].a);
+        let measured = chain_a.poses[candidate.i].inverse().compose(&candidate.alignment).compose(&chain.poses[candidate.k]);
+        let turn = measured.adjoint();
+        turn * forward * turn.transpose()
+    }
+
+    /// A bound on the covariance of the relative pose of a closure's ends, from that of a neighbour's ends and the odometry
+    /// between them.
+    pub(crate) fn between(
+        &self,
+        neighbour: usize,
+        closure: usize,
+        held: &SMatrix<f64, DOF, DOF>,
+        calibration: &Calibration,
+    ) -> SMatrix<f64, DOF, DOF> {
+        let closed = self.pair(neighbour, closure);
+        let mut sum = SMatrix::zeros();
+        for (chain, random, _) in &closed.odometry {
+            sum += random * calibration.odometry[*chain];
+        }
+        // From the frame of chain B to that of the node which the edge leads to.
+        let span = self.span(closure);
+        let local = |candidate: &Candidate<G, DOF>, forward: bool| {
+            if forward {
+                self.chain(span.b).poses[candidate.k].inverse().adjoint()
+            } else {
+                self.chain(span.a).poses[candidate.i].inverse().compose(&candidate.alignment).adjoint()
+            }
+        };
+        let (one, other) = (&self.closures[neighbour], &self.closures[closure]);
+        let from_neighbour = local(&one.candidate, one.forward)
+            .try_inverse()
+            .map_or_else(SMatrix::zeros, |back| back * held * back.transpose());
+        let to_closure = local(&other.candidate, other.forward);
+        to_closure * (sum + from_neighbour) * to_closure.transpose()
+    }
+
+    pub(crate) fn span(&self, closure: usize) -> &Span {
+        &self.spans[self.closures[closure].group]
+    }
+
+    pub(crate) fn same_chain(&self, closure: usize) -> bool {
+        let span = self.span(closure);
+        span.a == span.b
+    }
+
+    /// R at a closure's place in chain B, in that chain's frame.
+    fn apart_at(&self, closure: usize) -> SMatrix<f64, DOF, DOF> {
+        let span = self.span(closure);
+        let local = (self.apart[span.a] + self.apart[span.b]) * 0.5;
+        let adjoint = self.chain(span.b).poses[self.closures[closure].candidate.k].adjoint();
+        adjoint * local * adjoint.transpose()
+    }
+
+    /// R in the frame of the place itself.
+    pub(crate) fn apart_local(&self, closure: usize) -> SMatrix<f64, DOF, DOF> {
+        let span = self.span(closure);
+        (self.apart[span.a] + self.apart[span.b]) * 0.5
+    }
+
+    fn chain(&self, number: usize) -> &Chain<G, DOF> {
+        &self.chains.chains[number]
+    }
+
+    /// The loop through two closures of one group and the odometry between them (Mangelson et al., equation 6, conjugated
+    /// into the frame of chain B): E = T_a^-1 T_b.
+    pub(crate) fn pair(&self, one: usize, other: usize) -> Loop<DOF> {
+        self.pair_of(&self.closures[one].candidate, &self.closures[other].candidate, one)
+    }
+
+    /// The same through the first closure and what the second would be with the end in chain B of a third.
+    pub(crate) fn pair_shuffled(&self, one: usize, other: usize, third: usize) -> Loop<DOF> {
+        let shuffled = self.shuffled(other, third);
+        self.pair_of(&self.closures[one].candidate, &shuffled, one)
+    }
+
+    /// A closure with the end in chain B of another one: its measurement is kept, and means nothing there.
+    fn shuffled(&self, closure: usize, donor: usize) -> Candidate<G, DOF> {
+        let span = self.span(closure);
+        let (own, donor) = (&self.closures[closure].candidate, &self.closures[donor].candidate);
+        let (chain_a, chain_b) = (self.chain(span.a), self.chain(span.b));
+        let measurement =
+            chain_a.poses[own.i].inverse().compose(&own.alignment).compose(&chain_b.poses[own.k]);
+        let back = chain_b.poses[own.k].inverse().adjoint();
+        let covariance = back * own.covariance * back.transpose();
+        Candidate::new(own.edge, (chain_a, own.i), (chain_b, donor.k), &measurement, &covariance)
+    }
+
+    fn pair_of(&self, a: &Candidate<G, DOF>, b: &Candidate<G, DOF>, closure: usize) -> Loop<DOF> {
+        let span = self.span(closure);
+        let (chain_a, chain_b) = (self.chain(span.a), self.chain(span.b));
+        let to_b = a.to_b;
+        let error = a.from_a.compose(&b.alignment).log();
+        let landmark = a.covariance + b.covariance;
+        let (drift_a, drift_b) = (
+            self.drifts[span.a][b.i] - self.drifts[span.a][a.i],
+            self.drifts[span.b][b.k] - self.drifts[span.b][a.k],
+        );
+        let zero = SMatrix::zeros();
+        let odometry = if span.a == span.b {
+            // Steps in both stretches act through both, each with its sign.
+            let first = a.i.min(b.i).max(a.k.min(b.k));
+            let last = a.i.max(b.i).min(a.k.max(b.k));
+            let mut sum = to_b * chain_a.covariance_between(a.i, b.i) * to_b.transpose()
+                + chain_b.covariance_between(a.k, b.k);
+            if first < last {
+                let steps = chain_a.covariance_between(first, last);
+                let sign = if (a.i < b.i) == (a.k < b.k) { -1.0 } else { 1.0 };
+                let cross = to_b * steps * sign;
+                sum += cross + cross.transpose();
+            }
+            let drift = to_b * drift_a - drift_b;
+            [(span.a, sum, drift * drift.transpose()), (span.b, zero, zero)]
+        } else {
+            let drift_a = to_b * drift_a;
+            let along_a = to_b * chain_a.covariance_between(a.i, b.i) * to_b.transpose();
+            [
+                (span.a, along_a, drift_a * drift_a.transpose()),
+                (span.b, chain_b.covariance_between(a.k, b.k), drift_b * drift_b.transpose()),
+            ]
+        };
+        Loop { error, landmark, odometry, apart: self.apart_at(closure) }
+    }
+
+    /// The loop through one closure and the odometry of its own chain; `None` between two chains.
+    pub(crate) fn single(&self, closure: usize) -> Option<Loop<DOF>> {
+        self.same_chain(closure).then(|| self.single_of(&self.closures[closure].candidate, closure))
+    }
+
+    pub(crate) fn single_shuffled(&self, closure: usize, donor: usize) -> Option<Loop<DOF>> {
+        self.same_chain(closure).then(|| self.single_of(&self.shuffled(closure, donor), closure))
+    }
+
+    fn single_of(&self, candidate: &Candidate<G, DOF>, closure: usize) -> Loop<DOF> {
+        let span = self.span(closure);
+        let chain = self.chain(span.a);
+        let drift = self.drifts[span.a][candidate.k] - self.drifts[span.a][candidate.i];
+        let zero = SMatrix::zeros();
+        Loop {
+            error: candidate.from_a.log(),
+            landmark: candidate.covariance,
+            odometry: [
+                (span.a, chain.covariance_between(candidate.i, candidate.k), drift * drift.transpose()),
+                (span.b, zero, zero),
+            ],
+            apart: self.apart_at(closure),
+        }
+    }
+}
+
+fn drift<G: Motion<DOF>, const DOF: usize>(chain: &Chain<G, DOF>) -> Vec<Drift<DOF>> {
+    let mut sum = Drift::zeros();
+    let mut sums = vec![sum];
+    for (before, after) in chain.poses.iter().zip(chain.poses.iter().skip(1)) {
+        let [x, y, z] = before.between(after).translation();
+        let mut steps = Drift::zeros();
+        if DOF == 3 {
+            (steps[(0, 0)], steps[(1, 0)]) = (x, y);
+            (steps[(0, 1)], steps[(1, 1)]) = (-y, x);
+        } else {
+            (steps[(0, 0)], steps[(1, 0)], steps[(2, 0)]) = (x, y, z);
+            (steps[(0, 1)], steps[(1, 1)]) = (-y, x);
+            (steps[(0, 2)], steps[(2, 2)]) = (-z, x);
+        }
+        sum += after.adjoint() * steps;
+        sums.push(sum);
+    }
+    sums
+}
+
+/// Second moment of the logarithm of relative poses of places far from each other along a chain.
+fn spread<G: Motion<DOF>, const DOF: usize>(chain: &Chain<G, DOF>) -> SMatrix<f64, DOF, DOF> {
+    let count = chain.poses.len();
+    let mut sum = SMatrix::zeros();
+    let sample: Vec<usize> = (0..count).step_by(count.div_ceil(PLACES).max(1)).collect();
+    for (turn, &one) in sample.iter().enumerate() {
+        // Steps of the golden section spread over all places without a pattern.
+        let other = (one + (count as f64 * (0.618_034 * (turn + 1) as f64).fract()) as usize) % count;
+        let error = chain.poses[one].between(&chain.poses[other]).log();
+        sum += error * error.transpose() / sample.len() as f64;
+    }
+    sum
+}
