@@ -9,7 +9,7 @@ DOCUMENT      ?= $(if $(call given,FAMILIES,1)$(call given,SEEDS,1)$(call given,
 trust_results  = $(RESULTS)/trust
 trust_files    = $(wildcard $(foreach family,$(FAMILIES),$(foreach part,$(family) $(family)-real $(family)-simulated,\
                  pipelines/trust/$(part).toml)))
-trust_unknown  = $(foreach family,$(FAMILIES),$(if $(wildcard pipelines/trust/$(family).toml pipelines/trust/$(family)-*.toml),,$(family)))
+trust_unknown  = $(strip $(foreach family,$(FAMILIES),$(if $(wildcard pipelines/trust/$(family).toml pipelines/trust/$(family)-*.toml),,$(family))))
 trust_of       = $(trust_files) --programs $(BIN) --simulated $(call quoted,$(SIMULATED)) --data $(call quoted,$(DATA)) \
                  --results $(call quoted,$(trust_results)) $(swapped) $(if $(HALF),--half $(HALF)) \
                  $(call given,SEEDS,--seeds $(SEEDS)) $(call given,METHODS,--methods $(call listed,$(METHODS)))
