@@ -28,6 +28,17 @@ splice() { # NAME FILE
 make --silent -j2 table SEEDS=5 RESULTS=results/reproduction/simulated >/dev/null
 splice simulated results/reproduction/simulated/table-simulated.md
 real real
+# The paper's solver, and what it changes.
+real isam2 'paper.optimize=--solver isam2' 'calibrated.optimize=--solver isam2'
+scripts/reproduction-tables.py difference results/reproduction/real/table.csv results/reproduction/isam2/table.csv \
+  > results/reproduction/difference.md
+splice isam2-difference results/reproduction/difference.md
+# The pseudo ground truth after PCM.
+real after-pcm PIPELINES='paper-after-pcm calibrated-after-pcm'
+# shellcheck disable=SC2086 # a list of sessions
+scripts/reproduction-tables.py nees "${CARGO_TARGET_DIR:-target}/release/posecut-ingest" "$nclt" $sessions \
+  > results/reproduction/nees.md
+splice nees results/reproduction/nees.md
 make --silent -j2 table SEEDS=5 METHODS="$chance" RESULTS=results/reproduction/chance-simulated >/dev/null
 splice chance-simulated results/reproduction/chance-simulated/table-simulated.md
 real chance METHODS="$chance"

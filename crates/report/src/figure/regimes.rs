@@ -7,6 +7,9 @@ use crate::regimes::table::{percent, short, signed};
 use crate::regimes::{Cell, Comparison, Map, Verdict};
 use crate::table::metres;
 
+/// What the columns of a map are: a share that means the same for every session.
+const AXIS: &str = "claimed odometry covariance / (0.1 m, 0.0167 rad)^2 a step";
+
 /// RMSE below this is drawn as this, metres.
 pub const FLOOR: f64 = 0.1;
 
@@ -138,7 +141,7 @@ pub fn curves(map: &Map, session: &str, kind: &str, scale: usize, rate: usize) -
         ),
         panel(
             format!("{session}, {kind}: {} false edges", percent(map.rates[rate])),
-            "scale of the odometry's covariance",
+            AXIS,
             &map.scales,
             &|place: usize| rate * columns + place,
         ),
@@ -158,7 +161,7 @@ fn grid(map: &Map, title: String, note: String, cells: Vec<Option<GridCell>>) ->
         note,
         columns: map.scales.iter().map(|scale| format!("× {}", short(*scale))).collect(),
         rows: map.rates.iter().map(|rate| percent(*rate)).collect(),
-        right: "scale of the odometry's covariance".to_owned(),
+        right: AXIS.to_owned(),
         up: "share of false edges".to_owned(),
         cells,
     }
