@@ -9,19 +9,19 @@ use crate::partners::Partners;
 
 /// Factors on covariances.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct Calibration {
+pub struct Calibration {
     /// For each chain: on the covariance of its odometry.
-    pub(crate) odometry: Vec<f64>,
+    pub odometry: Vec<f64>,
     /// For each chain: variance of a coherent error, squared share of the distance travelled.
-    pub(crate) coherent: Vec<f64>,
+    pub coherent: Vec<f64>,
     /// On the covariance of landmark edges.
-    pub(crate) landmark: f64,
+    pub landmark: f64,
     /// Share of candidates taken for correct.
-    pub(crate) correct: f64,
+    pub correct: f64,
     /// Nats that the closures have over shuffled ones.
-    pub(crate) evidence: f64,
+    pub evidence: f64,
     /// Whether this was too little for an estimate.
-    pub(crate) on_prior: bool,
+    pub on_prior: bool,
 }
 
 /// How much more a local error varies than the noise of landmark edges: thirty standard deviations.

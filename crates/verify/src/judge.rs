@@ -32,6 +32,11 @@ pub(crate) struct Judged {
     pub(crate) rounds: usize,
     pub(crate) hypotheses: Vec<Hypothesis>,
     pub(crate) cut_proved: bool,
+    /// Evidence of the pairs compared.
+    pub(crate) ties: Vec<Tie>,
+    /// Parts of the graph that closures could join, and those that they do.
+    pub(crate) joinable: usize,
+    pub(crate) joined: usize,
 }
 
 /// A cluster of closures between two parts that agree on how these lie.
@@ -90,10 +95,6 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     let loose = (COST * trials * (1.0 - calibration.correct)).max(1.0).ln();
     let islands = islands(&clusters, &ties, &support, threshold, loose);
     let best = islands.best(&ratio);
-    if std::env::var_os("VERIFY_DEBUG").is_some() {
-        eprintln!("alpha {:?} gamma {:?} beta {:.3} pi {:.3} evidence {:.1} T {threshold:.1} islands {trials} loose {loose:.1}",
-            &calibration.odometry[..calibration.odometry.len().min(5)], &calibration.coherent[..calibration.odometry.len().min(5)], calibration.landmark, calibration.correct, calibration.evidence);
-    }
     // What an island says of the trajectory shares its odometry: it counts once, as its best member does.
     let accepted: Vec<bool> = (0..count)
         .map(|closure| {
@@ -114,19 +115,18 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         rounds.accepted = next;
         number += 1;
         next = rounds.round()?;
-        if std::env::var_os("VERIFY_DEBUG").is_some() {
-            let truth = |closure: usize| graph.edges[model.closures[closure].candidate.edge].truth_correct();
-            let kept = (0..count).filter(|&c| next[c]).count();
-            let wrong = (0..count).filter(|&c| next[c] && truth(c) == Some(false)).count();
-            let lost = (0..count).filter(|&c| !next[c] && truth(c) == Some(true)).count();
-            eprintln!("round {number}: kept {kept} F{wrong} L{lost} T {threshold:.1}");
-        }
         if next == rounds.accepted {
             break;
         }
     }
+    let mut all = UnionFind::<usize>::new(chains);
+    let joinable = model.spans.iter().filter(|span| all.union(span.a, span.b)).count();
+    let mut held = UnionFind::<usize>::new(chains);
+    let spans = (0..count).filter(|&closure| rounds.accepted[closure]).map(|closure| model.span(closure));
+    let joined = spans.filter(|span| held.union(span.a, span.b)).count();
     let Rounds { accepted, ratio, hypotheses, .. } = rounds;
-    Ok(Judged { accepted, ratio, calibration, rounds: number, hypotheses, cut_proved: clusters.optimal })
+    let cut_proved = clusters.optimal;
+    Ok(Judged { accepted, ratio, calibration, rounds: number, hypotheses, cut_proved, ties, joinable, joined })
 }
 
 impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {

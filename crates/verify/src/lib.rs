@@ -1,4 +1,12 @@
-//! Judges every landmark edge of a pose graph by evidence.
+//! Judges every landmark edge of a pose graph by evidence: log-likelihood ratios between candidates, correct against
+//! chance, a minimum-cost multicut over the candidates, and the map that the accepted ones make.
+//!
+//! - `model`: chains, candidates, and the loops that they close with their covariances.
+//! - `evidence`: log-likelihood ratios of a loop.
+//! - `calibration`: factors on the covariances, for each chain, against shuffled candidates.
+//! - `partners`, `cut`: which pairs are compared, and the multicut of the graph of evidence.
+//! - `judge`, `map`: hypotheses, and rounds of optimisation and verdicts.
+//! - [`verdict`], [`stage`]: what is said of every edge, on a pose graph.
 
 mod calibration;
 mod cut;
@@ -8,6 +16,10 @@ mod map;
 mod model;
 mod partners;
 pub mod stage;
+pub mod verdict;
+mod verification;
 
 pub use model::Motion;
-pub use stage::Options;
+pub use calibration::Calibration;
+pub use stage::{Options, Undecided};
+pub use verification::{Verification, verify};

@@ -1,20 +1,43 @@
 //! Verification as a stage.
 
+use std::collections::BTreeMap;
+
+use anyhow::Context as _;
 use posecut_geometry::{SE2, SE3};
-use posecut_graph::{Dimension, PoseGraph};
-use posecut_stage::{Context, GraphStage, info};
+use posecut_graph::{Dimension, EdgeKind, PoseGraph};
+use posecut_stage::{Context, GraphStage, counted, info, warn};
 use serde::Serialize;
 
-use crate::judge::judge;
-use crate::model::{Model, Motion};
+use crate::model::Motion;
+use crate::verdict::{Finding, Verdict};
+use crate::verification::{Verification, verify};
+
+/// What becomes of edges that nothing decides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Undecided {
+    /// They stay in use
+    Keep,
+    /// They are marked as rejected
+    Reject,
+}
 
 /// The options of verification.
 #[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
-pub struct Options {}
+pub struct Options {
+    /// Keep or reject landmark edges that nothing supports and nothing contradicts
+    #[arg(long, value_enum, default_value_t = Undecided::Reject)]
+    pub undecided: Undecided,
+
+    /// Print why this landmark edge got its verdict, in five lines on standard error
+    #[arg(long, value_name = "EDGE")]
+    #[serde(skip)]
+    pub explain: Option<u64>,
+}
 
 impl GraphStage for Options {
     const NAME: &'static str = "verify";
-    const ABOUT: &'static str = "Judge every landmark edge by evidence: keep, reject or leave undecided";
+    const ABOUT: &'static str = "Judge every landmark edge by evidence: accepted, rejected or undecided, with a reason";
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
         match graph.header.dimension {
@@ -30,19 +53,80 @@ impl Options {
         graph: &mut PoseGraph,
         context: &mut Context,
     ) -> anyhow::Result<()> {
-        let model = Model::<G, DOF>::of(graph)?;
-        let judged = judge(graph, &model)?;
-        let mut kept = 0;
-        for (closure, accepted) in model.closures.iter().zip(&judged.accepted) {
-            if *accepted {
-                kept += 1;
-            } else {
-                graph.edges[closure.candidate.edge].reject(Self::NAME);
-            }
+        let verification = verify::<G, DOF>(graph)?;
+        self.explain(graph, &verification.findings)?;
+        let mut rejected = 0;
+        for finding in &verification.findings {
+            rejected += usize::from(finding.mark(graph, Self::NAME, self.undecided == Undecided::Keep));
         }
-        info!("{kept} of {} landmark edges kept", model.closures.len());
-        context.statistics.note("kept", kept);
-        context.statistics.note("rounds", judged.rounds);
+        report(&verification);
+        note(&verification, rejected, context);
         Ok(())
     }
+
+    fn explain(&self, graph: &PoseGraph, findings: &[Finding]) -> anyhow::Result<()> {
+        let Some(id) = self.explain else { return Ok(()) };
+        let finding = findings.iter().find(|finding| graph.edges[finding.edge].id == id).with_context(|| {
+            match graph.edges.iter().find(|edge| edge.id == id) {
+                None => format!("--explain {id}: the graph has no edge of this id"),
+                Some(edge) if edge.kind == EdgeKind::Odometry => {
+                    format!("--explain {id}: this is an odometry edge; name a landmark edge")
+                }
+                Some(_) => format!(
+                    "--explain {id}: this edge was rejected by an earlier stage or has no measurement, and was not judged"
+                ),
+            }
+        })?;
+        for line in finding.story(graph) {
+            info!("{line}");
+        }
+        Ok(())
+    }
+}
+
+fn report(verification: &Verification) {
+    let Verification { findings, joins_proposed, joins_established, calibration, .. } = verification;
+    info!(
+        "{} judged: {} accepted, {} rejected, {} undecided",
+        counted(findings.len(), "landmark edge"),
+        verification.count(Verdict::Accepted),
+        verification.count(Verdict::Rejected),
+        verification.count(Verdict::Undecided)
+    );
+    if *joins_proposed > 0 && *joins_established == 0 {
+        warn!("no overlap is established: nothing joins the parts of the graph that landmark edges propose to join");
+    } else if joins_established < joins_proposed {
+        warn!(
+            "no overlap is established for {} of the {joins_proposed} joins that landmark edges propose",
+            joins_proposed - joins_established
+        );
+    }
+    if calibration.on_prior && !findings.is_empty() {
+        warn!(
+            "covariances are used as claimed: the landmark edges say too little to calibrate them ({:.1} nats over shuffled ones)",
+            calibration.evidence
+        );
+    }
+}
+
+fn note(verification: &Verification, rejected: usize, context: &mut Context) {
+    let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
+    for finding in &verification.findings {
+        *reasons.entry(finding.reason.name()).or_default() += 1;
+    }
+    let statistics = &mut context.statistics;
+    statistics.note("candidates", verification.findings.len());
+    statistics.note("unmeasured", verification.unmeasured);
+    statistics.note("rejected_before", verification.rejected_before);
+    statistics.note("accepted", verification.count(Verdict::Accepted));
+    statistics.note("contradicted", verification.count(Verdict::Rejected));
+    statistics.note("undecided", verification.count(Verdict::Undecided));
+    statistics.note("rejected", rejected);
+    statistics.note("reasons", reasons);
+    statistics.note("joins_proposed", verification.joins_proposed);
+    statistics.note("joins_established", verification.joins_established);
+    statistics.note("hypotheses", verification.hypotheses);
+    statistics.note("calibration", &verification.calibration);
+    statistics.note("cut_proved", verification.cut_proved);
+    statistics.note("rounds", verification.rounds);
 }

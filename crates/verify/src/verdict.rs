@@ -1,0 +1,227 @@
+//! What is said of every landmark edge, and why.
+
+use posecut_graph::PoseGraph;
+use serde_json::Value;
+
+use crate::cut::Tie;
+use crate::evidence::CLIP;
+use crate::judge::{CONTRADICTED, Judged};
+use crate::model::{Model, Motion};
+
+/// Edges named as witnesses, at most.
+const WITNESSES: usize = 3;
+
+/// What becomes of an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It is part of the map.
+    Accepted,
+    /// It speaks against the map, or against the odometry.
+    Rejected,
+    /// Nothing supports it enough, and nothing contradicts it.
+    Undecided,
+}
+
+/// Why.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// Other closures and the odometry predict what it measures.
+    Supported,
+    /// What it measures lies far from what the map predicts.
+    Contradicted,
+    /// It agrees with the map, and so would a random edge in its place.
+    Chance,
+    /// No other closure is near enough to say anything.
+    Alone,
+    /// It belongs to a group of closures that agree with each other and not with the map.
+    OtherHypothesis,
+}
+
+/// A verdict with its reason.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// Place of the edge in the graph.
+    pub edge: usize,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The reason.
+    pub reason: Reason,
+    /// Probability that the edge is correct, by the model; not calibrated on data.
+    pub probability: f64,
+    /// Log-likelihood ratio, correct against chance, where there is one; nats.
+    pub ratio: Option<f64>,
+    /// Edges that speak most for an accepted edge, or against another.
+    pub witnesses: Vec<u64>,
+    /// 0 for the map, the number of another hypothesis for its members.
+    pub hypothesis: Option<usize>,
+}
+
+/// A finding for every closure, in their order.
+pub(crate) fn findings<G: Motion<DOF>, const DOF: usize>(
+    graph: &PoseGraph,
+    model: &Model<G, DOF>,
+    judged: &Judged,
+) -> Vec<Finding> {
+    let count = model.closures.len();
+    let mut rival = vec![None; count];
+    let others = judged.hypotheses.iter().filter(|hypothesis| {
+        !hypothesis.members.iter().any(|&member| judged.accepted[member])
+    });
+    for (number, hypothesis) in (1..).zip(others) {
+        for &member in &hypothesis.members {
+            rival[member] = Some(number);
+        }
+    }
+    let witnesses = witnesses(&judged.ties, &judged.accepted);
+    (0..count)
+        .map(|closure| {
+            let accepted = judged.accepted[closure];
+            let ratio = judged.ratio[closure];
+            let (verdict, reason) = match ratio {
+                _ if accepted => (Verdict::Accepted, Reason::Supported),
+                Some(ratio) if ratio <= CONTRADICTED && rival[closure].is_some() => {
+                    (Verdict::Rejected, Reason::OtherHypothesis)
+                }
+                Some(ratio) if ratio <= CONTRADICTED => (Verdict::Rejected, Reason::Contradicted),
+                _ if rival[closure].is_some() => (Verdict::Undecided, Reason::OtherHypothesis),
+                Some(ratio) if ratio > 0.0 => (Verdict::Undecided, Reason::Chance),
+                _ => (Verdict::Undecided, Reason::Alone),
+            };
+            let id = |other: &usize| graph.edges[model.closures[*other].candidate.edge].id;
+            Finding {
+                edge: model.closures[closure].candidate.edge,
+                verdict,
+                reason,
+                probability: probability(ratio, accepted, judged),
+                ratio,
+                witnesses: witnesses[closure].iter().map(id).collect(),
+                hypothesis: if accepted { Some(0) } else { rival[closure] },
+            }
+        })
+        .collect()
+}
+
+/// The posterior of a mixture with the estimated share of correct candidates. What the map does not reach keeps the share.
+fn probability(ratio: Option<f64>, accepted: bool, judged: &Judged) -> f64 {
+    let correct = judged.calibration.correct;
+    let evidence = match ratio {
+        Some(ratio) => ratio.clamp(-CLIP, CLIP),
+        // Accepted with a hypothesis that nothing else holds.
+        None if accepted => CLIP,
+        None => 0.0,
+    };
+    1.0 / (1.0 + (-evidence).exp() * (1.0 - correct) / correct)
+}
+
+/// The accepted partners that speak most for each accepted closure, and most against each other one.
+fn witnesses(ties: &[Tie], accepted: &[bool]) -> Vec<Vec<usize>> {
+    let mut all: Vec<Vec<(f64, usize)>> = vec![Vec::new(); accepted.len()];
+    for tie in ties {
+        for (one, other) in [(tie.one, tie.other), (tie.other, tie.one)] {
+            let weight = if accepted[one] { tie.ratio } else { -tie.ratio };
+            if accepted[other] && weight > 0.0 {
+                all[one].push((weight, other));
+            }
+        }
+    }
+    all.into_iter()
+        .map(|mut of| {
+            of.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+            of.into_iter().take(WITNESSES).map(|(_, other)| other).collect()
+        })
+        .collect()
+}
+
+impl Finding {
+    /// Writes the finding to the fields of its edge.
+    pub(crate) fn mark(&self, graph: &mut PoseGraph, stage: &str, keep_undecided: bool) -> bool {
+        let rejected = match self.verdict {
+            Verdict::Accepted => false,
+            Verdict::Rejected => true,
+            Verdict::Undecided => !keep_undecided,
+        };
+        let edge = &mut graph.edges[self.edge];
+        if rejected {
+            edge.reject(stage);
+        }
+        let fields = [
+            ("verify_verdict", self.verdict.name().into()),
+            ("verify_reason", self.reason.name().into()),
+            ("verify_probability", rounded(self.probability).into()),
+            ("verify_witness", self.witnesses.clone().into()),
+            ("verify_hypothesis", self.hypothesis.map_or(Value::Null, Value::from)),
+        ];
+        for (field, value) in fields {
+            edge.extra.insert(field.to_owned(), value);
+        }
+        rejected
+    }
+
+    /// The story of the edge, a line a fact.
+    pub(crate) fn story(&self, graph: &PoseGraph) -> Vec<String> {
+        let edge = &graph.edges[self.edge];
+        let ratio = self.ratio.map_or_else(
+            || "no other closure and no odometry predicts what it measures".to_owned(),
+            |ratio| format!("log-likelihood ratio, correct against chance or a local error: {ratio:.1} nats"),
+        );
+        let named: Vec<String> = self.witnesses.iter().map(u64::to_string).collect();
+        let side = if self.verdict == Verdict::Accepted { "for" } else { "against" };
+        let witnesses = if named.is_empty() {
+            format!("no accepted neighbour speaks {side} it")
+        } else {
+            format!("accepted edges that speak most {side} it: {}", named.join(", "))
+        };
+        vec![
+            format!("edge {} from node {} to node {}: {}", edge.id, edge.from, edge.to, self.verdict.name()),
+            format!("reason: {}", self.reason.sentence()),
+            ratio,
+            witnesses,
+            format!("probability of being correct, by the model: {:.3}", self.probability),
+        ]
+    }
+}
+
+impl Verdict {
+    /// As the field `verify_verdict` has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Accepted => "accepted",
+            Self::Rejected => "rejected",
+            Self::Undecided => "undecided",
+        }
+    }
+}
+
+impl Reason {
+    /// As the field `verify_reason` has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Supported => "supported",
+            Self::Contradicted => "contradicted",
+            Self::Chance => "chance",
+            Self::Alone => "alone",
+            Self::OtherHypothesis => "other-hypothesis",
+        }
+    }
+
+    fn sentence(self) -> &'static str {
+        match self {
+            Self::Supported => "supported: other closures and the odometry predict what it measures",
+            Self::Contradicted => "contradicted: what it measures lies far from what the map predicts",
+            Self::Chance => {
+                "chance: it agrees with the map no better than a random edge would; a second closure within a few metres of it would decide"
+            }
+            Self::Alone => {
+                "alone: nothing else joins its two places; a second closure within a few metres of it would decide"
+            }
+            Self::OtherHypothesis => {
+                "other-hypothesis: it belongs to a group of edges that agree with each other and not with the map"
+            }
+        }
+    }
+}
+
+/// Six decimals: more would only differ between processors.
+fn rounded(probability: f64) -> f64 {
+    (probability * 1e6).round() / 1e6
+}

@@ -1,0 +1,124 @@
+//! Verification on drawn graphs whose truth is known.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use posecut_geometry::{LieGroup, SE2, SE3};
+use posecut_graph::{EdgeKind, PoseGraph};
+use posecut_pcm::generate::{Falsehood, Scenario};
+use posecut_verify::verdict::{Reason, Verdict};
+use posecut_verify::{Motion, verify};
+
+/// False edges accepted, correct edges not accepted.
+fn mistakes<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) -> (usize, usize) {
+    let findings = verify::<G, DOF>(graph).unwrap().findings;
+    let count = |correct: bool, accepted: bool| {
+        let wrong = findings.iter().filter(|finding| {
+            graph.edges[finding.edge].truth_correct() == Some(correct)
+                && (finding.verdict == Verdict::Accepted) == accepted
+        });
+        wrong.count()
+    };
+    (count(false, true), count(true, false))
+}
+
+fn draw<G: LieGroup<DOF>, const DOF: usize>(outliers: f64, falsehood: Falsehood, seed: u64) -> PoseGraph {
+    Scenario { candidates: 200, outliers, falsehood, seed }.draw::<G, DOF>()
+}
+
+#[test]
+fn false_edges_are_found_in_the_plane_and_in_space() {
+    for seed in 1..=3 {
+        for (outliers, falsehood) in
+            [(0.1, Falsehood::Uniform), (0.5, Falsehood::Uniform), (0.3, Falsehood::Grouped)]
+        {
+            let (kept, lost) = mistakes::<SE2, 3>(&draw::<SE2, 3>(outliers, falsehood, seed));
+            assert_eq!(kept, 0, "plane, {outliers} {falsehood:?}, seed {seed}");
+            assert!(lost <= 4, "plane, {outliers} {falsehood:?}, seed {seed}: {lost} correct edges lost");
+            let (kept, lost) = mistakes::<SE3, 6>(&draw::<SE3, 6>(outliers, falsehood, seed));
+            assert_eq!(kept, 0, "space, {outliers} {falsehood:?}, seed {seed}");
+            assert!(lost <= 4, "space, {outliers} {falsehood:?}, seed {seed}: {lost} correct edges lost");
+        }
+    }
+}
+
+#[test]
+fn a_graph_without_false_edges_keeps_all() {
+    let (_, lost) = mistakes::<SE2, 3>(&draw::<SE2, 3>(0.0, Falsehood::Uniform, 4));
+    assert_eq!(lost, 0);
+}
+
+#[test]
+fn without_correct_edges_no_overlap_is_established() {
+    for falsehood in [Falsehood::Uniform, Falsehood::Grouped] {
+        for seed in 1..=4 {
+            let mut graph = draw::<SE2, 3>(0.5, falsehood, seed);
+            graph.edges.retain(|edge| edge.truth_correct() != Some(true));
+            let judged = verify::<SE2, 3>(&graph).unwrap();
+            if falsehood == Falsehood::Uniform {
+                assert!(judged.findings.iter().all(|finding| finding.verdict != Verdict::Accepted), "seed {seed}");
+                assert_eq!((judged.joins_proposed, judged.joins_established), (1, 0));
+            } else {
+                // A run of false edges is as good as a run of correct ones, where nothing contradicts it: at most one such
+                // run may be taken for the map.
+                let groups = judged.findings.iter().filter(|finding| finding.verdict == Verdict::Accepted).count();
+                assert!(groups <= 15, "seed {seed}: {groups} accepted, more than a run has");
+            }
+        }
+    }
+}
+
+#[test]
+fn claimed_covariances_may_be_off_by_a_common_factor() {
+    for factor in [0.05, 20.0] {
+        let mut graph = draw::<SE2, 3>(0.3, Falsehood::Uniform, 7);
+        for (_, model) in &mut graph.header.noise_models {
+            model.information.iter_mut().for_each(|entry| *entry *= factor);
+        }
+        let (kept, lost) = mistakes::<SE2, 3>(&graph);
+        assert_eq!(kept, 0, "information times {factor}");
+        assert!(lost <= 4, "information times {factor}: {lost} correct edges lost");
+    }
+}
+
+#[test]
+fn an_edge_is_judged_alike_in_either_direction() {
+    let graph = draw::<SE2, 3>(0.3, Falsehood::Uniform, 5);
+    let mut turned = graph.clone();
+    for edge in turned.edges.iter_mut().filter(|edge| edge.kind == EdgeKind::Landmark) {
+        let measured = SE2::from_components(edge.measurement.as_ref().unwrap()).unwrap();
+        std::mem::swap(&mut edge.from, &mut edge.to);
+        edge.measurement = Some(measured.inverse().components());
+    }
+    let verdicts = |graph: &PoseGraph| -> Vec<(usize, Verdict)> {
+        let findings = verify::<SE2, 3>(graph).unwrap().findings;
+        findings.iter().map(|finding| (finding.edge, finding.verdict)).collect()
+    };
+    // An isotropic covariance of a small relative pose hardly changes with the direction: no verdict hangs on it here.
+    assert_eq!(verdicts(&graph), verdicts(&turned));
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let graph = draw::<SE3, 6>(0.5, Falsehood::Grouped, 6);
+    let judge = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| verify::<SE3, 6>(&graph).unwrap().findings)
+    };
+    assert_eq!(judge(1), judge(4));
+}
+
+#[test]
+fn every_verdict_has_a_reason_a_probability_and_witnesses() {
+    let graph = draw::<SE2, 3>(0.3, Falsehood::Uniform, 8);
+    for finding in verify::<SE2, 3>(&graph).unwrap().findings {
+        assert!((0.0..=1.0).contains(&finding.probability));
+        match finding.verdict {
+            Verdict::Accepted => {
+                assert_eq!((finding.reason, finding.hypothesis), (Reason::Supported, Some(0)));
+                assert!(!finding.witnesses.is_empty(), "nobody speaks for edge {}", finding.edge);
+                assert!(finding.probability > 0.5);
+            }
+            Verdict::Rejected | Verdict::Undecided => assert_ne!(finding.reason, Reason::Supported),
+        }
+    }
+}
