@@ -17,6 +17,7 @@ const COMMANDS: &[&[&str]] = &[
     &["ransac"],
     &["islands"],
     &["densest"],
+    &["verify"],
     &["voting"],
     &["multicut"],
     &["optimize"],

@@ -44,6 +44,7 @@ fn what_programs_write_keeps_to_the_schema() {
         ("ransac", vec![graph.as_str()]),
         ("islands", vec![graph.as_str()]),
         ("densest", vec![graph.as_str()]),
+        ("verify", vec![graph.as_str()]),
         ("voting", vec![graph.as_str()]),
         ("multicut", vec![graph.as_str()]),
         ("oracle", vec![graph.as_str()]),

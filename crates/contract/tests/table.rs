@@ -97,6 +97,7 @@ const TABLE: &[Row] = &[
         writes_stream: true,
     },
     Row { name: "simulate", arguments: &["--length", "100"], input: None, pipe: false, writes_stream: false },
+    Row { name: "verify", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
     Row { name: "voting", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
 ];
 
@@ -363,6 +364,7 @@ fn statistics_are_json_with_the_stages_name() {
         ("oracle", &["rejected"]),
         ("pcm", &["candidates", "consistent_pairs", "clique_size", "clique_upper_bound", "optimal"]),
         ("ransac", &["candidates", "trials", "rejected"]),
+        ("verify", &["candidates", "accepted", "undecided", "rejected", "calibration"]),
         ("voting", &["clusters", "clusters_kept", "optimisations", "rejected"]),
     ];
     for (name, keys) in expected {
