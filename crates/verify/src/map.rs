@@ -6,6 +6,7 @@ use posecut_optimize::{Initialisation, Edge, EdgeKind, Marginals, Options, Probl
 
 use crate::calibration::Calibration;
 use crate::evidence::{Evidence, compare};
+use crate::judge::CONTRADICTED;
 use crate::model::{Model, Motion};
 use crate::partners::Partners;
 
@@ -191,24 +192,25 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
     }
 
     fn innovation(&self, closure: usize, predicted: &SMatrix<f64, DOF, DOF>) -> Innovation<DOF> {
-        Innovation { error: self.residual(closure), covariance: self.own(closure) + predicted }
+        let error = self.residual(closure);
+        Innovation { error, covariance: self.own(closure) + carried::<G, DOF>(&error, predicted) }
     }
 
     /// The innovation of a measurement with covariance S that takes part in the map, for the map without it: with P the
     /// posterior covariance and r the residual, S (S - P)^-1 r, of covariance S (S - P)^-1 S.
     fn without(&self, closure: usize, posterior: &SMatrix<f64, DOF, DOF>) -> Option<Innovation<DOF>> {
-        let own = self.own(closure);
-        let left = own - posterior;
+        let (own, residual) = (self.own(closure), self.residual(closure));
+        let left = own - carried::<G, DOF>(&residual, posterior);
         let left = (left + left.transpose()) * 0.5;
-        if (0..DOF).any(|axis| left[(axis, axis)] < SHARE_LEFT * own[(axis, axis)]) {
-            return None;
-        }
-        let gain = own * left.cholesky()?.inverse();
+        let held = (0..DOF).all(|axis| left[(axis, axis)] >= SHARE_LEFT * own[(axis, axis)]);
+        let Some(inverse) = left.cholesky().filter(|_| held).map(|cholesky| cholesky.inverse()) else {
+            // The residual's squared distance under S is less than the innovation's: enough where it contradicts already.
+            let bound = Innovation { error: residual, covariance: own };
+            return self.evidence(closure, &bound).filter(|found| found.distant() <= CONTRADICTED).map(|_| bound);
+        };
+        let gain = own * inverse;
         let covariance = gain * own;
-        Some(Innovation {
-            error: gain * self.residual(closure),
-            covariance: (covariance + covariance.transpose()) * 0.5,
-        })
+        Some(Innovation { error: gain * residual, covariance: (covariance + covariance.transpose()) * 0.5 })
     }
 
     /// The median squared distance of innovations over that of chi-square.
@@ -229,6 +231,15 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
         let local = self.calibration.local(&self.drawing.covariances[closure]) * self.scale;
         compare(&innovation.error, &(innovation.covariance * self.scale), &self.model.apart_local(closure), &local)
     }
+}
+
+/// The covariance of Log(Z^-1 X) for that of a right perturbation of X, at an error that need not be small.
+fn carried<G: Motion<DOF>, const DOF: usize>(
+    error: &SVector<f64, DOF>,
+    covariance: &SMatrix<f64, DOF, DOF>,
+) -> SMatrix<f64, DOF, DOF> {
+    let jacobian = G::right_jacobian_inverse(error);
+    jacobian * covariance * jacobian.transpose()
 }
 
 /// The median of chi-square (Wilson and Hilferty 1931).
