@@ -46,7 +46,7 @@ pub(crate) fn call(task: &Task, lock: &Lock, threads: usize) -> anyhow::Result<O
     let said = String::from_utf8_lossy(&said);
     if let Some(limit) = task.cpu_limit {
         // The limit counts for each process; a script that calls several is measured here.
-        if cpu_seconds >= limit as f64 {
+        if cpu_seconds >= limit as f64 || ended_by_limit(ended.status, cpu_seconds, limit as f64) {
             let said = format!("{}: stopped at {limit} CPU seconds", task.stage);
             return Ok(Outcome::FailedRun { said, cpu_seconds, by_limit: true });
         }
@@ -78,6 +78,19 @@ fn command(task: &Task) -> Command {
     // One second more, so that CPU seconds as they are measured are surely past the limit.
     command.args(["-c", &format!("ulimit -t {} && exec \"$@\"", limit + 1), "sh"]).args(&task.argv);
     command
+}
+
+/// Whether the kernel ended a program at its limit: it counts in ticks, and the time it reports afterwards may be less.
+#[cfg(unix)]
+fn ended_by_limit(status: ExitStatus, cpu_seconds: f64, limit: f64) -> bool {
+    use std::os::unix::process::ExitStatusExt as _;
+    // SIGKILL at the hard limit, SIGXCPU at the soft one.
+    matches!(status.signal(), Some(9 | 24)) && cpu_seconds >= 0.5 * limit
+}
+
+#[cfg(not(unix))]
+fn ended_by_limit(_: ExitStatus, _: f64, _: f64) -> bool {
+    false
 }
 
 /// Whether a program ended with an error of its own. One that a signal ended says nothing of the method: somebody
