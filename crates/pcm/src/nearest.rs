@@ -11,10 +11,7 @@ pub struct Nearest {
 
 impl Nearest {
     /// O(n log n).
-    pub fn new<G: Spatial<DOF>, const DOF: usize>(
-        pairs: &Pairs<'_, G, DOF>,
-        members: &[usize],
-    ) -> Self {
+    pub fn new<G: Spatial<DOF>, const DOF: usize>(pairs: &Pairs<'_, G, DOF>, members: &[usize]) -> Self {
         let mut tree: Vec<([f64; 2], usize)> =
             members.iter().map(|&member| (pairs.position(member), member)).collect();
         divide(&mut tree, 0);

@@ -29,7 +29,10 @@ const LOCAL: f64 = 900.0;
 
 impl Calibration {
     /// The covariance of a local error of a loop's landmark edges.
-    pub(crate) fn local<const DOF: usize>(&self, landmark: &SMatrix<f64, DOF, DOF>) -> SMatrix<f64, DOF, DOF> {
+    pub(crate) fn local<const DOF: usize>(
+        &self,
+        landmark: &SMatrix<f64, DOF, DOF>,
+    ) -> SMatrix<f64, DOF, DOF> {
         landmark * (self.landmark * LOCAL)
     }
 
@@ -97,7 +100,8 @@ pub(crate) fn calibrate<G: Motion<DOF>, const DOF: usize>(
     // Loops through the same closures are not independent.
     let tempering = (candidates.min(SAMPLE) as f64 / loops as f64).min(1.0);
     let coherent = if with_coherent { COHERENT } else { 1e-12 };
-    let mut best = (f64::NEG_INFINITY, Point { odometry: 0.0, landmark: 0.0, coherent: coherent.ln() }, 0.0, 0.5);
+    let mut best =
+        (f64::NEG_INFINITY, Point { odometry: 0.0, landmark: 0.0, coherent: coherent.ln() }, 0.0, 0.5);
     for (start_odometry, start_landmark) in [(0.0, 0.0), (-4.0, 0.0), (4.0, 0.0), (0.0, 5.0), (0.0, -3.0)] {
         let start = Point { odometry: start_odometry, landmark: start_landmark, coherent: coherent.ln() };
         let found = climb(start, if with_coherent { &[0, 2, 1] } else { &[0, 1] }, |point| {
@@ -126,7 +130,12 @@ pub(crate) fn calibrate<G: Motion<DOF>, const DOF: usize>(
 }
 
 /// Each chain's own factors, from the loops that it takes part in, beside the common ones.
-fn refine<const DOF: usize>(calibration: &mut Calibration, classes: &[Class<DOF>], tempering: f64, with_coherent: bool) {
+fn refine<const DOF: usize>(
+    calibration: &mut Calibration,
+    classes: &[Class<DOF>],
+    tempering: f64,
+    with_coherent: bool,
+) {
     let chains = calibration.odometry.len();
     if chains < 2 {
         return;
@@ -193,7 +202,11 @@ fn square(value: f64) -> f64 {
 }
 
 /// Coordinate ascent by steps that halve. Returns objective, point, evidence, share.
-fn climb(start: Point, axes: &[usize], objective: impl Fn(Point) -> (f64, f64, f64)) -> (f64, Point, f64, f64) {
+fn climb(
+    start: Point,
+    axes: &[usize],
+    objective: impl Fn(Point) -> (f64, f64, f64),
+) -> (f64, Point, f64, f64) {
     let mut point = start;
     let mut value = objective(point);
     let mut step = 2.0;
@@ -222,7 +235,11 @@ fn climb(start: Point, axes: &[usize], objective: impl Fn(Point) -> (f64, f64, f
 }
 
 /// Log-likelihood of the mixture of correct and chance over chance alone, of the loops less of their shuffled twins.
-fn contrast<const DOF: usize>(classes: &[Class<DOF>], factors: &Calibration, tempering: f64) -> (f64, f64, f64) {
+fn contrast<const DOF: usize>(
+    classes: &[Class<DOF>],
+    factors: &Calibration,
+    tempering: f64,
+) -> (f64, f64, f64) {
     let (mut sum, mut evidence, mut correct) = (0.0, 0.0, 0.0);
     let mut counted = 0.0;
     for class in classes {
@@ -231,7 +248,8 @@ fn contrast<const DOF: usize>(classes: &[Class<DOF>], factors: &Calibration, tem
                 .iter()
                 .filter_map(|closed| {
                     let local = factors.local(&closed.landmark);
-                    let evidence = compare(&closed.error, &factors.covariance(closed), &closed.apart, &local)?;
+                    let evidence =
+                        compare(&closed.error, &factors.covariance(closed), &closed.apart, &local)?;
                     // Correct and local error, each against chance.
                     Some([evidence.chance.exp(), (evidence.chance - evidence.local).exp()])
                 })
@@ -289,19 +307,35 @@ fn classes<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, partners: &P
             single.real.push(closed);
             single.shuffled.extend(model.single_shuffled(closure, donor));
             // Neighbours tell of the landmark edges alone: aliased runs agree with each other, too.
-            for (turn, &other) in partners.near(closure).iter().enumerate().filter(|(turn, _)| [0, 3, 7].contains(turn)) {
+            for (turn, &other) in
+                partners.near(closure).iter().enumerate().filter(|(turn, _)| [0, 3, 7].contains(turn))
+            {
                 short.real.push(model.pair(closure, other));
-                short.shuffled.push(model.pair_shuffled(closure, other, partners.elsewhere(model, other, turn + 2)));
+                short.shuffled.push(model.pair_shuffled(
+                    closure,
+                    other,
+                    partners.elsewhere(model, other, turn + 2),
+                ));
             }
             continue;
         }
-        for (turn, &other) in partners.near(closure).iter().enumerate().filter(|(turn, _)| [0, 1, 3, 7].contains(turn)) {
+        for (turn, &other) in
+            partners.near(closure).iter().enumerate().filter(|(turn, _)| [0, 1, 3, 7].contains(turn))
+        {
             near.real.push(model.pair(closure, other));
-            near.shuffled.push(model.pair_shuffled(closure, other, partners.elsewhere(model, other, turn + 2)));
+            near.shuffled.push(model.pair_shuffled(
+                closure,
+                other,
+                partners.elsewhere(model, other, turn + 2),
+            ));
         }
         for (turn, &other) in partners.far(closure).iter().take(4).enumerate() {
             far.real.push(model.pair(closure, other));
-            far.shuffled.push(model.pair_shuffled(closure, other, partners.elsewhere(model, other, turn + 7)));
+            far.shuffled.push(model.pair_shuffled(
+                closure,
+                other,
+                partners.elsewhere(model, other, turn + 7),
+            ));
         }
     }
     [single, short, near, far].into_iter().filter(|class| !class.real.is_empty()).collect()

@@ -57,9 +57,16 @@ pub(crate) fn compare<const DOF: usize>(
     let local = Elimination::of(&(correct + local), error)?;
     let ratio = |wide: &Elimination| {
         0.5 * (wide.log_determinant - near.log_determinant)
-            + 0.5 * (TAIL + DOF as f64) * ((1.0 + wide.squared / TAIL).ln() - (1.0 + near.squared / TAIL).ln())
+            + 0.5
+                * (TAIL + DOF as f64)
+                * ((1.0 + wide.squared / TAIL).ln() - (1.0 + near.squared / TAIL).ln())
     };
-    Some(Evidence { chance: ratio(&far), local: ratio(&local), squared_distance: near.squared, beyond: near.squared > GATE * DOF as f64 })
+    Some(Evidence {
+        chance: ratio(&far),
+        local: ratio(&local),
+        squared_distance: near.squared,
+        beyond: near.squared > GATE * DOF as f64,
+    })
 }
 
 /// L D L^T of a covariance, with a right-hand side carried along.

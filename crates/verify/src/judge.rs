@@ -85,8 +85,11 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         .collect();
     let threshold = (COST * count as f64 * (1.0 - calibration.correct)).max(1.0).ln();
     let chains = model.chains.chains.len();
-    let anchored: Vec<Option<(usize, f64)>> =
-        ratio.iter().enumerate().map(|(closure, ratio)| ratio.map(|ratio| (model.span(closure).a, ratio))).collect();
+    let anchored: Vec<Option<(usize, f64)>> = ratio
+        .iter()
+        .enumerate()
+        .map(|(closure, ratio)| ratio.map(|ratio| (model.span(closure).a, ratio)))
+        .collect();
     let clusters = cut(count, chains, &ties, &anchored, calibration.correct);
     let support = support(&clusters, &ties, &anchored);
     // Islands that hang together closely are as many chances to agree by chance, and no more.
@@ -98,7 +101,8 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     // What an island says of the trajectory shares its odometry: it counts once, as its best member does.
     let accepted: Vec<bool> = (0..count)
         .map(|closure| {
-            anchored[closure].is_some_and(|(anchor, _)| clusters.labels[closure] == clusters.labels[count + anchor])
+            anchored[closure]
+                .is_some_and(|(anchor, _)| clusters.labels[closure] == clusters.labels[count + anchor])
                 && support[closure] > threshold
                 && best[islands.forest.find(closure)] > loose
         })
@@ -106,8 +110,19 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     let hypotheses = islands.hypotheses(&accepted);
     let parts = UnionFind::new(chains);
     let drawing = Drawing::of(graph, model)?;
-    let mut rounds =
-        Rounds { model, partners, drawing, random, threshold, loose, hypotheses, parts, accepted, ratio, poses: None };
+    let mut rounds = Rounds {
+        model,
+        partners,
+        drawing,
+        random,
+        threshold,
+        loose,
+        hypotheses,
+        parts,
+        accepted,
+        ratio,
+        poses: None,
+    };
     let mut number = 0;
     let mut next = rounds.accepted.clone();
     rounds.join(&mut next);
@@ -126,7 +141,17 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     let joined = spans.filter(|span| held.union(span.a, span.b)).count();
     let Rounds { accepted, ratio, hypotheses, .. } = rounds;
     let cut_proved = clusters.optimal;
-    Ok(Judged { accepted, ratio, calibration, rounds: number, hypotheses, cut_proved, ties, joinable, joined })
+    Ok(Judged {
+        accepted,
+        ratio,
+        calibration,
+        rounds: number,
+        hypotheses,
+        cut_proved,
+        ties,
+        joinable,
+        joined,
+    })
 }
 
 impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
@@ -160,7 +185,8 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         let limit = worst.get(worst.len().div_ceil(3).saturating_sub(1)).copied().unwrap_or(f64::INFINITY);
         for (&closure, evidence) in asked.iter().zip(judged) {
             let spared = self.accepted[closure]
-                && evidence.is_some_and(|found| found.weight() <= CONTRADICTED && found.squared_distance < limit);
+                && evidence
+                    .is_some_and(|found| found.weight() <= CONTRADICTED && found.squared_distance < limit);
             // Where the rest of the map does not hold both ends, what was known before counts.
             match evidence {
                 Some(evidence) if !spared => self.ratio[closure] = Some(evidence.weight()),
@@ -180,8 +206,10 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             .filter(open)
             .filter(|hypothesis| {
                 let witnesses = hypothesis.witnesses();
-                let agree =
-                    witnesses.iter().filter(|&&member| self.ratio[member].is_some_and(|ratio| ratio > self.loose)).count();
+                let agree = witnesses
+                    .iter()
+                    .filter(|&&member| self.ratio[member].is_some_and(|ratio| ratio > self.loose))
+                    .count();
                 2 * agree > witnesses.len()
             })
             .flat_map(|hypothesis| hypothesis.members.iter().copied())
@@ -327,7 +355,8 @@ fn ties<G: Motion<DOF>, const DOF: usize>(
         .filter_map(|(one, other)| {
             let closed = model.pair(one, other);
             let sigma: SMatrix<f64, DOF, DOF> = calibration.covariance(&closed);
-            let evidence = compare(&closed.error, &sigma, &closed.apart, &calibration.local(&closed.landmark))?;
+            let evidence =
+                compare(&closed.error, &sigma, &closed.apart, &calibration.local(&closed.landmark))?;
             Some(Tie { one, other, ratio: evidence.weight() })
         })
         .collect()

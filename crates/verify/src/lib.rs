@@ -19,7 +19,7 @@ pub mod stage;
 pub mod verdict;
 mod verification;
 
-pub use model::Motion;
 pub use calibration::Calibration;
+pub use model::Motion;
 pub use stage::{Options, Undecided};
 pub use verification::{Verification, verify};

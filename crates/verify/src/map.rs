@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 use posecut_graph::PoseGraph;
-use posecut_optimize::{Initialisation, Edge, EdgeKind, Marginals, Options, Problem, optimize};
+use posecut_optimize::{Edge, EdgeKind, Initialisation, Marginals, Options, Problem, optimize};
 
 use crate::calibration::Calibration;
 use crate::evidence::{Evidence, compare};
@@ -61,7 +61,8 @@ impl<G: Motion<DOF>, const DOF: usize> Drawing<G, DOF> {
         }
         let landmarks: Vec<_> =
             model.closures.iter().filter_map(|closure| landmark_of[closure.candidate.edge]).collect();
-        let covariances = model.closures.iter().map(|closure| model.measurement_covariance(closure)).collect();
+        let covariances =
+            model.closures.iter().map(|closure| model.measurement_covariance(closure)).collect();
         let place = |&(chain, place): &(usize, usize)| model.chains.chains[chain].poses[place];
         Ok(Self { start: model.chains.places.iter().map(place).collect(), odometry, landmarks, covariances })
     }
@@ -78,11 +79,12 @@ impl<G: Motion<DOF>, const DOF: usize> Drawing<G, DOF> {
             information: edge.information / calibration.odometry[*chain],
             ..*edge
         });
-        let landmarks =
-            self.landmarks.iter().zip(accepted).filter(|(_, accepted)| **accepted).map(|(edge, _)| Edge {
-                information: edge.information / calibration.landmark,
-                ..*edge
-            });
+        let landmarks = self
+            .landmarks
+            .iter()
+            .zip(accepted)
+            .filter(|(_, accepted)| **accepted)
+            .map(|(edge, _)| Edge { information: edge.information / calibration.landmark, ..*edge });
         let initialisation = if start.is_some() { Initialisation::Given } else { Initialisation::Best };
         let start = start.unwrap_or(&self.start).to_vec();
         let problem = Problem::new(start, odometry.chain(landmarks).collect())?;
@@ -130,7 +132,8 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
     ) {
         for &closure in asked.iter().filter(|closure| !self.accepted[**closure]) {
             let neighbour = partners.near(closure).iter().find(|&&other| held[other].is_some());
-            let Some((&neighbour, covariance)) = neighbour.and_then(|other| Some((other, held[*other]?))) else {
+            let Some((&neighbour, covariance)) = neighbour.and_then(|other| Some((other, held[*other]?)))
+            else {
                 continue;
             };
             let between = self.model.between(neighbour, closure, &covariance, self.calibration);
@@ -140,8 +143,11 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
 
     /// Others: contradicted already by a bound, or by their exact covariance, as many as a round allows.
     fn exactly(&mut self, asked: &[usize], first: &[usize], found: &mut [Option<Innovation<DOF>>]) {
-        let open: Vec<usize> =
-            asked.iter().copied().filter(|&closure| !self.accepted[closure] && found[closure].is_none()).collect();
+        let open: Vec<usize> = asked
+            .iter()
+            .copied()
+            .filter(|&closure| !self.accepted[closure] && found[closure].is_none())
+            .collect();
         let mut nodes: Vec<usize> = open.iter().flat_map(|&closure| self.ends(closure)).collect();
         nodes.sort_unstable();
         nodes.dedup();
@@ -160,7 +166,8 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
                 _ => unsure.push(closure),
             }
         }
-        let mut exact: Vec<usize> = first.iter().copied().filter(|closure| unsure.binary_search(closure).is_ok()).collect();
+        let mut exact: Vec<usize> =
+            first.iter().copied().filter(|closure| unsure.binary_search(closure).is_ok()).collect();
         let step = unsure.len().div_ceil(EXACT).max(1);
         exact.extend(unsure.iter().copied().step_by(step));
         exact.sort_unstable();
@@ -206,7 +213,10 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
         let Some(inverse) = left.cholesky().filter(|_| held).map(|cholesky| cholesky.inverse()) else {
             // The residual's squared distance under S is less than the innovation's: enough where it contradicts already.
             let bound = Innovation { error: residual, covariance: own };
-            return self.evidence(closure, &bound).filter(|found| found.distant() <= CONTRADICTED).map(|_| bound);
+            return self
+                .evidence(closure, &bound)
+                .filter(|found| found.distant() <= CONTRADICTED)
+                .map(|_| bound);
         };
         let gain = own * inverse;
         let covariance = gain * own;
@@ -229,7 +239,12 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
 
     fn evidence(&self, closure: usize, innovation: &Innovation<DOF>) -> Option<Evidence> {
         let local = self.calibration.local(&self.drawing.covariances[closure]) * self.scale;
-        compare(&innovation.error, &(innovation.covariance * self.scale), &self.model.apart_local(closure), &local)
+        compare(
+            &innovation.error,
+            &(innovation.covariance * self.scale),
+            &self.model.apart_local(closure),
+            &local,
+        )
     }
 }
 

@@ -72,13 +72,15 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         let (mut spans, mut closures) = (Vec::new(), Vec::new());
         for (number, group) in grouped.groups.iter().enumerate() {
             let first = closures.len();
-            closures.extend(
-                group.candidates.iter().map(|candidate| {
-                    let edge = &graph.edges[candidate.edge];
-                    let place = |node| graph.node_index(node).map(|node| chains.places[node]);
-                    Closure { group: number, forward: place(edge.from) <= place(edge.to), candidate: candidate.clone() }
-                }),
-            );
+            closures.extend(group.candidates.iter().map(|candidate| {
+                let edge = &graph.edges[candidate.edge];
+                let place = |node| graph.node_index(node).map(|node| chains.places[node]);
+                Closure {
+                    group: number,
+                    forward: place(edge.from) <= place(edge.to),
+                    candidate: candidate.clone(),
+                }
+            }));
             spans.push(Span { a: group.a, b: group.b, first, end: closures.len() });
         }
         Ok(Self {
@@ -104,7 +106,10 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         }
         // The edge was turned round to lead from chain A to chain B.
         let chain_a = self.chain(self.spans[closure.group].a);
-        let measured = chain_a.poses[candidate.i].inverse().compose(&candidate.alignment).compose(&chain.poses[candidate.k]);
+        let measured = chain_a.poses[candidate.i]
+            .inverse()
+            .compose(&candidate.alignment)
+            .compose(&chain.poses[candidate.k]);
         let turn = measured.adjoint();
         turn * forward * turn.transpose()
     }

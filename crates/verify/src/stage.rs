@@ -37,7 +37,8 @@ pub struct Options {
 
 impl GraphStage for Options {
     const NAME: &'static str = "verify";
-    const ABOUT: &'static str = "Judge every landmark edge by evidence: accepted, rejected or undecided, with a reason";
+    const ABOUT: &'static str =
+        "Judge every landmark edge by evidence: accepted, rejected or undecided, with a reason";
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
         match graph.header.dimension {
@@ -94,7 +95,9 @@ fn report(verification: &Verification) {
         verification.count(Verdict::Undecided)
     );
     if *joins_proposed > 0 && *joins_established == 0 {
-        warn!("no overlap is established: nothing joins the parts of the graph that landmark edges propose to join");
+        warn!(
+            "no overlap is established: nothing joins the parts of the graph that landmark edges propose to join"
+        );
     } else if joins_established < joins_proposed {
         warn!(
             "no overlap is established for {} of the {joins_proposed} joins that landmark edges propose",

@@ -56,8 +56,9 @@ fn edges_without_measurement_are_counted_and_left_alone() {
 
 #[test]
 fn singular_information_zero_odometry_and_equal_candidates_are_judged() {
-    let singular: Vec<String> =
-        (0..8).map(|k| edge("landmark", 100 + k, (2 * k, 20 + 2 * k), "[0,0,0]", "[100,0,0,100,0,0]")).collect();
+    let singular: Vec<String> = (0..8)
+        .map(|k| edge("landmark", 100 + k, (2 * k, 20 + 2 * k), "[0,0,0]", "[100,0,0,100,0,0]"))
+        .collect();
     assert_eq!(judged(&graph(20, "[1,0,0]", &singular)).findings.len(), 8);
     let standing: Vec<String> =
         (0..8).map(|k| edge("landmark", 100 + k, (2 * k, 20 + 2 * k), "[0,0,0]", GOOD)).collect();

@@ -55,12 +55,16 @@ fn without_correct_edges_no_overlap_is_established() {
             graph.edges.retain(|edge| edge.truth_correct() != Some(true));
             let judged = verify::<SE2, 3>(&graph).unwrap();
             if falsehood == Falsehood::Uniform {
-                assert!(judged.findings.iter().all(|finding| finding.verdict != Verdict::Accepted), "seed {seed}");
+                assert!(
+                    judged.findings.iter().all(|finding| finding.verdict != Verdict::Accepted),
+                    "seed {seed}"
+                );
                 assert_eq!((judged.joins_proposed, judged.joins_established), (1, 0));
             } else {
                 // A run of false edges is as good as a run of correct ones, where nothing contradicts it: at most one such
                 // run may be taken for the map.
-                let groups = judged.findings.iter().filter(|finding| finding.verdict == Verdict::Accepted).count();
+                let groups =
+                    judged.findings.iter().filter(|finding| finding.verdict == Verdict::Accepted).count();
                 assert!(groups <= 15, "seed {seed}: {groups} accepted, more than a run has");
             }
         }
