@@ -170,7 +170,8 @@ pub(crate) const OPENING: &str = "==== ";
 /// attitude alone.
 pub(crate) fn sessions() -> Vec<Vec<u8>> {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let options = posecut_simulate::Options { seed: 1, campus: 1, length: Some(60.0), rate: 5.0 };
+    let route = posecut_simulate::Route::Wander;
+    let options = posecut_simulate::Options { seed: 1, campus: 1, length: Some(60.0), rate: 5.0, route };
     posecut_simulate::simulate(folder.path(), "2012-01-22", &options).expect("a short session is simulated");
     let mut files: Vec<(String, String)> = std::fs::read_dir(folder.path())
         .expect("the folder is there")

@@ -302,7 +302,7 @@ fn classes<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, partners: &P
     let count = model.closures.len();
     let step = count.div_ceil(SAMPLE).max(1);
     for closure in (0..count).step_by(step) {
-        let donor = partners.elsewhere(model, closure, 3);
+        let donor = Partners::elsewhere(model, closure, 3);
         if let Some(closed) = model.single(closure) {
             single.real.push(closed);
             single.shuffled.extend(model.single_shuffled(closure, donor));
@@ -314,7 +314,7 @@ fn classes<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, partners: &P
                 short.shuffled.push(model.pair_shuffled(
                     closure,
                     other,
-                    partners.elsewhere(model, other, turn + 2),
+                    Partners::elsewhere(model, other, turn + 2),
                 ));
             }
             continue;
@@ -326,7 +326,7 @@ fn classes<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, partners: &P
             near.shuffled.push(model.pair_shuffled(
                 closure,
                 other,
-                partners.elsewhere(model, other, turn + 2),
+                Partners::elsewhere(model, other, turn + 2),
             ));
         }
         for (turn, &other) in partners.far(closure).iter().take(4).enumerate() {
@@ -334,7 +334,7 @@ fn classes<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, partners: &P
             far.shuffled.push(model.pair_shuffled(
                 closure,
                 other,
-                partners.elsewhere(model, other, turn + 7),
+                Partners::elsewhere(model, other, turn + 7),
             ));
         }
     }

@@ -113,7 +113,7 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
             held[member] = covariance;
             found[member] = covariance.and_then(|covariance| self.without(member, &covariance));
         }
-        self.scale = self.spread(members.iter().filter_map(|&member| found[member]));
+        self.scale = spread(members.iter().filter_map(|&member| found[member]));
         self.neighbours(partners, asked, &held, &mut found);
         self.exactly(asked, first, &mut found);
         asked
@@ -223,20 +223,6 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
         Some(Innovation { error: gain * residual, covariance: (covariance + covariance.transpose()) * 0.5 })
     }
 
-    /// The median squared distance of innovations over that of chi-square.
-    fn spread(&self, innovations: impl Iterator<Item = Innovation<DOF>>) -> f64 {
-        let mut distances: Vec<f64> = innovations
-            .filter_map(|innovation| {
-                let cholesky = innovation.covariance.cholesky()?;
-                Some(innovation.error.dot(&cholesky.solve(&innovation.error)))
-            })
-            .collect();
-        distances.sort_by(f64::total_cmp);
-        let least = if distances.len() < ENOUGH { 1.0 } else { SCALE_LEAST };
-        let median = distances.get(distances.len() / 2);
-        median.map_or(1.0, |median| (median / chi_square_median(DOF)).clamp(least, SCALE_MOST))
-    }
-
     fn evidence(&self, closure: usize, innovation: &Innovation<DOF>) -> Option<Evidence> {
         let local = self.calibration.local(&self.drawing.covariances[closure]) * self.scale;
         compare(
@@ -246,6 +232,20 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
             &local,
         )
     }
+}
+
+/// The median squared distance of innovations over that of chi-square.
+fn spread<const DOF: usize>(innovations: impl Iterator<Item = Innovation<DOF>>) -> f64 {
+    let mut distances: Vec<f64> = innovations
+        .filter_map(|innovation| {
+            let cholesky = innovation.covariance.cholesky()?;
+            Some(innovation.error.dot(&cholesky.solve(&innovation.error)))
+        })
+        .collect();
+    distances.sort_by(f64::total_cmp);
+    let least = if distances.len() < ENOUGH { 1.0 } else { SCALE_LEAST };
+    let median = distances.get(distances.len() / 2);
+    median.map_or(1.0, |median| (median / chi_square_median(DOF)).clamp(least, SCALE_MOST))
 }
 
 /// The covariance of Log(Z^-1 X) for that of a right perturbation of X, at an error that need not be small.

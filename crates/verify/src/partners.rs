@@ -46,7 +46,6 @@ impl Partners {
 
     /// Another closure of the same group, mostly far away.
     pub(crate) fn elsewhere<G: Motion<DOF>, const DOF: usize>(
-        &self,
         model: &Model<G, DOF>,
         closure: usize,
         turn: usize,
