@@ -18,7 +18,7 @@ const SCALE_MOST: f64 = 30.0;
 /// Accepted closures from which a scale below one is believed.
 const ENOUGH: usize = 20;
 /// Share of its own variance that a measurement must have left beside the rest of the map to be judged by it.
-const SHARE_LEFT: f64 = 1e-4;
+const SHARE_LEFT: f64 = 1e-8;
 
 /// All that the optimiser needs of a graph, read once.
 pub(crate) struct Drawing<G, const DOF: usize> {
