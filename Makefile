@@ -190,10 +190,10 @@ include pipelines/online.mk
 include pipelines/trust.mk
 
 # ---- development ------------------------------------------------------------------------------------------
-# The programs first: the contract tests run them. Optimised, because tests run real experiments, and because
-# `make table` has built most of it already.
+# The contract tests run the programs, so these are built too, at once. Optimised, because tests run real experiments,
+# and because `make table` has built most of it already.
 test:
-	cargo build --release --workspace --bins --locked
+	cargo build --release --workspace --bins --tests --examples --locked
 	cargo test --release --workspace --locked
 
 check:

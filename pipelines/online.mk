@@ -6,7 +6,7 @@ ONLINE_EVERY ?= 20
 ONLINE       ?= $(BIN)/examples/online_rejection
 
 $(BIN)/examples/online_rejection: $(sources) $(wildcard crates/optimize/examples/*.rs)
-	@cargo build --release --locked --quiet -p posecut-optimize --example online_rejection
+	@cargo build --release --locked --quiet --workspace --example online_rejection
 	@touch $@
 
 online_session := $(firstword $(present))

@@ -6,7 +6,7 @@ set -eu
 cd "$(dirname "$0")/.."
 programs=${1:-target/release}
 python=$(scripts/python-environment.sh networkx) || { echo 'skipped: networkx cannot be installed here'; exit 0; }
-cargo build --release --locked --quiet -p posecut-pcm --example draw
+cargo build --release --locked --quiet --workspace --example draw
 draw=${CARGO_TARGET_DIR:-target}/release/examples/draw
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

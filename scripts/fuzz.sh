@@ -5,6 +5,6 @@ set -eu
 cd "$(dirname "$0")/.."
 seconds=${1:-60}
 [ $# -eq 0 ] || shift
-cargo build --release --quiet --locked -p posecut-fuzz --example fuzz
+cargo build --release --quiet --locked --workspace --example fuzz
 ulimit -v 3000000
 exec "${CARGO_TARGET_DIR:-target}/release/examples/fuzz" --seconds "$seconds" "$@"
