@@ -91,7 +91,7 @@ pub fn samples() -> &'static Samples {
         let samples = Samples { folder: tempfile::tempdir().expect("a temporary directory") };
         let path = |name: &str| samples.path(name);
         let session = path("2012-01-22");
-        succeed("simulate", &["--length", "1500", "--rate", "5", "-o", &session], b"");
+        succeed("simulate", &["--length", "800", "--rate", "5", "-o", &session], b"");
         let (graph, optimized) = (path("graph.jsonl"), path("optimized.jsonl"));
         let single = path("session.jsonl");
         let sigmas = ["--sigma-translation", "0.1", "--sigma-rotation", "0.02"];
