@@ -7,7 +7,6 @@ set -eu
 cd "$(dirname "$0")/.."
 programs=$(cd "${1:-target/release}" && pwd)
 experiment=$programs/posecut-experiment
-environment=$(pwd)/target/hyperqueue
 here=$(pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -57,13 +56,10 @@ chmod +x sbatch
 SBATCH=./sbatch "$here/scripts/sweep-slurm.sh" plan.jsonl 3 "$experiment" > /dev/null 2>&1
 same slurm
 
-if ! "$environment/bin/python" -c 'import hyperqueue' 2>/dev/null; then
-  if ! { python3 -m venv "$environment" && "$environment/bin/pip" install --quiet hyperqueue; } >/dev/null 2>&1; then
-    echo 'skipped: hyperqueue cannot be installed here'
-    exit 0
-  fi
-fi
+# The path is relative to the root; the engine works elsewhere.
+python=$(cd "$here" && scripts/python-environment.sh hyperqueue) || { echo 'skipped: hyperqueue cannot be installed here'; exit 0; }
+python=$here/$python
 prepare hyperqueue tasks plan.jsonl
-"$environment/bin/python" "$here/scripts/sweep-hyperqueue.py" plan.jsonl --workers 2 --program "$experiment" > log 2>&1 ||
+"$python" "$here/scripts/sweep-hyperqueue.py" plan.jsonl --workers 2 --program "$experiment" > log 2>&1 ||
   { cat log results/hyperqueue/*.log; exit 1; }
 same hyperqueue

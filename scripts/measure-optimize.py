@@ -5,7 +5,7 @@ Usage: scripts/measure-optimize.py [--only GRAPH,...] [--parts peers,process,gro
 
 Wants POSECUT_SHARED_DATA (the graphs in g2o/ and false_closures/), the programs in target/release, for the part `growth`
 `cargo build --release -p posecut-optimize --benches`, and for the part `peers` crates/optimize/peers built to target/peers or to
-the folder that PEERS names, and gtsam in target/gtsam, where scripts/check-with-gtsam.sh installs it. The part `phases` measures
+the folder that PEERS names, and gtsam in target/python, where scripts/check-with-gtsam.sh installs it. The part `phases` measures
 what the processor gives at most, by numpy in the same place, and shows beside it what `process` found. Every process is held to one
 processor. Results gather in target/comparison.json, so that a long measurement can be made in parts.
 """
@@ -17,7 +17,7 @@ PROGRAMS = ROOT / "target/release"
 WORK = ROOT / "target/comparison"
 RESULTS = ROOT / "target/comparison.json"
 PAGE = ROOT / "docs/optimize-results.md"
-GTSAM = ROOT / "target/gtsam/bin/python"
+GTSAM = ROOT / "target/python/bin/python"
 PEERS = Path(os.environ.get("PEERS", ROOT / "target/peers")) / "release/posecut-optimize-peers"
 SOLVERS = ["posecut", "arael", "factrs", "apex", "tiny", "gtsam"]
 LIMIT = float(os.environ.get("LIMIT", 40))  # seconds a process may take

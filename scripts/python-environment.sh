@@ -1,17 +1,16 @@
 #!/bin/sh
-# Prints the Python of an environment of its own that has a PyPI package, which it installs if need be; exit status 1 where
-# it cannot.
-# Usage: scripts/python-environment.sh PACKAGE
+# Prints the Python of an environment in target/python that has these PyPI packages, and installs those that are missing;
+# exit status 1 where it cannot. All scripts share the environment: most of these packages need the same large ones.
+# Usage: scripts/python-environment.sh PACKAGE...
 set -eu
-package=$1
-environment=$(dirname "$0")/../target/$package
-has_it() {
-  "$environment/bin/python" -c "import $package"
+environment=$(dirname "$0")/../target/python
+has_all() {
+  "$environment/bin/python" -c "import importlib, sys; [importlib.import_module(name) for name in sys.argv[1:]]" "$@"
 }
-install_it() {
-  python3 -m venv "$environment" && "$environment/bin/pip" install --quiet "$package" && has_it
+install_all() {
+  { [ -x "$environment/bin/pip" ] || python3 -m venv "$environment"; } && "$environment/bin/pip" install --quiet "$@"
 }
-if has_it || install_it; then
+if has_all "$@" || { install_all "$@" && has_all "$@"; }; then
   echo "$environment/bin/python" >&3
 else
   exit 1
