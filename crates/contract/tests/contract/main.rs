@@ -9,5 +9,6 @@ mod documentation;
 mod golden;
 mod hostile;
 mod interruption;
+mod manifests;
 mod schema;
 mod table;

@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-mod rounds;
-
 use std::collections::{BTreeMap, BTreeSet};
 
 use posecut_construct::{IncorrectKind, Options};
@@ -11,7 +9,7 @@ use posecut_geometry::{LieGroup, SE2};
 use posecut_graph::{Edge, EdgeKind, PoseGraph};
 use proptest::prelude::*;
 
-use rounds::{construct, landmarks, options, rounds, truth};
+use crate::rounds::{construct, landmarks, options, rounds, truth};
 
 fn with(kind: IncorrectKind, rate: f64, seed: u64) -> PoseGraph {
     let options = Options { incorrect_kind: kind, incorrect_rate: rate, seed, ..options() };

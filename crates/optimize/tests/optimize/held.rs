@@ -2,10 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 
-mod noisy_walk;
-
+use crate::noisy_walk::noisy_walk;
 use nalgebra::{DMatrix, SMatrix, SVector};
-use noisy_walk::noisy_walk;
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_optimize::incremental::{IncrementalOptions, IncrementalSolver};
 use posecut_optimize::{

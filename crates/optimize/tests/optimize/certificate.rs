@@ -2,8 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "functions of tests may panic and print")]
 
-mod g2o;
-
+use crate::g2o;
 use nalgebra::Matrix3;
 use posecut_geometry::SE2;
 use posecut_optimize::{Edge, EdgeKind, Initialisation, Options, PoseGroup, Problem, certify, optimize};

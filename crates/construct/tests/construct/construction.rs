@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-mod rounds;
-
 use std::collections::BTreeSet;
 
 use posecut_construct::Options;
@@ -11,7 +9,7 @@ use posecut_geometry::{LieGroup, SE2};
 use posecut_graph::{EdgeKind, PoseGraph};
 use proptest::prelude::*;
 
-use rounds::{construct, landmarks, options, rounds, truth};
+use crate::rounds::{construct, landmarks, options, rounds, truth};
 
 #[test]
 fn correct_edges_are_exactly_the_similar_pairs() {

@@ -1,13 +1,10 @@
 //! Laws of a Lie group, for angles of both signs, tiny ones and ones near pi.
 
-mod homogeneous;
-mod tangents;
-
-use homogeneous::{Homogeneous, matrix_exponential};
+use crate::homogeneous::{Homogeneous, matrix_exponential};
+use crate::tangents::{planar_tangent, spatial_tangent};
 use nalgebra::SVector;
 use posecut_geometry::{LieGroup, SE2, SE3};
 use proptest::prelude::*;
-use tangents::{planar_tangent, spatial_tangent};
 
 /// Norm of the difference of two poses.
 fn distance<G: LieGroup<DOF>, const DOF: usize>(first: &G, second: &G) -> f64 {

@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-mod rounds;
-
 use std::collections::{BTreeMap, BTreeSet};
 
 use posecut_construct::{IncorrectKind, NoiseKind, Options};
@@ -11,7 +9,7 @@ use posecut_geometry::{LieGroup, SE2};
 use posecut_graph::{EdgeKind, PoseGraph};
 use proptest::prelude::*;
 
-use rounds::{construct, landmarks, options, rounds, there_and_back, truth};
+use crate::rounds::{construct, landmarks, options, rounds, there_and_back, truth};
 
 fn built(options: &Options) -> PoseGraph {
     construct(vec![rounds("s", 314)], options).unwrap().0

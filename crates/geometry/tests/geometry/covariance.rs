@@ -1,7 +1,6 @@
 //! Propagation against sampling and finite differences; conversion, packing and definiteness.
 
-mod tangents;
-
+use crate::tangents::{planar_tangent, spatial_tangent};
 use nalgebra::{Matrix2, Matrix3, Matrix6, SMatrix, SVector, Vector3};
 use posecut_geometry::covariance::{
     self, CovarianceError, Definiteness, covariance_from_information, definiteness,
@@ -12,7 +11,6 @@ use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use tangents::{planar_tangent, spatial_tangent};
 
 /// A full covariance with a known square root.
 fn root<const N: usize>(random: &mut ChaCha8Rng, size: f64) -> SMatrix<f64, N, N> {

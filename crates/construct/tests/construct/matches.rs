@@ -2,12 +2,10 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-mod rounds;
-
 use posecut_construct::{Landmarks, MatchMeasurement, Options, construct, read_matches};
 use posecut_graph::{EdgeKind, PoseGraph};
 
-use rounds::{options, rounds};
+use crate::rounds::{options, rounds};
 
 fn build(list: &str, names: &[&str], options: &Options) -> Result<PoseGraph, String> {
     let matches = read_matches("list.csv", list.as_bytes()).map_err(|error| error.to_string())?;

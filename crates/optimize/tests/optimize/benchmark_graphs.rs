@@ -2,10 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 
-#[path = "g2o/best_known.rs"]
-mod best_known;
-mod g2o;
-
+use crate::{best_known, g2o};
 use posecut_optimize::initialisation::spanning_tree;
 use posecut_optimize::{Edge, Options, PoseGroup, Problem, ProblemError, optimize};
 

@@ -2,14 +2,12 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-mod rounds;
-
 use std::collections::BTreeSet;
 
 use posecut_construct::{IncorrectKind, Options};
 use posecut_graph::{EdgeKind, PoseGraph};
 
-use rounds::{construct, options, unsteady_rounds};
+use crate::rounds::{construct, options, unsteady_rounds};
 
 const KINDS: [IncorrectKind; 4] =
     [IncorrectKind::Uniform, IncorrectKind::Grouped, IncorrectKind::NearMiss, IncorrectKind::Corridor];

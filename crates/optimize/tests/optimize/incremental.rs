@@ -6,9 +6,7 @@
     reason = "functions of tests may panic, and one prints its figures"
 )]
 
-mod growing;
-
-use growing::{World, distance_from_fresh, planar, spatial};
+use crate::growing::{World, distance_from_fresh, planar, spatial};
 use nalgebra::Matrix3;
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_optimize::incremental::{EdgeId, IncrementalError, IncrementalOptions, IncrementalSolver, Split};

@@ -6,11 +6,7 @@
     reason = "functions of tests may panic, and this one prints its figures"
 )]
 
-#[path = "g2o/best_known.rs"]
-mod best_known;
-mod g2o;
-mod replay;
-
+use crate::{best_known, g2o, replay};
 use posecut_optimize::incremental::{IncrementalOptions, IncrementalSolver};
 use posecut_optimize::{Edge, Initialisation, Options, PoseGroup, Problem, optimize};
 

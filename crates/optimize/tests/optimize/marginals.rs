@@ -2,10 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 
-mod noisy_walk;
-
+use crate::noisy_walk::noisy_walk;
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector};
-use noisy_walk::noisy_walk;
 use posecut_geometry::covariance::between_correlated;
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_optimize::{Edge, EdgeKind, Kernel, Marginals, Options, PoseGroup, Problem, optimize, residual};
