@@ -173,8 +173,8 @@ fn judge<G: LieGroup<DOF>, const DOF: usize>(
         };
         let covariance = covariance::<DOF>(graph, edge, Covariances::Needed)?;
         let predicted = predicted::<DOF>(edge)?;
-        let end = pose::<G, DOF>(graph, edge.to)?;
-        let estimate = pose::<G, DOF>(graph, edge.from)?.between(&end);
+        let (start, end) = (pose::<G, DOF>(graph, edge.from)?, pose::<G, DOF>(graph, edge.to)?);
+        let estimate = start.between(&end);
         let innovation = innovation(&measurement, &covariance, &estimate, &predicted, edge.in_use());
         judged.push(Judged { edge: index, in_use: edge.in_use(), innovation });
         places.push(end);
