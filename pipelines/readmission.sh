@@ -22,6 +22,13 @@ done
 graph=$1 output=$2
 shift 2
 [ $# -gt 0 ] || set -- --calibrate --grow 0.999999
+# The rounds re-admit by the same bound on chance as the first run.
+chance='' before=''
+for word in "$@"; do
+  case $word in --chance=*) chance=$word ;; esac
+  [ "$before" != --chance ] || chance="--chance $word"
+  before=$word
+done
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -30,7 +37,7 @@ trap 'rm -rf "$work"' EXIT
 for round in 1 2 3 4 5; do
   "$optimize" --quiet "$work/judged.jsonl" --marginals landmark -o "$work/optimized.jsonl"
   # shellcheck disable=SC2086 # options are words
-  "$pcm" --quiet "$work/optimized.jsonl" --readmit ${READMIT---scale auto --apply-scale} -o "$work/judged.jsonl" \
+  "$pcm" --quiet "$work/optimized.jsonl" --readmit ${READMIT---scale auto --apply-scale} $chance -o "$work/judged.jsonl" \
     --stats "$work/stats.json"
   figure() { sed -n "s/^  \"$1\": \([^,]*\),\{0,1\}$/\1/p" "$work/stats.json"; }
   echo "round $round readmitted $(figure readmitted) dropped $(figure dropped) scale $(figure scale)" >> "$work/rounds"

@@ -7,6 +7,7 @@ use anyhow::Context as _;
 use clap::Parser;
 use posecut_stage::{CommonArguments, Context, GraphStage as _, Identity, Outcome, Source, info, warn};
 
+use crate::delta::Delta;
 use crate::stage::{Costs, CutGraph, StageOptions, note};
 use crate::{Graph, Solution, VerifyError, read_mc, solve, verify};
 
@@ -72,7 +73,7 @@ impl Command {
         let options = &self.stage;
         options.solver_options(false)?;
         if self.format == Format::Mc {
-            let plain = options.delta == 1
+            let plain = options.delta == Delta::Frames(1)
                 && options.costs == Costs::Support
                 && options.graph == CutGraph::Landmark
                 && options.odometry_cost == 1.0;

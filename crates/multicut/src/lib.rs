@@ -27,6 +27,7 @@ mod conflict;
 mod contraction_queue;
 mod cycle_separation;
 mod decomposition;
+pub mod delta;
 mod error;
 pub mod generate;
 mod graph;

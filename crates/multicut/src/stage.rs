@@ -7,8 +7,9 @@ use posecut_graph::{EdgeKind, PoseGraph};
 use posecut_stage::{Context, GraphStage, info, warn};
 use serde::Serialize;
 
+use crate::delta::Delta;
 use crate::landmarks::{label_landmarks, mark};
-use crate::support::support_counts;
+use crate::support::{Support, support};
 use crate::{Graph, Solution, Solver, solve};
 
 /// What cutting a landmark edge costs.
@@ -36,9 +37,9 @@ pub enum CutGraph {
 /// The options of the multicut stage.
 #[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
 pub struct StageOptions {
-    /// How many frames a support edge may be off at each end
-    #[arg(long, value_name = "FRAMES", default_value_t = 1)]
-    pub delta: u32,
+    /// Largest distance of a support edge at each end, frames; `auto` takes the median spacing of each pair of sessions
+    #[arg(long, value_name = "FRAMES", default_value_t = Delta::Frames(1))]
+    pub delta: Delta,
 
     /// What cutting a landmark edge costs
     #[arg(long, value_enum, default_value_t = Costs::Support)]
@@ -100,10 +101,10 @@ impl StageOptions {
         })
     }
 
-    /// The place of each landmark edge in use, and its cost.
-    fn costs(&self, graph: &PoseGraph) -> anyhow::Result<Vec<(usize, f64)>> {
+    /// The place of each landmark edge in use and its cost, with the support that costs rest on.
+    fn costs(&self, graph: &PoseGraph) -> anyhow::Result<(Vec<(usize, f64)>, Option<Support>)> {
         if self.costs == Costs::Field {
-            return graph
+            let costs: anyhow::Result<Vec<(usize, f64)>> = graph
                 .edges
                 .iter()
                 .enumerate()
@@ -117,21 +118,21 @@ impl StageOptions {
                     })
                 })
                 .collect();
+            return Ok((costs?, None));
         }
         let cost = |count: usize| match (self.costs, count) {
             (_, 0) => -1.0,
             (Costs::Count, count) => count as f64,
             _ => 1.0,
         };
-        Ok(support_counts(graph, self.delta)?
-            .into_iter()
-            .map(|(index, count)| (index, cost(count)))
-            .collect())
+        let support = support(graph, self.delta)?;
+        let costs = support.counts.iter().map(|&(index, count)| (index, cost(count))).collect();
+        Ok((costs, Some(support)))
     }
 
     /// The signed graph of a pose graph: its nodes are the places of the pose graph's nodes.
     pub(crate) fn cut_graph(&self, graph: &PoseGraph) -> anyhow::Result<Graph> {
-        self.graph_of(graph, &self.costs(graph)?)
+        self.graph_of(graph, &self.costs(graph)?.0)
     }
 
     fn graph_of(&self, graph: &PoseGraph, costs: &[(usize, f64)]) -> anyhow::Result<Graph> {
@@ -158,7 +159,7 @@ impl StageOptions {
         certificate: bool,
         context: &mut Context,
     ) -> anyhow::Result<Solution> {
-        let costs = self.costs(graph)?;
+        let (costs, support) = self.costs(graph)?;
         let solution = solve(&self.graph_of(graph, &costs)?, &self.solver_options(certificate)?);
         let cut_edges = mark(graph, &costs, &solution.labels);
         let landmarks = label_landmarks(graph, &costs, &solution.labels);
@@ -166,16 +167,53 @@ impl StageOptions {
         if repulsive == 0 && !costs.is_empty() {
             info!("no landmark edge has a negative cost, so nothing is cut");
         }
+        let unsupported_cut = support.as_ref().map(|support| unsupported_and_cut(graph, support));
+        if let (Some(lone), Some(support)) = (unsupported_cut, &support) {
+            self.warn_of_missing_support(lone, support);
+        }
         info!("{cut_edges} of {} landmark edges cut, {landmarks} landmarks remain", costs.len());
         let statistics = &mut context.statistics;
         statistics.note("landmark_edges", costs.len());
         statistics.note("unsupported_edges", repulsive);
+        if let Some([smallest, largest]) = support.and_then(|support| support.deltas) {
+            statistics.note("delta_smallest", smallest);
+            statistics.note("delta_largest", largest);
+        }
+        if let Some(lone) = unsupported_cut {
+            statistics.note("cut_without_support", lone);
+        }
         note(&solution, context);
         let statistics = &mut context.statistics;
         statistics.note("landmarks", landmarks);
         statistics.note("cut_edges", cut_edges);
         Ok(solution)
     }
+
+    /// Warns where most edges are cut for want of a neighbour: that is a matter of their spacing, not of evidence.
+    fn warn_of_missing_support(&self, lone: usize, support: &Support) {
+        let all = support.counts.len();
+        let Some([smallest, largest]) = support.deltas.filter(|_| 2 * lone > all) else { return };
+        let reach = match (smallest, largest) {
+            (1, 1) => "1 frame".to_owned(),
+            (one, other) if one == other => format!("{one} frames"),
+            (one, other) => format!("{one} to {other} frames"),
+        };
+        let remedy = match self.delta {
+            Delta::Frames(_) => {
+                "set --delta to the spacing of the candidates (--delta auto estimates it), or use posecut-verify"
+            }
+            Delta::Auto => "set a larger --delta, or use posecut-verify",
+        };
+        warn!(
+            "{lone} of {all} landmark edges are cut only because no other landmark edge is within {reach}, \
+             which is no evidence against them; {remedy}"
+        );
+    }
+}
+
+/// Edges that are cut and have no support edge.
+fn unsupported_and_cut(graph: &PoseGraph, support: &Support) -> usize {
+    support.counts.iter().filter(|&&(index, count)| count == 0 && !graph.edges[index].in_use()).count()
 }
 
 /// Notes what is known of a solution, and warns if the proof is not complete.

@@ -227,3 +227,76 @@ fn the_truth_is_not_looked_at() {
     };
     assert_eq!(records("g.jsonl"), records("lies.jsonl"));
 }
+
+/// One session whose second half sees the first again: a closure at every `every`-th frame, and `false_ones` elsewhere.
+fn spaced(every: usize, false_ones: usize) -> String {
+    let mut text =
+        String::from("{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":2}\n");
+    for id in 0..400 {
+        text += &format!(
+            "{{\"kind\":\"node\",\"id\":{id},\"session\":\"s\",\"frame\":{id},\"pose\":[{id},0,0]}}\n"
+        );
+    }
+    for (count, from) in (0..200).step_by(every).enumerate() {
+        text += &format!(
+            "{{\"kind\":\"landmark\",\"id\":{},\"from\":{from},\"to\":{}}}\n",
+            1000 + count,
+            from + 200
+        );
+    }
+    for count in 0..false_ones {
+        let (from, to) = ((count * 71) % 190, 200 + (count * 37 + 93) % 190);
+        text += &format!("{{\"kind\":\"landmark\",\"id\":{},\"from\":{from},\"to\":{to}}}\n", 2000 + count);
+    }
+    text
+}
+
+/// What the program writes to standard error.
+fn said(folder: &Path, arguments: &str) -> String {
+    let output = run(folder, arguments);
+    assert!(output.status.success(), "{arguments}");
+    String::from_utf8(output.stderr).unwrap()
+}
+
+#[test]
+fn closures_at_every_fifth_frame_are_cut_by_delta_1_and_kept_by_delta_auto() {
+    let folder = folder("spaced");
+    std::fs::write(folder.join("g.jsonl"), spaced(5, 4)).unwrap();
+    let warning = said(&folder, "g.jsonl --stats s.json -o out");
+    assert!(
+        warning.contains(
+            "44 of 44 landmark edges are cut only because no other landmark edge is within 1 frame"
+        ) && warning.contains("--delta auto"),
+        "{warning}"
+    );
+    holds(&folder, "s.json", "cut_without_support", "44");
+    holds(&folder, "s.json", "delta_largest", "1");
+    let quiet = said(&folder, "g.jsonl --delta auto --stats s.json -o out");
+    assert!(!quiet.contains("only because"), "{quiet}");
+    for (key, value) in
+        [("delta_smallest", "5"), ("delta_largest", "5"), ("cut_without_support", "4"), ("cut_edges", "4")]
+    {
+        holds(&folder, "s.json", key, value);
+    }
+    let text = std::fs::read_to_string(folder.join("out")).unwrap();
+    assert!(text.lines().next().unwrap().contains("\"delta\":\"auto\""), "{text}");
+    // A certificate is for the costs of that delta.
+    succeed(&folder, "g.jsonl --delta auto --certificate g.proof");
+    let proved = succeed(&folder, "g.jsonl --delta auto --verify g.proof");
+    assert!(proved.contains("no multicut costs less\n"), "{proved}");
+}
+
+#[test]
+fn a_dense_overlap_has_delta_1_either_way() {
+    let folder = folder("dense");
+    std::fs::write(folder.join("g.jsonl"), spaced(1, 20)).unwrap();
+    let records = |options: &str| {
+        let text = succeed(&folder, &format!("g.jsonl --stats s.json {options}"));
+        holds(&folder, "s.json", "delta_largest", "1");
+        text.lines().skip(1).map(String::from).collect::<Vec<_>>()
+    };
+    assert_eq!(records(""), records("--delta auto"));
+    assert!(!said(&folder, "g.jsonl -o out").contains("only because"));
+    assert!(fails(&folder, "g.jsonl --delta often", 2).contains("expected `auto` or a number of frames"));
+    assert!(fails(&folder, "g.jsonl --format mc --delta auto", 2).contains("for pose graphs"));
+}

@@ -9,8 +9,12 @@ use crate::candidate::Group;
 use crate::chain::Chains;
 use crate::spread::Spatial;
 
-/// Loops below which there is no estimate.
-const FEWEST: usize = 50;
+/// Landmark edges below which there is no estimate. Loops do not count: one edge closes up to nine of them.
+pub(crate) const FEWEST: usize = 15;
+/// Nats of evidence below which an estimate rests on nothing, and nats an edge: false edges between nearby places agree a
+/// little better than with shuffled ends.
+const EVIDENCE: f64 = 10.0;
+const EVIDENCE_OF_EDGE: f64 = 0.2;
 
 /// What covariances are multiplied by: above 1 where they are too tight.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -52,6 +56,19 @@ pub struct ScaleEstimate {
     pub correct: f64,
     /// Loops that the estimate comes from.
     pub loops: usize,
+    /// Landmark edges that these loops start from.
+    pub edges: usize,
+    /// How much likelier the loops are than the same ones with shuffled ends, in nats; an edge counts once.
+    pub evidence: f64,
+}
+
+/// Why there are no scales.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NoScales {
+    /// So few landmark edges close loops.
+    FewEdges(usize),
+    /// The loops are no likelier than the same ones with shuffled ends: by so many nats.
+    NoEvidence(f64),
 }
 
 /// Estimates the scales of the covariances from loops of different lengths: through pairs of candidates that are
@@ -70,14 +87,21 @@ pub struct ScaleEstimate {
 /// loops with much odometry: where one candidate in ten is off by 0.5 to 3 m, at thirty times the noise at most, the
 /// odometry's factor is 2.5 times too large in the plane, and 6 times in space.
 ///
-/// `None` with fewer than 50 loops. O(N log N + 10^4 * iterations).
+/// Large enough factors explain any loops, those of false edges too. The mixture is therefore also fitted to the same
+/// loops with one end of each landmark edge shuffled, and there is no estimate where the loops themselves are less than 10
+/// nats likelier (0.2 an edge where that is more), or where fewer than 15 landmark edges close them. O(N log N + 10^4 * iterations).
 pub fn estimate_scales<G: Spatial<DOF>, const DOF: usize>(
     chains: &Chains<G, DOF>,
     groups: &[Group<G, DOF>],
-) -> Option<ScaleEstimate> {
+) -> Result<ScaleEstimate, NoScales> {
     let sample = loops::sample(chains, groups);
-    if sample.loops.len() < FEWEST {
-        return None;
+    if sample.edges < FEWEST {
+        return Err(NoScales::FewEdges(sample.edges));
     }
-    mixture::fit(&sample)
+    let estimate = mixture::fit(&sample).ok_or(NoScales::FewEdges(0))?;
+    if estimate.evidence < EVIDENCE.max(EVIDENCE_OF_EDGE * estimate.edges as f64) {
+        Err(NoScales::NoEvidence(estimate.evidence))
+    } else {
+        Ok(estimate)
+    }
 }

@@ -4,8 +4,9 @@ use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 use statrs::function::gamma::ln_gamma;
 
-use crate::candidate::Candidate;
-use crate::consistency::Pairs;
+use crate::candidate::{Candidate, Group};
+use crate::chain::{Chain, Chains};
+use crate::consistency::{Pairs, elsewhere};
 use crate::distance::{loop_through, loop_through_odometry};
 use crate::islands::Islands;
 use crate::nearest::Nearest;
@@ -32,10 +33,46 @@ const WITNESSES: usize = 16;
 /// that the numbers of random edges are evenly spread up to N.
 pub struct Chance<'a, G, const DOF: usize> {
     pairs: &'a Pairs<'a, G, DOF>,
-    /// R, as seen at a place of chain B.
-    apart: SMatrix<f64, DOF, DOF>,
+    pool: Pool<DOF>,
     /// ln Gamma(D/2 + 1)
     log_gamma: f64,
+}
+
+/// What the groups of a graph share: a group of few candidates cannot tell by itself what chance does.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pool<const DOF: usize> {
+    /// R, as seen at a place of chain B.
+    apart: SMatrix<f64, DOF, DOF>,
+    /// N, over all groups: false edges fall into any of them.
+    candidates: usize,
+    groups: usize,
+}
+
+impl<const DOF: usize> Pool<DOF> {
+    /// O(1) a group: a thousand pairs of places.
+    pub(crate) fn of<G: Spatial<DOF>>(chains: &Chains<G, DOF>, groups: &[Group<G, DOF>]) -> Self {
+        let places = groups.iter().map(|group| (&chains.chains[group.b], &group.candidates[..]));
+        Self::of_places(places)
+    }
+
+    fn of_places<'a, G: Spatial<DOF>>(
+        groups: impl Iterator<Item = (&'a Chain<G, DOF>, &'a [Candidate<G, DOF>])>,
+    ) -> Self {
+        let groups: Vec<_> = groups.collect();
+        let step = |count: usize| count.div_ceil(SAMPLE).max(1);
+        let sampled: usize = groups.iter().map(|(_, of)| of.len().div_ceil(step(of.len()))).sum();
+        let mut pool = Self { apart: SMatrix::zeros(), candidates: 0, groups: groups.len() };
+        for (chain_b, candidates) in groups {
+            let count = candidates.len();
+            let place = |candidate: usize| chain_b.poses[candidates[candidate].k];
+            for (turn, one) in (0..count).step_by(step(count)).enumerate() {
+                let error = place(one).between(&place(elsewhere(count, one, turn + 1))).log();
+                pool.apart += error * error.transpose() / sampled as f64;
+            }
+            pool.candidates += count;
+        }
+        pool
+    }
 }
 
 /// Which members agree not by chance alone.
@@ -65,17 +102,11 @@ struct Vouched {
 }
 
 impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
-    /// O(1): a thousand pairs of places.
+    /// Judges a group by itself. O(1): a thousand pairs of places.
     pub fn new(pairs: &'a Pairs<'a, G, DOF>) -> Self {
-        let count = pairs.len();
-        let place = |candidate: usize| pairs.chain_b.poses[pairs.candidates[candidate].k];
-        let mut apart = SMatrix::zeros();
-        let sample: Vec<usize> = (0..count).step_by(count.div_ceil(SAMPLE).max(1)).collect();
-        for (turn, &one) in sample.iter().enumerate() {
-            let error = place(one).between(&place(pairs.elsewhere(one, turn + 1))).log();
-            apart += error * error.transpose() / sample.len() as f64;
-        }
-        Self { pairs, apart, log_gamma: ln_gamma(0.5 * DOF as f64 + 1.0) }
+        let pool =
+            pairs.pool.unwrap_or_else(|| Pool::of_places(std::iter::once((pairs.chain_b, pairs.candidates))));
+        Self { pairs, pool, log_gamma: ln_gamma(0.5 * DOF as f64 + 1.0) }
     }
 
     /// The false alarms that an edge would cause, with the best of these candidates or, within one chain, the odometry
@@ -107,8 +138,10 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
         (error, covariance): (SVector<f64, DOF>, SMatrix<f64, DOF, DOF>),
     ) -> Option<Evidence> {
         let to_chain = self.pairs.chain_b.poses[candidate.k].adjoint();
-        let (near, far) =
-            (covariance.cholesky()?, (covariance + to_chain * self.apart * to_chain.transpose()).cholesky()?);
+        let (near, far) = (
+            covariance.cholesky()?,
+            (covariance + to_chain * self.pool.apart * to_chain.transpose()).cholesky()?,
+        );
         Some(Evidence {
             ratio: near.determinant() / far.determinant(),
             squared_distance: error.dot(&near.solve(&error)),
@@ -119,7 +152,7 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
         let chance = evidence.map_or(1.0, |Evidence { ratio, squared_distance }| {
             (0.5 * DOF as f64 * (0.5 * squared_distance).ln() - self.log_gamma).exp() * ratio.sqrt()
         });
-        self.pairs.len() as f64 * chance.min(1.0)
+        self.pool.candidates as f64 * chance.min(1.0)
     }
 
     /// Divides members, which ascend, into those that agree not by chance and the others, where a wrong edge weighs as much
@@ -128,8 +161,9 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
     /// Members vouch for each other where a link causes no more false alarms than [`acceptable`] says. Within one chain the
     /// odometry is where it begins; between two, the largest island of members that hang together. One more island of m
     /// members joins if its best link causes at most m times as many: of N candidates there are at most N / m such islands.
-    /// Something to begin with always stays, be it a lone candidate. O(n log n), and as much again for each round in which
-    /// islands join.
+    /// In a graph with one group something to begin with always stays, be it a lone candidate. With several groups a lone
+    /// member that nobody vouches for goes: each group would keep one otherwise, and false edges spread over many groups.
+    /// O(n log n), and as much again for each round in which islands join.
     pub fn support(&self, members: &[usize], cost: f64) -> Support {
         let nearest = Nearest::new(self.pairs, members);
         let vouched: Vec<Vouched> =
@@ -144,7 +178,10 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
             .collect();
         let mut islands = Islands::of(members, &links);
         let mut supported = islands.take_first();
-        loop {
+        if self.pool.groups > 1 && !self.is_vouched_for(&supported, &vouched, members, limit) {
+            supported.clear();
+        }
+        while !supported.is_empty() {
             let nearest = Nearest::new(self.pairs, &supported);
             let joining = islands.take_where(|island| {
                 let enough = limit * island.len() as f64;
@@ -164,6 +201,15 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
         let false_alarms =
             members.iter().zip(&vouched).map(|(&member, of)| (member, of.false_alarms)).collect();
         Support { supported, by_chance, false_alarms }
+    }
+
+    /// Whether an island has two members, or one that the odometry of its chain vouches for.
+    fn is_vouched_for(&self, island: &[usize], vouched: &[Vouched], members: &[usize], limit: f64) -> bool {
+        match island {
+            [] => false,
+            [only] => members.binary_search(only).is_ok_and(|place| vouched[place].odometry <= limit),
+            _ => true,
+        }
     }
 
     fn vouched(&self, member: usize, nearest: &Nearest) -> Vouched {

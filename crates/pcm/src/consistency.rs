@@ -9,8 +9,8 @@ use serde::Serialize;
 use crate::block::{Block, Row};
 use crate::candidate::{Candidate, Group};
 use crate::chain::{Chain, Chains};
+use crate::chance::Pool;
 use crate::clique::BitGraph;
-use crate::distance::Shared;
 pub use crate::distance::{squared_distance, squared_distance_to_odometry};
 use crate::lanes::WIDTH;
 use crate::pretest::{PreTest, Verdict};
@@ -54,6 +54,13 @@ pub struct Pairs<'a, G, const DOF: usize> {
     pub(crate) candidates: &'a [Candidate<G, DOF>],
     pretest: PreTest,
     odometry_test: bool,
+    /// What the groups of the graph share, where they are judged together.
+    pub(crate) pool: Option<Pool<DOF>>,
+}
+
+/// Another candidate of `count`, mostly far away: steps of the golden section spread over all of them without a pattern.
+pub(crate) fn elsewhere(count: usize, candidate: usize, turn: usize) -> usize {
+    (candidate + (count as f64 * (0.618_034 * turn as f64).fract()) as usize) % count
 }
 
 impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
@@ -66,6 +73,7 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
             candidates: &group.candidates,
             pretest: PreTest::new(chains, group),
             odometry_test: true,
+            pool: None,
         }
     }
 
@@ -113,6 +121,13 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
         self
     }
 
+    /// Judges agreement by chance among all groups of the graph instead of this one alone.
+    #[must_use]
+    pub(crate) fn with_pool(mut self, pool: Option<Pool<DOF>>) -> Self {
+        self.pool = pool;
+        self
+    }
+
     /// The verdict of the pre-test alone.
     pub fn pretest(&self, one: usize, other: usize, squared_distance: f64) -> Verdict {
         self.pretest.verdict(one, other, squared_distance)
@@ -130,10 +145,9 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
         [self.chain_a.travelled[candidate.i], self.chain_b.travelled[candidate.k]]
     }
 
-    /// Another candidate, mostly far away: steps of the golden section spread over all of them without a pattern.
+    /// As the function of this name, among the candidates of this group.
     pub(crate) fn elsewhere(&self, candidate: usize, turn: usize) -> usize {
-        let count = self.len();
-        (candidate + (count as f64 * (0.618_034 * turn as f64).fract()) as usize) % count
+        elsewhere(self.len(), candidate, turn)
     }
 
     /// Whether two different candidates agree. To first order their order does not matter to a squared distance; here it is
@@ -265,10 +279,7 @@ impl<G: Spatial<DOF>, const DOF: usize> WithSimd for Strip<'_, '_, G, DOF> {
                         let column = WIDTH * columns + lane;
                         let asked = asked(row, column, S::F64_LANES, chosen.len());
                         if asked != 0 {
-                            let consistent =
-                                pairs.block(simd, &one, block, lane, asked, gate, &mut counts, |other| {
-                                    (chosen[row], chosen[column + other])
-                                });
+                            let consistent = pairs.block(simd, &one, block, lane, asked, gate, &mut counts);
                             words[column / 64] |= consistent << (column % 64);
                         }
                     }
@@ -321,10 +332,11 @@ impl<G: Spatial<DOF>, const DOF: usize> Pairs<'_, G, DOF> {
             (&self.pretest.turns[candidate], &self.pretest.places[candidate]),
             &self.candidates[candidate],
             (self.chain_a, self.chain_b),
+            self.same_chain,
         )
     }
 
-    /// The lanes of a register that are consistent with a row, among those asked for; `pair` names the candidates.
+    /// The lanes of a register that are consistent with a row, among those asked for.
     #[inline(always)]
     #[allow(clippy::too_many_arguments, reason = "what a pair is made of")]
     fn block<S: Simd>(
@@ -336,7 +348,6 @@ impl<G: Spatial<DOF>, const DOF: usize> Pairs<'_, G, DOF> {
         asked: u64,
         gate: Gate,
         counts: &mut PairCounts,
-        pair: impl Fn(usize) -> (usize, usize),
     ) -> u64 {
         let limit = gate.squared_distance;
         let verdicts = row.test::<G, S>(simd, block, lane, asked, (limit, self.pretest.doubled));
@@ -348,13 +359,7 @@ impl<G: Spatial<DOF>, const DOF: usize> Pairs<'_, G, DOF> {
         while open != 0 {
             let other = open.trailing_zeros() as usize;
             open &= open - 1;
-            let (a, b) = pair(other);
-            let shared = self.same_chain && Shared::of(&self.candidates[a], &self.candidates[b]).is_some();
-            let distance = if shared {
-                self.squared_distance(a, b).unwrap_or(f64::NAN)
-            } else {
-                verdicts.distances.0[other]
-            };
+            let distance = verdicts.distances.0[other];
             counts.indefinite += usize::from(!distance.is_finite());
             consistent |= u64::from(distance <= limit) << other;
         }

@@ -8,7 +8,7 @@ use posecut_stage::GraphStage as _;
 use crate::candidate::Group;
 use crate::cells::solve_by_cells;
 use crate::chain::Chains;
-use crate::chance::Chance;
+use crate::chance::{Chance, Pool};
 use crate::clique::{BitGraph, Limits, maximum_clique};
 use crate::consistency::Pairs;
 use crate::growth::grow;
@@ -97,6 +97,7 @@ pub(crate) fn judge<G: Spatial<DOF>, const DOF: usize>(
     options: &Options,
     chains: &Chains<G, DOF>,
     group: &Group<G, DOF>,
+    pool: Option<Pool<DOF>>,
     deadline: Option<Instant>,
     summary: &mut Summary,
 ) -> Result<Judged, PcmError> {
@@ -108,7 +109,7 @@ pub(crate) fn judge<G: Spatial<DOF>, const DOF: usize>(
     }
     summary.candidates += count;
     summary.lone_candidates += usize::from(count == 1);
-    let pairs = Pairs::new(chains, group).with_odometry_test(!options.no_odometry_test);
+    let pairs = Pairs::new(chains, group).with_odometry_test(!options.no_odometry_test).with_pool(pool);
     let gate = options.gate(options.probability, count, DOF)?;
     let growth_gate = match options.grow {
         Some(probability) => Some(options.gate(probability, count, DOF)?),

@@ -21,6 +21,10 @@ const MOST_EXACT: usize = 20_000;
 /// Branch-and-bound nodes among up to a thousand candidates, unless told otherwise.
 const NODES: f64 = 2e7;
 
+/// The same with `--scale auto`. A node costs about N^2 bits: this is less than a second for any number of candidates. A gate
+/// that is an estimate does not earn minutes of proof, and one that is far too loose leaves a gap that no search closes.
+const NODES_OF_ESTIMATES: f64 = 1e3;
+
 /// How a group is solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -137,7 +141,7 @@ pub struct Options {
     #[arg(long, value_name = "RADIANS", default_value_t = 0.001)]
     pub rotation_per_step: f64,
 
-    /// Factor on all covariances, or two with a comma between: odometry's, landmark edges'; `auto` estimates both from loops
+    /// Multiply all covariances by FACTOR, or by two: ODOMETRY,LANDMARK; `auto` estimates both from loops
     #[arg(long, value_name = "FACTOR", default_value_t = Scale::Fixed(Scales::ONE))]
     pub scale: Scale,
 
@@ -153,7 +157,7 @@ pub struct Options {
     #[arg(long, value_name = "P")]
     pub grow: Option<f64>,
 
-    /// Drop what agrees by chance alone, where a wrong edge weighs as much as COST correct ones; what grows, and cells, are always held to that, at 3 unless told otherwise
+    /// Drop edges that agree by chance alone, where a wrong edge costs as much as COST correct ones; always applied to grown and re-admitted edges and to `--scheme cells` [default there: 3]
     #[arg(long, value_name = "COST")]
     pub chance: Option<f64>,
 
@@ -165,7 +169,7 @@ pub struct Options {
     #[arg(long, value_name = "METRES", default_value_t = 10.0, help_heading = "Search")]
     pub cell_size: f64,
 
-    /// Branch-and-bound nodes a group after which the largest clique so far is taken and its bound told; 20 million unless given, fewer by the square beyond 1000 candidates
+    /// Take the largest clique found after this many branch-and-bound nodes a group [default: 2e7, times (1000/N)^2 above 1000 candidates; 1e3 (1000/N)^2 with --scale auto]
     #[arg(long, value_name = "NODES", help_heading = "Search")]
     pub work_limit: Option<u64>,
 
@@ -269,11 +273,15 @@ impl Options {
     }
 
     /// The limits of a group. A node takes time by the square of the candidates at most, so that all groups have the same
-    /// time, some minutes.
+    /// time: some minutes, or less than a second with `--scale auto`.
     pub(crate) fn limits(&self, candidates: usize, deadline: Option<Instant>) -> Limits {
-        let thousands = (candidates as f64 / 1000.0).max(1.0);
-        let work = self.work_limit.unwrap_or((NODES / (thousands * thousands)) as u64);
-        Limits { work, deadline }
+        let thousands = candidates as f64 / 1000.0;
+        let squared = thousands * thousands;
+        let nodes = match self.scale {
+            Scale::Fixed(_) => NODES / squared.max(1.0),
+            Scale::Auto => (NODES_OF_ESTIMATES / squared).min(NODES),
+        };
+        Limits { work: self.work_limit.unwrap_or(nodes as u64), deadline }
     }
 
     pub(crate) fn readmission(&self) -> Result<Readmission, PcmError> {
@@ -282,6 +290,29 @@ impl Options {
             Scale::Fixed(_) => return Err(PcmError::TwoScales),
             Scale::Auto => None,
         };
-        Ok(Readmission { admit: self.admit, drop: self.drop, scale, apply_scale: self.apply_scale })
+        Ok(Readmission {
+            admit: self.admit,
+            drop: self.drop,
+            scale,
+            apply_scale: self.apply_scale,
+            cost: self.cost(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_search_after_an_estimate_is_short_and_the_papers_is_as_it_was() {
+        let plain = Options::default();
+        let estimated = Options { scale: Scale::Auto, ..Options::default() };
+        let work = |options: &Options, candidates| options.limits(candidates, None).work;
+        assert_eq!((work(&plain, 500), work(&plain, 2000)), (20_000_000, 5_000_000));
+        // sphere_a has 6448 candidates; each node takes more than a millisecond there.
+        assert!(work(&estimated, 6448) < 200, "{}", work(&estimated, 6448));
+        assert!(work(&estimated, 100) >= 99_000, "{}", work(&estimated, 100));
+        assert_eq!(work(&Options { work_limit: Some(7), ..estimated }, 6448), 7);
     }
 }

@@ -4,9 +4,12 @@ use nalgebra::SMatrix;
 use posecut_geometry::covariance::unpack_upper_triangle;
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_graph::{Dimension, Edge, EdgeKind, PoseGraph};
+use statrs::function::gamma::ln_gamma;
 
 use crate::PcmError;
 use crate::chain::{Covariances, covariance, squared_mahalanobis};
+use crate::chance::acceptable;
+use crate::consistency::elsewhere;
 use crate::gate::chi_square_quantile;
 
 /// The field in which the optimiser predicts the pose that a landmark edge measures.
@@ -19,6 +22,13 @@ const STAGE: &str = "pcm";
 /// heavier than a Gaussian's already shows.
 const SCALE_QUANTILE: f64 = 0.9;
 
+/// An estimated scale is at most this: three standard deviations of what the information says. Without a bound every false
+/// edge in use raises the scale, a larger scale re-admits more of them, and the rounds end with nearly all.
+const LARGEST_SCALE: f64 = 9.0;
+
+/// Places whose relative poses say how far a false edge is off; more would not change the answer.
+const PLACES: usize = 1000;
+
 /// What to do with the innovations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Readmission {
@@ -30,6 +40,8 @@ pub struct Readmission {
     pub scale: Option<f64>,
     /// Whether the information of landmark edges is divided by the scale.
     pub apply_scale: bool,
+    /// How many correct edges a wrong one weighs as much as: bounds what comes back by chance, as [`crate::chance`] does.
+    pub cost: f64,
 }
 
 /// What became of the edges.
@@ -41,6 +53,8 @@ pub struct Readmitted {
     pub readmitted: usize,
     /// Edges in use that went.
     pub dropped: usize,
+    /// Rejected edges that agree with the map no better than edges between random places: they stay rejected.
+    pub by_chance: usize,
     /// Edges in use that nothing else constrains: they cannot disagree.
     pub untestable: usize,
     /// Landmark edges without a measurement.
@@ -49,10 +63,18 @@ pub struct Readmitted {
     pub rejected_by_others: usize,
     /// The scale of the covariances.
     pub scale: f64,
+    /// The estimate of the scale, where it is larger than the bound on it.
+    pub unbounded_scale: Option<f64>,
 }
 
 /// The innovation of a landmark edge: how far its measurement is from what all *other* edges in use predict.
-///
+#[derive(Clone, Copy)]
+struct Innovation<const DOF: usize> {
+    /// Squared Mahalanobis distance, before scaling.
+    squared: f64,
+    covariance: SMatrix<f64, DOF, DOF>,
+}
+
 /// With E = Z^-1 X, X the estimated relative pose with covariance P, r = Log(E) and H = J_r^-1(r), a rejected edge has
 ///
 /// d^2 = r^T (Sigma_Z + H P H^T)^-1 r.
@@ -67,15 +89,58 @@ fn innovation<G: LieGroup<DOF>, const DOF: usize>(
     estimate: &G,
     predicted: &SMatrix<f64, DOF, DOF>,
     in_use: bool,
-) -> Option<f64> {
+) -> Option<Innovation<DOF>> {
     let residual = measurement.between(estimate).log();
     let jacobian = G::right_jacobian_inverse(&residual);
     let projected = jacobian * predicted * jacobian.transpose();
-    if !in_use {
-        return squared_mahalanobis(&(covariance + projected), &residual);
+    // The remaining variance of an edge in use must be more than the digits of both.
+    let covariance = if in_use { covariance * (1.0 - 1e-6) - projected } else { covariance + projected };
+    let squared = squared_mahalanobis(&covariance, &residual)?;
+    Some(Innovation { squared, covariance })
+}
+
+/// A landmark edge that is judged.
+struct Judged<const DOF: usize> {
+    edge: usize,
+    in_use: bool,
+    innovation: Option<Innovation<DOF>>,
+}
+
+/// How far an edge between random places would be off, and how many such edges there may be.
+struct ByChance<const DOF: usize> {
+    /// Second moment of relative poses of places where landmark edges end.
+    apart: SMatrix<f64, DOF, DOF>,
+    edges: usize,
+    /// ln Gamma(D/2 + 1)
+    log_gamma: f64,
+}
+
+impl<const DOF: usize> ByChance<DOF> {
+    fn of<G: LieGroup<DOF>>(places: &[G]) -> Self {
+        let count = places.len();
+        let sample: Vec<usize> = (0..count).step_by(count.div_ceil(PLACES).max(1)).collect();
+        let mut apart = SMatrix::zeros();
+        for (turn, &one) in sample.iter().enumerate() {
+            let error = places[one].between(&places[elsewhere(count, one, turn + 1)]).log();
+            apart += error * error.transpose() / sample.len() as f64;
+        }
+        Self { apart, edges: count, log_gamma: ln_gamma(0.5 * DOF as f64 + 1.0) }
     }
-    // What is left of the variance must be more than the digits of both.
-    squared_mahalanobis(&(covariance * (1.0 - 1e-6) - projected), &residual)
+
+    /// How many edges between random places would have as small an innovation: the formula of [`crate::chance`] with the
+    /// map for a witness.
+    fn false_alarms(&self, innovation: &Innovation<DOF>, scale: f64) -> f64 {
+        let near = innovation.covariance * scale;
+        let determinant = |matrix: SMatrix<f64, DOF, DOF>| matrix.cholesky().map(|root| root.determinant());
+        let chance = match (determinant(near), determinant(near + self.apart)) {
+            (Some(near), Some(far)) => {
+                let half_squared = 0.5 * innovation.squared / scale;
+                (0.5 * DOF as f64 * half_squared.ln() - self.log_gamma).exp() * (near / far).sqrt()
+            }
+            _ => 1.0,
+        };
+        self.edges as f64 * chance.min(1.0)
+    }
 }
 
 /// Re-admits and drops landmark edges of a graph that the optimiser has given marginals.
@@ -92,7 +157,8 @@ fn judge<G: LieGroup<DOF>, const DOF: usize>(
 ) -> Result<Readmitted, PcmError> {
     let (admit, drop) = (chi_square_quantile(options.admit, DOF)?, chi_square_quantile(options.drop, DOF)?);
     let mut result = Readmitted::default();
-    let mut innovations: Vec<(usize, bool, Option<f64>)> = Vec::new();
+    let mut judged: Vec<Judged<DOF>> = Vec::new();
+    let mut places = Vec::new();
     for (index, edge) in graph.edges.iter().enumerate() {
         if edge.kind != EdgeKind::Landmark {
             continue;
@@ -107,18 +173,35 @@ fn judge<G: LieGroup<DOF>, const DOF: usize>(
         };
         let covariance = covariance::<DOF>(graph, edge, Covariances::Needed)?;
         let predicted = predicted::<DOF>(edge)?;
-        let estimate = pose::<G, DOF>(graph, edge.from)?.between(&pose::<G, DOF>(graph, edge.to)?);
-        let squared = innovation(&measurement, &covariance, &estimate, &predicted, edge.in_use());
-        innovations.push((index, edge.in_use(), squared));
+        let (start, end) = (pose::<G, DOF>(graph, edge.from)?, pose::<G, DOF>(graph, edge.to)?);
+        let estimate = start.between(&end);
+        let innovation = innovation(&measurement, &covariance, &estimate, &predicted, edge.in_use());
+        judged.push(Judged { edge: index, in_use: edge.in_use(), innovation });
+        places.push(end);
     }
-    result.tested = innovations.len();
+    result.tested = judged.len();
     result.scale = match options.scale {
         Some(scale) => scale,
-        None => estimated_scale::<DOF>(&innovations)?,
+        None => {
+            let estimate = estimated_scale(&judged)?;
+            result.unbounded_scale = (estimate > LARGEST_SCALE).then_some(estimate);
+            estimate.min(LARGEST_SCALE)
+        }
     };
-    for (index, in_use, squared) in innovations {
-        let squared = squared.map(|squared| squared / result.scale);
-        let edge = &mut graph.edges[index];
+    let by_chance = ByChance::of(&places);
+    let false_alarms: Vec<Option<f64>> = judged
+        .iter()
+        .map(|edge| Some(by_chance.false_alarms(edge.innovation.as_ref()?, result.scale)))
+        .collect();
+    let agreeing = judged
+        .iter()
+        .zip(&false_alarms)
+        .filter(|(edge, _)| edge.innovation.is_some_and(|found| found.squared / result.scale <= admit))
+        .filter_map(|(_, alarms)| *alarms);
+    let limit = acceptable(agreeing.collect(), options.cost);
+    for (Judged { edge, in_use, innovation }, false_alarms) in judged.into_iter().zip(false_alarms) {
+        let squared = innovation.map(|innovation| innovation.squared / result.scale);
+        let edge = &mut graph.edges[edge];
         match (in_use, squared) {
             (true, None) => result.untestable += 1,
             (true, Some(squared)) if squared > drop => {
@@ -126,8 +209,12 @@ fn judge<G: LieGroup<DOF>, const DOF: usize>(
                 result.dropped += 1;
             }
             (false, Some(squared)) if squared <= admit => {
-                edge.rejected_by = None;
-                result.readmitted += 1;
+                if false_alarms.is_some_and(|expected| expected <= limit) {
+                    edge.rejected_by = None;
+                    result.readmitted += 1;
+                } else {
+                    result.by_chance += 1;
+                }
             }
             _ => {}
         }
@@ -140,9 +227,10 @@ fn judge<G: LieGroup<DOF>, const DOF: usize>(
 }
 
 /// The factor that brings the 0.9 quantile of the innovations in use to that of chi-square; 1 with fewer than ten.
-fn estimated_scale<const DOF: usize>(innovations: &[(usize, bool, Option<f64>)]) -> Result<f64, PcmError> {
+fn estimated_scale<const DOF: usize>(judged: &[Judged<DOF>]) -> Result<f64, PcmError> {
+    let used = judged.iter().filter(|edge| edge.in_use);
     let mut used: Vec<f64> =
-        innovations.iter().filter(|(_, in_use, _)| *in_use).filter_map(|(_, _, squared)| *squared).collect();
+        used.filter_map(|edge| edge.innovation).map(|innovation| innovation.squared).collect();
     if used.len() < 10 {
         return Ok(1.0);
     }

@@ -6,9 +6,10 @@ use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 use posecut_stage::{Context, GraphStage, write_atomically};
 
-use crate::calibration::{ScaleEstimate, Scales, estimate_scales};
+use crate::calibration::{NoScales, ScaleEstimate, Scales, estimate_scales};
 use crate::candidate::{Group, Grouped, group_with};
 use crate::chain::{Chains, Covariances};
+use crate::chance::Pool;
 use crate::dimacs::{NamedGraph, write_dimacs};
 use crate::judgement::judge;
 use crate::readmission::{divide_information, readmit};
@@ -54,9 +55,11 @@ fn reject<G: Spatial<DOF>, const DOF: usize>(
     };
     let deadline = options.deadline();
     calibrate(options, graph, &mut chains, &mut grouped.groups, &mut summary);
+    // Without --chance every group is judged by itself, as PCM is defined.
+    let pool = options.chance.map(|_| Pool::of(&chains, &grouped.groups));
     let mut graphs = Vec::new();
     for group in &grouped.groups {
-        let judged = judge(options, &chains, group, deadline, &mut summary)?;
+        let judged = judge(options, &chains, group, pool, deadline, &mut summary)?;
         judged.mark(graph, group);
         if let Some((consistency, vertices)) = judged.graph {
             let id = |&vertex: &usize| graph.edges[group.candidates[vertex].edge].id;
@@ -83,9 +86,9 @@ pub(crate) fn scale<G: Spatial<DOF>, const DOF: usize>(
     options: &Options,
     chains: &mut Chains<G, DOF>,
     groups: &mut [Group<G, DOF>],
-) -> Option<ScaleEstimate> {
-    let estimate = if options.wants_estimate() { estimate_scales(chains, groups) } else { None };
-    options.scales(estimate).apply(chains, groups);
+) -> Option<Result<ScaleEstimate, NoScales>> {
+    let estimate = options.wants_estimate().then(|| estimate_scales(chains, groups));
+    options.scales(estimate.and_then(Result::ok)).apply(chains, groups);
     estimate
 }
 
@@ -98,10 +101,9 @@ fn calibrate<G: Spatial<DOF>, const DOF: usize>(
     summary: &mut Summary,
 ) {
     let start = Instant::now();
-    summary.scale_wanted = options.wants_estimate();
     summary.scale = scale(options, chains, groups);
     if options.calibrate {
-        let estimated = summary.scale.map_or(Scales::ONE, |estimate| estimate.scales);
+        let estimated = summary.scale.and_then(Result::ok).map_or(Scales::ONE, |estimate| estimate.scales);
         divide_information(graph, EdgeKind::Odometry, estimated.odometry);
         divide_information(graph, EdgeKind::Landmark, estimated.landmark);
     }

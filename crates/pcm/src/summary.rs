@@ -2,7 +2,7 @@
 
 use posecut_stage::{Context, counted, info, warn};
 
-use crate::calibration::ScaleEstimate;
+use crate::calibration::{FEWEST, NoScales, ScaleEstimate};
 use crate::consistency::PairCounts;
 use crate::readmission::Readmitted;
 
@@ -26,8 +26,8 @@ pub(crate) struct Summary {
     pub(crate) by_chance: usize,
     pub(crate) kept: usize,
     pub(crate) work: u64,
-    pub(crate) scale_wanted: bool,
-    pub(crate) scale: Option<ScaleEstimate>,
+    /// Where it was asked for.
+    pub(crate) scale: Option<Result<ScaleEstimate, NoScales>>,
     pub(crate) seconds_scale: f64,
     pub(crate) seconds_pairs: f64,
     pub(crate) seconds_clique: f64,
@@ -72,10 +72,15 @@ impl Summary {
                 self.unmeasured
             );
         }
-        if self.scale_wanted && self.scale.is_none() {
-            warn!(
-                "there are too few loops for an estimate of the scales; the covariances are taken as they are"
-            );
+        match self.scale {
+            Some(Err(NoScales::FewEdges(edges))) => warn!(
+                "no scale is estimated: that takes {FEWEST} landmark edges that close loops, and there are {edges}; the covariances are used unchanged"
+            ),
+            Some(Err(NoScales::NoEvidence(nats))) => warn!(
+                "no scale is estimated: the landmark edges fit each other no better than edges with shuffled ends do \
+                 ({nats:.1} nats), so perhaps all are false; the covariances are used unchanged"
+            ),
+            _ => {}
         }
         let statistics = &mut context.statistics;
         statistics.note("scheme", self.scheme());
@@ -103,11 +108,16 @@ impl Summary {
         statistics.note("agree_by_chance", self.by_chance);
         statistics.note("rejected", self.candidates - kept);
         statistics.note("branch_and_bound_nodes", self.work);
-        if let Some(estimate) = self.scale {
+        if let Some(Err(NoScales::NoEvidence(nats))) = self.scale {
+            statistics.note("scale_evidence", nats);
+        }
+        if let Some(Ok(estimate)) = self.scale {
             statistics.note("scale_odometry", estimate.scales.odometry);
             statistics.note("scale_landmark", estimate.scales.landmark);
             statistics.note("scale_correct", estimate.correct);
             statistics.note("scale_loops", estimate.loops);
+            statistics.note("scale_edges", estimate.edges);
+            statistics.note("scale_evidence", estimate.evidence);
         }
         statistics.note("seconds_scale", self.seconds_scale);
         statistics.note("seconds_pairs", self.seconds_pairs);
@@ -124,7 +134,14 @@ pub(crate) fn note_readmission(result: &Readmitted, context: &mut Context) {
         result.dropped,
         counted(result.tested, "landmark edge")
     );
+    if let Some(estimate) = result.unbounded_scale {
+        warn!(
+            "the landmark edges in use suggest a scale of {estimate:.1}; {} is used, for false edges in use raise it",
+            result.scale
+        );
+    }
     let statistics = &mut context.statistics;
+    statistics.note("agree_by_chance", result.by_chance);
     statistics.note("tested", result.tested);
     statistics.note("readmitted", result.readmitted);
     statistics.note("dropped", result.dropped);

@@ -96,7 +96,7 @@ fn a_candidate_from_a_node_to_itself_is_a_candidate_of_its_chain() {
 }
 
 const READMISSION: Readmission =
-    Readmission { admit: 0.99, drop: 0.9999, scale: Some(1.0), apply_scale: false };
+    Readmission { admit: 0.99, drop: 0.9999, scale: Some(1.0), apply_scale: false, cost: 3.0 };
 
 fn predicted(edge: &str, terms: &str) -> String {
     edge.replace('}', &format!(r#","predicted_covariance":{terms}}}"#))
@@ -126,6 +126,44 @@ fn readmission_admits_drops_and_keeps_by_the_innovation() {
         assert_eq!(graph.edges[0].rejected_by.as_deref(), expected, "{line}");
         assert_eq!(result.tested + result.rejected_by_others, 1);
     }
+}
+
+/// Places along 40 m; `count` edges in use that are off by `off` metres, and one rejected edge off by `rejected` metres.
+fn used_and_rejected(count: u64, off: f64, rejected: f64, variance: f64) -> PoseGraph {
+    let terms = format!("[{variance},0,0,{variance},0,{variance}]");
+    let mut lines = Vec::new();
+    for to in 1..=count {
+        let line = edge("landmark", 100 + to, 0, to, GOOD)
+            .replace(&format!("[{to},0,0]"), &format!("[{},0,0]", to as f64 + off));
+        lines.push(predicted(&line, "[1e-6,0,0,1e-6,0,1e-6]"));
+    }
+    let last = count + 1;
+    let line = edge("landmark", 999, 0, last, GOOD)
+        .replace(&format!("[{last},0,0]"), &format!("[{},0,0]", last as f64 + rejected));
+    lines.push(predicted(&line, &terms).replace('}', r#","rejected_by":"pcm"}"#));
+    with(nodes(count as usize + 2), &lines)
+}
+
+#[test]
+fn false_edges_in_use_do_not_raise_the_scale_without_bound() {
+    // Everything in use is 3 m off at 0.1 m: the estimate would be 144.
+    let mut graph = used_and_rejected(38, 3.0, 3.0, 1e-6);
+    let result = readmit(&mut graph, &Readmission { scale: None, ..READMISSION }).unwrap();
+    assert!(result.unbounded_scale.is_some_and(|scale| scale > 100.0), "{result:?}");
+    assert_eq!((result.scale, result.readmitted), (9.0, 0));
+    assert!(graph.edges.last().unwrap().rejected_by.is_some());
+}
+
+#[test]
+fn an_edge_that_agrees_by_chance_is_not_readmitted() {
+    // The map knows the place to 30 m only: among 39 edges along 40 m, agreement says nothing.
+    let mut graph = used_and_rejected(38, 0.05, 20.0, 900.0);
+    let result = readmit(&mut graph, &READMISSION).unwrap();
+    assert_eq!((result.readmitted, result.by_chance), (0, 1), "{result:?}");
+    // Known to a few centimetres, the same agreement is evidence.
+    let mut graph = used_and_rejected(38, 0.05, 0.05, 0.001);
+    let result = readmit(&mut graph, &READMISSION).unwrap();
+    assert_eq!((result.readmitted, result.by_chance), (1, 0), "{result:?}");
 }
 
 #[test]

@@ -219,6 +219,30 @@ fn the_stage_drops_chance_agreement_only_when_asked_and_tells_the_evidence() {
     assert_eq!(stats["agree_by_chance"], dropped);
 }
 
+/// Drops the odometry after every `length`-th node, so that every stretch is a chain of its own.
+fn with_gaps(mut graph: PoseGraph, length: u64) -> PoseGraph {
+    graph.edges.retain(|edge| edge.kind != EdgeKind::Odometry || edge.to % length != 0);
+    graph
+}
+
+#[test]
+fn false_edges_spread_over_many_groups_are_no_evidence_each_by_itself() {
+    let scenario = Scenario { candidates: 400, outliers: 0.3, falsehood: Falsehood::Uniform, seed: 5 };
+    let graph = with_gaps(scenario.draw::<SE2, 3>(), 20);
+    let folder = folder("gaps", &graph);
+    let count = |graph: &PoseGraph, correct: bool| {
+        let kept = graph.edges_of(EdgeKind::Landmark).filter(|edge| edge.in_use());
+        kept.filter(|edge| edge.truth_correct() == Some(correct)).count()
+    };
+    let (plain, stats) = run(&folder, &[]);
+    assert!(stats["groups"].as_u64().unwrap() > 50, "{stats}");
+    // By its definition PCM keeps one edge of every group.
+    assert!(count(&plain, false) > 50, "{}", count(&plain, false));
+    let (judged, _) = run(&folder, &["--chance", "3"]);
+    assert!(count(&judged, false) <= 3, "{}", count(&judged, false));
+    assert!(count(&judged, true) * 100 >= count(&plain, true) * 97, "{}", count(&judged, true));
+}
+
 #[test]
 fn costs_that_mean_nothing_are_refused() {
     let graph =

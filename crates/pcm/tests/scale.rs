@@ -9,7 +9,7 @@ use std::process::Command;
 use posecut_geometry::{SE2, SE3};
 use posecut_graph::{EdgeKind, PoseGraph};
 use posecut_pcm::Spatial;
-use posecut_pcm::calibration::{Scales, estimate_scales};
+use posecut_pcm::calibration::{NoScales, ScaleEstimate, Scales, estimate_scales};
 use posecut_pcm::candidate::group;
 use posecut_pcm::chain::Chains;
 use posecut_pcm::generate::{Falsehood, Scenario};
@@ -165,4 +165,54 @@ fn factors_that_mean_nothing_are_refused() {
     }
     let message = refused(&folder, &["--calibrate", "--test", "threshold"]);
     assert!(message.contains("reads no covariances"), "{message}");
+}
+
+/// What a drawn graph says of its scales.
+fn estimate_of(scenario: Scenario) -> Result<ScaleEstimate, NoScales> {
+    let graph = scenario.draw::<SE2, 3>();
+    let chains = Chains::<SE2, 3>::of(&graph).unwrap();
+    let grouped = group(&graph, &chains).unwrap();
+    estimate_scales(&chains, &grouped.groups)
+}
+
+#[test]
+fn ten_edges_are_no_calibration_although_they_close_fifty_loops() {
+    let scenario =
+        |candidates| Scenario { candidates, outliers: 0.0, falsehood: Falsehood::Uniform, seed: 2 };
+    assert_eq!(estimate_of(scenario(10)), Err(NoScales::FewEdges(10)));
+    let estimate = estimate_of(scenario(30)).unwrap();
+    assert_eq!(estimate.edges, 30);
+    assert!(estimate.loops > 150, "{}", estimate.loops);
+}
+
+#[test]
+fn sessions_without_overlap_are_no_calibration() {
+    for seed in 1..=8 {
+        for candidates in [40, 300] {
+            let scenario = |outliers| Scenario { candidates, outliers, falsehood: Falsehood::Uniform, seed };
+            let nothing = estimate_of(scenario(1.0));
+            assert!(matches!(nothing, Err(NoScales::NoEvidence(_))), "{seed} {candidates}: {nothing:?}");
+            let half = estimate_of(scenario(0.5)).unwrap();
+            assert!(half.evidence > 20.0, "{seed} {candidates}: {half:?}");
+        }
+    }
+}
+
+#[test]
+fn an_estimate_that_rests_on_nothing_is_declined_with_a_warning() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("declined");
+    fs::create_dir_all(&folder).unwrap();
+    let graph =
+        Scenario { candidates: 100, outliers: 1.0, falsehood: Falsehood::Uniform, seed: 3 }.draw::<SE2, 3>();
+    write(&folder.join("graph.jsonl"), &graph);
+    let plain = run(&folder, "graph.jsonl", &[]);
+    let scaled = run(&folder, "graph.jsonl", &["--scale", "auto"]);
+    assert_eq!(rejected(&scaled), rejected(&plain), "the covariances are used unchanged");
+    let output = Command::new(env!("CARGO_BIN_EXE_posecut-pcm"))
+        .args(["--scale", "auto", "-o"])
+        .args([folder.join("out.jsonl"), folder.join("graph.jsonl")])
+        .output()
+        .unwrap();
+    let warning = String::from_utf8(output.stderr).unwrap();
+    assert!(warning.contains("fit each other no better than edges with shuffled ends do"), "{warning}");
 }

@@ -39,6 +39,11 @@ pub(super) struct Loop<const DOF: usize> {
 #[derive(Clone, Debug)]
 pub(super) struct Sample<const DOF: usize> {
     pub(super) loops: Vec<Loop<DOF>>,
+    /// The same loops with one end of a candidate moved to that of another far away: what the loops of false edges look
+    /// like, even where all measurements are equal.
+    pub(super) elsewhere: Vec<Loop<DOF>>,
+    /// Candidates that the loops start from.
+    pub(super) edges: usize,
     pub(super) log_volumes: [f64; CLASSES],
 }
 
@@ -50,8 +55,9 @@ pub(super) fn sample<G: Spatial<DOF>, const DOF: usize>(
     let total: usize = groups.iter().map(|group| group.candidates.len()).sum();
     let step = total.div_ceil(SAMPLE).max(1);
     let mut loops = Vec::new();
-    let mut exchanged: [Vec<SVector<f64, DOF>>; CLASSES] = [const { Vec::new() }; CLASSES];
-    let mut before = 0;
+    let mut elsewhere = Vec::new();
+    let mut regions: [Vec<SVector<f64, DOF>>; CLASSES] = [const { Vec::new() }; CLASSES];
+    let (mut before, mut edges) = (0, 0);
     for group in groups {
         let count = group.candidates.len();
         let pairs = Pairs::new(chains, group);
@@ -60,26 +66,35 @@ pub(super) fn sample<G: Spatial<DOF>, const DOF: usize>(
         let nearest = Nearest::new(&pairs, &all);
         for candidate in (0..count).filter(|candidate| (before + candidate).is_multiple_of(step)) {
             let neighbours = nearest.of(pairs.position(candidate), candidate, RANKS[7] + 1);
+            let own = closing.odometry(candidate);
+            edges += usize::from(own.is_some() || !neighbours.is_empty());
+            let mut add = |closed: Loop<DOF>, error: G, shuffled: G| {
+                regions[closed.class].push(closing.seen_at_place(candidate, &error));
+                elsewhere.push(Loop { error: shuffled.log(), ..closed.clone() });
+                loops.push(closed);
+            };
             for (turn, &rank) in RANKS.iter().enumerate() {
                 let Some(&other) = neighbours.get(rank) else { break };
-                let class = class_of(turn);
-                loops.push(closing.pair(candidate, other, class));
-                exchanged[class].push(closing.pair_exchanged(
-                    candidate,
-                    other,
-                    pairs.elsewhere(other, turn + 1),
-                ));
+                let donor = pairs.elsewhere(other, turn + 1);
+                add(
+                    closing.pair(candidate, other, class_of(turn)),
+                    closing.pair_with(candidate, &closing.exchanged(other, donor)),
+                    closing.pair_with(candidate, &closing.at_another_end(other, donor)),
+                );
             }
-            if let Some(own) = closing.odometry(candidate) {
-                loops.push(own);
-                exchanged[ODOMETRY]
-                    .push(closing.odometry_exchanged(candidate, pairs.elsewhere(candidate, 1)));
+            if let Some(own) = own {
+                let donor = pairs.elsewhere(candidate, 1);
+                add(
+                    own,
+                    closing.exchanged(candidate, donor).inverse(),
+                    closing.at_another_end(candidate, donor).inverse(),
+                );
             }
         }
         before += count;
     }
-    let log_volumes = exchanged.map(|errors| log_volume(&errors));
-    Sample { loops, log_volumes }
+    let log_volumes = regions.map(|errors| log_volume(&errors));
+    Sample { loops, elsewhere, edges, log_volumes }
 }
 
 /// The product of the ranges that hold nine tenths of the errors on each axis, widened by as much.
@@ -131,15 +146,16 @@ impl<G: Spatial<DOF>, const DOF: usize> Closing<'_, G, DOF> {
         pose_a.compose(&measurement).compose(&pose_b.inverse())
     }
 
-    /// The error of a pair if the second had measured what a third has, seen at the first one's place in chain B.
-    fn pair_exchanged(&self, one: usize, other: usize, donor: usize) -> SVector<f64, DOF> {
-        let error = self.0.candidates[one].from_a.compose(&self.exchanged(other, donor));
-        self.seen_at_place(one, &error)
+    /// The alignment that a candidate would claim if it ended where another does: T Q_k Q_l^-1.
+    fn at_another_end(&self, candidate: usize, donor: usize) -> G {
+        let (candidate, donor) = (&self.0.candidates[candidate], &self.0.candidates[donor]);
+        let (own, other) = (self.0.chain_b.poses[candidate.k], self.0.chain_b.poses[donor.k]);
+        candidate.alignment.compose(&own).compose(&other.inverse())
     }
 
-    /// The same of the loop through one candidate.
-    fn odometry_exchanged(&self, one: usize, donor: usize) -> SVector<f64, DOF> {
-        self.seen_at_place(one, &self.exchanged(one, donor).inverse())
+    /// The error of a pair if the second claimed this alignment.
+    fn pair_with(&self, one: usize, alignment: &G) -> G {
+        self.0.candidates[one].from_a.compose(alignment)
     }
 
     /// Far from the origin of the chain a small turn moves much; at the place itself errors fill a compact region, whose

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::SMatrix;
+use nalgebra::{DMatrix, SVector};
 use rayon::prelude::*;
 use statrs::function::gamma::ln_gamma;
 
@@ -65,9 +65,49 @@ struct Mixture {
     log_constant: f64,
 }
 
-/// A loop under some parameters: its inverse covariance, squared distance and probability of being correct.
+/// A loop in the axes that make both parts of its covariance diagonal: with the landmark edges' part L = C C^T and
+/// C^-1 O C^-T = U diag(d) U^T, a O + b L is C U (a diag(d) + b) U^T C^T. An iteration then costs O(DOF) a loop instead
+/// of a factorisation.
+#[derive(Clone, Debug)]
+struct Diagonal<const DOF: usize> {
+    class: usize,
+    /// ln |C|
+    log_root: f64,
+    /// d, the odometry's share relative to the landmark edges'.
+    odometry: SVector<f64, DOF>,
+    /// Squares of U^T C^-1 e.
+    squares: SVector<f64, DOF>,
+}
+
+impl<const DOF: usize> Diagonal<DOF> {
+    /// `None` where the landmark edges' part is not positive definite.
+    fn of(closed: &Loop<DOF>) -> Option<Self> {
+        let root = closed.landmark.cholesky()?.unpack();
+        let log_root = root.diagonal().iter().map(|term| term.ln()).sum();
+        let half = root.solve_lower_triangular(&closed.odometry)?;
+        let whitened = root.solve_lower_triangular(&half.transpose())?;
+        let error = root.solve_lower_triangular(&closed.error)?;
+        let symmetric = DMatrix::from_fn(DOF, DOF, |row, column| {
+            0.5 * (whitened[(row, column)] + whitened[(column, row)])
+        });
+        if !symmetric.iter().all(|entry| entry.is_finite()) {
+            return None;
+        }
+        let eigen = symmetric.symmetric_eigen();
+        let squares = SVector::from_fn(|axis, _| {
+            let along: f64 =
+                eigen.eigenvectors.column(axis).iter().zip(&error).map(|(one, other)| one * other).sum();
+            along * along
+        });
+        // Rounding may make a direction without odometry slightly negative.
+        let odometry = SVector::from_fn(|axis, _| eigen.eigenvalues[axis].max(0.0));
+        Some(Self { class: closed.class, log_root, odometry, squares })
+    }
+}
+
+/// A loop under some parameters: the inverse of its diagonal covariance, squared distance and probability of being correct.
 struct Seen<const DOF: usize> {
-    inverse: SMatrix<f64, DOF, DOF>,
+    inverse: SVector<f64, DOF>,
     squared: f64,
     probability: f64,
     log_likelihood: f64,
@@ -81,12 +121,13 @@ impl Mixture {
         Self { factors: [start; 2], correct: [0.5; CLASSES], log_volumes, log_constant }
     }
 
-    /// `None` where the covariance is not positive definite.
-    fn see<const DOF: usize>(&self, closed: &Loop<DOF>) -> Option<Seen<DOF>> {
-        let covariance = closed.odometry * self.factors[0] + closed.landmark * self.factors[1];
-        let cholesky = covariance.cholesky()?;
-        let squared = closed.error.dot(&cholesky.solve(&closed.error));
-        let log_root: f64 = cholesky.l_dirty().diagonal().iter().map(|term| term.ln()).sum();
+    /// `None` where the likelihood is no finite number.
+    fn see<const DOF: usize>(&self, closed: &Diagonal<DOF>) -> Option<Seen<DOF>> {
+        let covariance = closed.odometry.map(|odometry| self.factors[0] * odometry + self.factors[1]);
+        let inverse = covariance.map(f64::recip);
+        let squared = closed.squares.dot(&inverse);
+        // Six factors of at most e^12 times a ratio of variances are far from overflow; one logarithm is cheaper than six.
+        let log_root = closed.log_root + 0.5 * covariance.product().ln();
         let log_correct =
             self.log_constant - log_root - 0.5 * (TAIL + DOF as f64) * (1.0 + squared / TAIL).ln();
         let share = self.correct[closed.class];
@@ -95,15 +136,10 @@ impl Mixture {
             (share.ln() + log_correct, (1.0 - share).ln() - self.log_volumes[closed.class]);
         let log_likelihood = correct.max(wrong) + (-(correct - wrong).abs()).exp().ln_1p();
         let probability = 1.0 / (1.0 + (wrong - correct).exp());
-        log_likelihood.is_finite().then(|| Seen {
-            inverse: cholesky.inverse(),
-            squared,
-            probability,
-            log_likelihood,
-        })
+        log_likelihood.is_finite().then_some(Seen { inverse, squared, probability, log_likelihood })
     }
 
-    fn sums<const DOF: usize>(&self, loops: &[Loop<DOF>]) -> Sums {
+    fn sums<const DOF: usize>(&self, loops: &[Diagonal<DOF>]) -> Sums {
         let mut sums = Sums::default();
         for closed in loops {
             let Some(seen) = self.see(closed) else { continue };
@@ -111,17 +147,18 @@ impl Mixture {
             sums.correct[closed.class] += seen.probability;
             sums.log_likelihood += seen.log_likelihood;
             let weight = seen.probability * (TAIL + DOF as f64) / (TAIL + seen.squared);
-            let whitened = seen.inverse * closed.error;
-            for (part, covariance) in [&closed.odometry, &closed.landmark].into_iter().enumerate() {
-                sums.seen[part] += weight * whitened.dot(&(covariance * whitened));
-                sums.expected[part] += seen.probability * seen.inverse.dot(covariance);
-            }
+            // Squares of the whitened error; the landmark edges' part is the identity in these axes.
+            let whitened = closed.squares.component_mul(&seen.inverse).component_mul(&seen.inverse);
+            sums.seen[0] += weight * whitened.dot(&closed.odometry);
+            sums.seen[1] += weight * whitened.sum();
+            sums.expected[0] += seen.probability * seen.inverse.dot(&closed.odometry);
+            sums.expected[1] += seen.probability * seen.inverse.sum();
         }
         sums
     }
 
     /// One step; how far the factors moved, and the likelihood before.
-    fn step<const DOF: usize>(&mut self, loops: &[Loop<DOF>]) -> (f64, f64) {
+    fn step<const DOF: usize>(&mut self, loops: &[Diagonal<DOF>]) -> (f64, f64) {
         let parts: Vec<Sums> = loops.par_chunks(CHUNK).map(|chunk| self.sums(chunk)).collect();
         let sums = parts.iter().fold(Sums::default(), Sums::add);
         for class in 0..CLASSES {
@@ -143,7 +180,7 @@ impl Mixture {
     }
 
     /// Steps until nothing moves; the mixture with its likelihood.
-    fn settle<const DOF: usize>(mut self, loops: &[Loop<DOF>], iterations: usize) -> (Self, f64) {
+    fn settle<const DOF: usize>(mut self, loops: &[Diagonal<DOF>], iterations: usize) -> (Self, f64) {
         let mut likelihood = f64::NEG_INFINITY;
         for _ in 0..iterations {
             let (moved, before) = self.step(loops);
@@ -156,15 +193,22 @@ impl Mixture {
     }
 }
 
+/// The start that leads farthest in a few iterations, with its likelihood.
+fn trial<const DOF: usize>(loops: &[Diagonal<DOF>], log_volumes: [f64; CLASSES]) -> Option<(Mixture, f64)> {
+    STARTS
+        .map(|start| Mixture::new::<DOF>(log_volumes, start).settle(loops, TRIALS))
+        .into_iter()
+        .max_by(|one, other| one.1.total_cmp(&other.1))
+}
+
 /// Fits the mixture; `None` if no loop's covariance is positive definite.
 pub(super) fn fit<const DOF: usize>(sample: &Sample<DOF>) -> Option<ScaleEstimate> {
-    let (trial, _) = STARTS
-        .map(|start| Mixture::new::<DOF>(sample.log_volumes, start).settle(&sample.loops, TRIALS))
-        .into_iter()
-        .max_by(|one, other| one.1.total_cmp(&other.1))?;
-    let (mixture, _) = trial.settle(&sample.loops, ITERATIONS);
-    let mut seen: Vec<(f64, f64)> = sample
-        .loops
+    let diagonal =
+        |loops: &[Loop<DOF>]| -> Vec<Diagonal<DOF>> { loops.par_iter().filter_map(Diagonal::of).collect() };
+    let (loops, elsewhere) = (diagonal(&sample.loops), diagonal(&sample.elsewhere));
+    let (mixture, likelihood) = trial(&loops, sample.log_volumes)?.0.settle(&loops, ITERATIONS);
+    let (_, by_chance) = trial(&elsewhere, sample.log_volumes)?;
+    let mut seen: Vec<(f64, f64)> = loops
         .iter()
         .filter_map(|closed| mixture.see(closed))
         .map(|seen| (seen.squared, seen.probability))
@@ -172,10 +216,14 @@ pub(super) fn fit<const DOF: usize>(sample: &Sample<DOF>) -> Option<ScaleEstimat
     let tail = weighted_quantile(&mut seen, QUANTILE)? / chi_square_quantile(QUANTILE, DOF).ok()?;
     let [odometry, landmark] = mixture.factors.map(|factor| factor * tail);
     let scales = Scales { odometry, landmark };
+    // Loops through the same edge are not independent: an edge counts once.
+    let share = sample.edges as f64 / loops.len().max(1) as f64;
     (odometry > 0.0 && landmark > 0.0).then_some(ScaleEstimate {
         scales,
         correct: mixture.correct[0],
         loops: seen.len(),
+        edges: sample.edges,
+        evidence: (likelihood - by_chance) * share,
     })
 }
 
@@ -188,4 +236,41 @@ fn weighted_quantile(values: &mut [(f64, f64)], share: f64) -> Option<f64> {
         sum += weight;
         (sum >= share * total).then_some(value)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::SMatrix;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Distance and determinant are those of a O + b L.
+        #[test]
+        fn the_diagonal_form_is_the_loop(
+            entries in proptest::collection::vec(-1.0_f64..1.0, 78),
+            odometry in 0.01_f64..100.0,
+            landmark in 0.01_f64..100.0,
+        ) {
+            // A rank of five: a direction without odometry.
+            let root = SMatrix::<f64, 6, 5>::from_column_slice(&entries[..30]);
+            let other = SMatrix::<f64, 6, 6>::from_column_slice(&entries[30..66]);
+            let closed = Loop {
+                class: 0,
+                error: SVector::<f64, 6>::from_column_slice(&entries[66..72]),
+                odometry: root * root.transpose(),
+                landmark: other * other.transpose() + SMatrix::identity() * 0.1,
+            };
+            let diagonal = Diagonal::of(&closed).unwrap();
+            let mut mixture = Mixture::new::<6>([0.0; CLASSES], 1.0);
+            mixture.factors = [odometry, landmark];
+            let seen = mixture.see(&diagonal).unwrap();
+            let cholesky = (closed.odometry * odometry + closed.landmark * landmark).cholesky().unwrap();
+            let squared = closed.error.dot(&cholesky.solve(&closed.error));
+            prop_assert!((seen.squared - squared).abs() <= 1e-8 * squared.max(1.0), "{} {squared}", seen.squared);
+            let log_root: f64 = cholesky.l().diagonal().iter().map(|term| term.ln()).sum();
+            let spread: f64 = seen.inverse.iter().map(|term| -0.5 * term.ln()).sum();
+            prop_assert!((diagonal.log_root + spread - log_root).abs() < 1e-8);
+        }
+    }
 }
