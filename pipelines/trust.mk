@@ -14,6 +14,7 @@ trust_of       = $(trust_files) --programs $(BIN) --simulated $(call quoted,$(SI
                  --results $(call quoted,$(trust_results)) $(swapped) $(if $(HALF),--half $(HALF)) \
                  $(call given,SEEDS,--seeds $(SEEDS)) $(call given,METHODS,--methods $(call listed,$(METHODS)))
 trust_figure   = $(if $(DOCUMENT),docs/results/trust-regret.svg,$(trust_results)/regret.svg)
+trust_reliability = $(if $(DOCUMENT),docs/results/trust-reliability.svg,$(trust_results)/reliability.svg)
 
 trust: $(if $(DATA),$(EXPERIMENTS) $(REPORT))
 	@test -n $(call quoted,$(DATA)) || { echo 'Name the folder of graphs and sessions: make trust DATA=DIR. It holds'; \
@@ -30,5 +31,6 @@ trust: $(if $(DATA),$(EXPERIMENTS) $(REPORT))
 	    --times $(call quoted,$(trust_results)/times.jsonl) || status=$$?; \
 	  $(REPORT) trust $(call quoted,$(trust_results)/results.jsonl) --times $(call quoted,$(trust_results)/times.jsonl) \
 	    -o $(call quoted,$(trust_results)/trust.md) --figure $(call quoted,$(trust_figure)) \
+	    --reliability $(call quoted,$(trust_reliability)) \
 	    $(if $(HALF),--half $(HALF)) $(if $(DOCUMENT),--document $(call quoted,$(DOCUMENT))) || status=$$?; exit $$status
 	@echo '  tables in $(trust_results)/trust.md, one line a run in $(trust_results)/results.jsonl'

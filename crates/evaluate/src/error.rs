@@ -25,6 +25,16 @@ pub enum EvaluateError {
         /// What else may be wrong.
         hint: &'static str,
     },
+    /// A probability that is none.
+    #[error(
+        "{edge}: `verify_probability` is {value}, expected a number between 0 and 1; correct or remove the field"
+    )]
+    Probability {
+        /// Kind and id of the edge.
+        edge: String,
+        /// As found.
+        value: String,
+    },
     /// A label that is no pair.
     #[error("--label {label}: expected NAME=VALUE, such as --label session=2012-01-22")]
     Label {

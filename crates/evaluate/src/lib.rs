@@ -5,9 +5,11 @@
 //! - [`summary`]: the statistics that SLAM users know: rmse, mean, median, std, min, max, sse.
 //! - [`trajectory`]: absolute and relative trajectory errors (Sturm et al., IROS 2012).
 //! - [`edges`]: precision and recall of the landmark edges in use.
+//! - [`calibration`]: how often the edges of each `verify_probability` are correct.
 //! - [`result`]: all of it as one JSON document that names its alignment.
 
 pub mod alignment;
+pub mod calibration;
 pub mod edges;
 mod error;
 pub mod result;

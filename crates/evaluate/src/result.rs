@@ -9,6 +9,7 @@ use serde_json::Value;
 
 use crate::EvaluateError;
 use crate::alignment::{Alignment, Freedom};
+use crate::calibration::{Calibration, calibration};
 use crate::edges::{EdgeScores, score};
 use crate::summary::Summary;
 use crate::trajectory::{AbsoluteError, Match, RelativeError, align, errors, relative_error};
@@ -81,6 +82,9 @@ pub struct EvaluationResult {
     pub sessions: BTreeMap<String, Summary>,
     /// Precision and recall of landmark edges; absent if no edge's truth is known.
     pub edges: Option<EdgeScores>,
+    /// Landmark edges by bins of `verify_probability`; the field is absent if no edge has a probability and a truth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub calibration: Option<Calibration>,
     /// The estimate's history.
     pub provenance: Vec<Value>,
 }
@@ -168,6 +172,7 @@ pub fn evaluate(
             .filter_map(|(name, errors)| Some((name, Summary::of(&errors)?)))
             .collect(),
         edges: score(estimate),
+        calibration: calibration(estimate)?,
         provenance: estimate.header.provenance.clone(),
     })
 }

@@ -11,8 +11,17 @@ use crate::journal::Journals;
 use crate::{Plan, Task, times};
 
 /// What of a result is kept: what tables and maps need, without history and per-session detail.
-const KEPT: &[&str] =
-    &["format", "version", "labels", "rmse", "components", "poses", "poses_unmatched", "edges"];
+const KEPT: &[&str] = &[
+    "format",
+    "version",
+    "labels",
+    "rmse",
+    "components",
+    "poses",
+    "poses_unmatched",
+    "edges",
+    "calibration",
+];
 
 /// What was gathered.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -172,6 +172,27 @@ fn a_failed_run_is_a_result_and_stays_one_until_something_changes() {
     assert_eq!(workshop.take_log(), counts(&[("pcm", 3), ("optimize", 3), ("evaluate", 3)]));
 }
 
+#[test]
+fn collected_results_keep_the_calibration_where_there_is_one() {
+    let workshop = workshop(GRAPHS);
+    let script = std::fs::read_to_string(workshop.path("stage.sh")).unwrap();
+    let result = r#"if [ $name = evaluate ]; then
+  echo '{"format":"posecut-result","version":1,"labels":{},"rmse":1,"calibration":{"edges":[1]},"ate":{}}' > "$output"
+  exit 0
+fi
+{ echo "$name$said""#;
+    let judged = script.replace("{ echo \"$name$said\"", result);
+    assert_ne!(judged, script);
+    workshop.write("stage.sh", &judged);
+    workshop.run(DATA);
+    let records = lines(&workshop.call("collect", DATA).stdout);
+    assert!(!records.is_empty());
+    for record in records {
+        assert_eq!(record["calibration"]["edges"][0], 1);
+        assert!(record.get("ate").is_none(), "what tables do not need is left out");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn a_task_over_its_limit_is_stopped_and_noted_with_its_time() {

@@ -122,6 +122,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "archive", words: CSV, read: session::archive, seeds: seeds::archives },
     Target { name: "pcm", words: JSON, read: stages::pcm, seeds: seeds::graphs },
     Target { name: "multicut", words: JSON, read: stages::multicut, seeds: seeds::graphs },
+    Target { name: "verify", words: JSON, read: stages::verify, seeds: seeds::graphs },
     Target { name: "optimize", words: JSON, read: stages::optimize, seeds: seeds::graphs },
     Target { name: "gnc", words: JSON, read: stages::gnc, seeds: seeds::graphs },
     Target { name: "ransac", words: JSON, read: stages::ransac, seeds: seeds::graphs },

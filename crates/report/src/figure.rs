@@ -8,6 +8,7 @@ pub mod plotting;
 pub mod ramp;
 pub mod regimes;
 pub mod regret;
+pub mod reliability;
 pub mod trajectories;
 
 /// How a line is broken.

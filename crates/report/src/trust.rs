@@ -4,6 +4,7 @@
 //! - [`benchmark`]: runs with the outcome of every method, and its regret.
 //! - [`bootstrap`]: intervals from clusters of runs that are not independent.
 //! - [`summary`]: what a method does on a family, or on all of them.
+//! - [`reliability`]: how well probabilities of edges are calibrated.
 //! - [`tables`], [`recommendation`]: the tables, and the answer in sentences.
 //! - [`document`]: both, as the sections of docs/trust.md.
 
@@ -12,6 +13,7 @@ pub mod bootstrap;
 pub mod document;
 pub mod recommendation;
 pub mod records;
+pub mod reliability;
 pub mod summary;
 pub mod tables;
 

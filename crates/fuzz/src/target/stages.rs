@@ -1,7 +1,7 @@
 //! Stages on graphs that were read: whatever the reader takes, a stage answers with a graph or a sentence.
 
 use clap::Parser as _;
-use posecut_graph::PoseGraph;
+use posecut_graph::{EdgeKind, PoseGraph};
 use posecut_stage::{CommonArguments, Context, GraphStage, Identity};
 
 use super::Outcome;
@@ -22,17 +22,27 @@ fn arguments<O: clap::Args>(more: &[&str]) -> Arguments<O> {
 /// The stage's graph is sound, or cannot be written because a number left the range of doubles, which is said. No edge
 /// is lost.
 fn graph_stage<S: GraphStage>(input: &[u8], options: &[&str]) -> Outcome {
+    checked_stage::<S>(input, options, |_, _| ())
+}
+
+/// The same, and a law on the graph before and after the stage.
+fn checked_stage<S: GraphStage>(
+    input: &[u8],
+    options: &[&str],
+    check: impl Fn(&PoseGraph, &PoseGraph),
+) -> Outcome {
     let Ok(mut graph) = PoseGraph::read("input", input) else {
         return Outcome::Refused("no graph".to_owned());
     };
-    let edges = graph.edges.len();
+    let before = graph.clone();
     let arguments = arguments::<S>(options);
     let identity = Identity { name: S::NAME, version: "0", about: S::ABOUT };
     let mut context = Context::new(identity, arguments.common);
     if let Err(error) = arguments.options.run(&mut graph, &mut context) {
         return Outcome::refused(error);
     }
-    assert_eq!(graph.edges.len(), edges, "a stage marks edges and removes none");
+    assert_eq!(graph.edges.len(), before.edges.len(), "a stage marks edges and removes none");
+    check(&before, &graph);
     sound(&graph)
 }
 
@@ -65,6 +75,62 @@ pub(super) fn multicut(input: &[u8]) -> Outcome {
         &["--graph", "full", "--work-limit", "100000"],
     );
     graph_stage::<posecut_multicut::stage::StageOptions>(input, &[])
+}
+
+pub(super) fn verify(input: &[u8]) -> Outcome {
+    checked_stage::<posecut_verify::Options>(input, &["--undecided", "keep"], |before, after| {
+        verdicts(before, after, true);
+    });
+    checked_stage::<posecut_verify::Options>(input, &[], |before, after| {
+        verdicts(before, after, false);
+    })
+}
+
+/// Every landmark edge that was in use and has a measurement has a verdict that its other fields agree with; all else
+/// is as it was.
+fn verdicts(before: &PoseGraph, after: &PoseGraph, undecided_stay: bool) {
+    assert_eq!((&before.header, &before.nodes), (&after.header, &after.nodes));
+    for (old, new) in before.edges.iter().zip(&after.edges) {
+        let judged = old.kind == EdgeKind::Landmark && old.in_use() && old.measurement.is_some();
+        if !judged {
+            assert_eq!(old, new, "an edge that is not judged does not change");
+            continue;
+        }
+        let text = |field: &str| new.extra[field].as_str().expect("a verdict and a reason are words");
+        let verdict = text("verify_verdict");
+        let in_use = match verdict {
+            "accepted" => true,
+            "rejected" => false,
+            "undecided" => undecided_stay,
+            other => panic!("{}: verdict {other}", new.name()),
+        };
+        assert_eq!(new.rejected_by.as_deref(), (!in_use).then_some("verify"), "{}: {verdict}", new.name());
+        let reason = text("verify_reason");
+        let known = ["supported", "contradicted", "chance", "alone", "other-hypothesis"].contains(&reason);
+        assert!(
+            known && (verdict == "accepted") == (reason == "supported"),
+            "{}: {verdict}, {reason}",
+            new.name()
+        );
+        let probability = new.extra["verify_probability"].as_f64().expect("a probability is a number");
+        assert!((0.0..=1.0).contains(&probability), "{}: probability {probability}", new.name());
+        let hypothesis = &new.extra["verify_hypothesis"];
+        assert!(hypothesis.is_null() || hypothesis.is_u64(), "{}: hypothesis {hypothesis}", new.name());
+        assert_eq!(
+            verdict == "accepted",
+            hypothesis.as_u64() == Some(0),
+            "{}: hypothesis {hypothesis}",
+            new.name()
+        );
+        let witnesses = new.extra["verify_witness"].as_array().expect("witnesses are a list");
+        assert!(witnesses.len() <= 3);
+        for witness in witnesses {
+            let named = after.edges.iter().find(|edge| Some(edge.id) == witness.as_u64());
+            let named = named.expect("a witness is an edge of the graph");
+            assert_eq!(named.extra["verify_verdict"], "accepted", "{}: witness {witness}", new.name());
+            assert_ne!(named.id, new.id, "no edge is its own witness");
+        }
+    }
 }
 
 pub(super) fn optimize(input: &[u8]) -> Outcome {

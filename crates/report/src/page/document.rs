@@ -8,7 +8,7 @@ const TEMPLATE: &str = include_str!("../../assets/page.html");
 const STYLE: &str = include_str!("../../assets/page.css");
 
 /// The scripts in the order they are run, as one function, so that nothing of them is visible outside.
-const SCRIPTS: [&str; 16] = [
+const SCRIPTS: [&str; 17] = [
     include_str!("../../assets/script/decode.js"),
     include_str!("../../assets/script/elements.js"),
     include_str!("../../assets/script/theme.js"),
@@ -24,6 +24,7 @@ const SCRIPTS: [&str; 16] = [
     include_str!("../../assets/script/components.js"),
     include_str!("../../assets/script/regimes.js"),
     include_str!("../../assets/script/trust.js"),
+    include_str!("../../assets/script/reliability.js"),
     include_str!("../../assets/script/start.js"),
 ];
 
@@ -35,6 +36,7 @@ const CONSISTENCY: &str = include_str!("../../assets/section/consistency.html");
 const COMPONENTS: &str = include_str!("../../assets/section/components.html");
 const REGIMES: &str = include_str!("../../assets/section/regimes.html");
 const TRUST: &str = include_str!("../../assets/section/trust.html");
+const RELIABILITY: &str = include_str!("../../assets/section/reliability.html");
 
 /// The parts of the page that are HTML already.
 #[derive(Clone, Debug, Default)]
@@ -128,7 +130,11 @@ pub fn document(page: &Page, parts: &Parts) -> anyhow::Result<String> {
         ),
         "trust" => section(
             page.trust.is_some(),
-            &fill(TRUST, |name| (name == "tables").then(|| parts.trust.clone())),
+            &fill(TRUST, |name| match name {
+                "tables" => Some(parts.trust.clone()),
+                "reliability" => Some(page.reliability.as_ref().map_or("", |_| RELIABILITY).to_owned()),
+                _ => None,
+            }),
             "There are no results of the trust benchmark (make trust DATA=DIR makes them).",
         ),
         "history" => Some(parts.history.clone()),

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use crate::figure::regret::Regrets;
 use crate::regimes::Map;
+use crate::trust::reliability::Reliability;
 
 /// Metres to which drawn positions are rounded.
 pub const POSITION_STEP: f64 = 0.1;
@@ -20,6 +21,8 @@ pub struct Page {
     pub regimes: Option<Map>,
     /// The regret of every run of the trust benchmark, if there are results of it.
     pub trust: Option<Regrets>,
+    /// How well its probabilities are calibrated, if a method writes any.
+    pub reliability: Option<Reliability>,
     /// Metres a step of positions.
     pub position_step: f64,
     /// Metres a step of errors.

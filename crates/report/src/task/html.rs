@@ -15,6 +15,7 @@ use posecut_report::published::Published;
 use posecut_report::regimes::Map;
 use posecut_report::results::{self, RunResult};
 use posecut_report::table;
+use posecut_report::trust::reliability::reliability;
 use posecut_report::trust::{Benchmark, Half, tables::tables};
 use posecut_stage::{Context, info};
 
@@ -82,6 +83,7 @@ impl Html {
             experiments,
             regimes,
             trust: trust.as_ref().map(|benchmark| regrets(benchmark, Half::Test)),
+            reliability: trust.as_ref().and_then(|benchmark| reliability(benchmark, Half::Test)),
             position_step: POSITION_STEP,
             error_step: ERROR_STEP,
             axes: [right, up],

@@ -4,16 +4,18 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, ensure};
 use clap::Args;
-use posecut_report::figure::plotting::{Drawing, lanes};
+use posecut_report::figure::plotting::{Drawing, charts, lanes};
 use posecut_report::figure::regret::{figure, regrets};
+use posecut_report::figure::reliability::figure as diagram;
 use posecut_report::regimes::document::splice;
 use posecut_report::trust::document::sections;
 use posecut_report::trust::records::{read_results, read_times};
+use posecut_report::trust::reliability::reliability;
 use posecut_report::trust::tables::{Table, tables};
 use posecut_report::trust::{Benchmark, Half};
-use posecut_stage::{Context, write_atomically};
+use posecut_stage::{Context, warn, write_atomically};
 
-/// Panels of the figure in a row.
+/// Panels of a figure in a row.
 const COLUMNS: usize = 3;
 
 /// Options of `trust`.
@@ -35,6 +37,10 @@ pub(crate) struct Trust {
     #[arg(long, value_name = "FILE")]
     figure: Option<PathBuf>,
 
+    /// Draw the share of correct edges over `verify_probability` (SVG, PDF or PNG by the file's name)
+    #[arg(long, value_name = "FILE")]
+    reliability: Option<PathBuf>,
+
     /// Put the answer and the tables between the markers of this document (docs/trust.md)
     #[arg(long, value_name = "FILE")]
     document: Option<PathBuf>,
@@ -42,7 +48,9 @@ pub(crate) struct Trust {
 
 impl Trust {
     pub(crate) fn write(&self, context: &mut Context) -> anyhow::Result<Vec<u8>> {
-        for (option, path) in [("--figure", &self.figure), ("--document", &self.document)] {
+        for (option, path) in
+            [("--figure", &self.figure), ("--reliability", &self.reliability), ("--document", &self.document)]
+        {
             if let Some(path) = path {
                 context.check_further_output(option, path)?;
             }
@@ -52,6 +60,16 @@ impl Trust {
         if let Some(path) = &self.figure {
             let drawing = lanes(&figure(&regrets(&benchmark, self.half)), COLUMNS)?;
             write_figure(path, &drawing)?;
+        }
+        if let Some(path) = &self.reliability {
+            match reliability(&benchmark, self.half) {
+                Some(found) => write_figure(path, &charts(&diagram(&found), COLUMNS)?)?,
+                None => warn!(
+                    "{} is not written: no result of the {} half has probabilities (`calibration`)",
+                    path.display(),
+                    self.half
+                ),
+            }
         }
         if let Some(document) = &self.document {
             let place = || format!("{}: cannot be used", document.display());

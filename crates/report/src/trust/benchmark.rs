@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::{Context as _, bail};
 
-use super::records::{Half, Outcome, Record, RunKey, Time};
+use super::records::{Bins, Half, Outcome, Record, RunKey, Time};
 
 /// The reference method: it knows the truth, so that it is compared with nobody.
 pub const ORACLE: &str = "oracle";
@@ -46,6 +46,8 @@ pub struct Run {
     pub outcomes: Vec<Status>,
     /// CPU seconds, in the same order, where they are known.
     pub seconds: Vec<Option<f64>>,
+    /// Landmark edges by their probability, in the same order, where there are probabilities.
+    pub probabilities: Vec<Option<Bins>>,
 }
 
 impl Run {
@@ -133,6 +135,10 @@ impl Benchmark {
                 cluster: format!("{}/{}", key.pipeline(), first.cluster),
                 best: rmse.min_by(f64::total_cmp),
                 seconds: methods.iter().map(|method| seconds.get(&(key, method.as_str())).copied()).collect(),
+                probabilities: methods
+                    .iter()
+                    .map(|method| own.get(method.as_str()).and_then(|record| record.probabilities))
+                    .collect(),
                 outcomes,
             });
         }

@@ -3,6 +3,7 @@
 use super::benchmark::Benchmark;
 use super::recommendation::answer;
 use super::records::Half;
+use super::reliability::{reliability, sentence};
 use super::tables::{self, Table};
 
 /// The sections with the names of their markers, Markdown.
@@ -17,6 +18,7 @@ pub fn sections(benchmark: &Benchmark) -> anyhow::Result<Vec<(&'static str, Stri
         ("overall", joined(vec![tables::overall(benchmark, half), tables::matrix(benchmark, half)])),
         ("counts", joined(vec![tables::counts(benchmark)])),
         ("families", joined(tables::families(benchmark, half))),
+        ("reliability", calibration(benchmark, half)),
         ("failures", joined(vec![tables::failures(benchmark, half)])),
         ("tuning", joined(vec![tables::overall(benchmark, Half::Tuning)])),
         (
@@ -25,4 +27,17 @@ pub fn sections(benchmark: &Benchmark) -> anyhow::Result<Vec<(&'static str, Stri
                 .map_or_else(|| "No CPU times were given (`--times`).".to_owned(), |table| table.markdown()),
         ),
     ])
+}
+
+/// How well probabilities are calibrated: the answer, the figure and the tables.
+fn calibration(benchmark: &Benchmark, half: Half) -> String {
+    let found = reliability(benchmark, half);
+    let mut text = sentence(found.as_ref(), half);
+    if let Some(found) = &found {
+        text.push_str("\n\n![Share of correct edges over their probability, by family](results/trust-reliability.svg)\n\n");
+        for table in tables::calibration(found) {
+            text.push_str(&table.markdown());
+        }
+    }
+    text
 }

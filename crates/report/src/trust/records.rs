@@ -7,6 +7,7 @@ use std::path::Path;
 
 use anyhow::{Context as _, bail};
 use posecut_graph::InputDigest;
+use posecut_stage::counted;
 use serde_json::{Map, Value};
 
 /// Which half of its family a run belongs to.
@@ -65,6 +66,20 @@ pub struct Outcome {
     pub correct_lost: usize,
 }
 
+/// Bins of `verify_probability`, each 0.1 wide.
+pub const BINS: usize = 10;
+
+/// Landmark edges by bins of their probability.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bins {
+    /// Edges of each bin.
+    pub edges: [u64; BINS],
+    /// The sum of their probabilities.
+    pub probability: [f64; BINS],
+    /// Correct ones among them.
+    pub correct: [u64; BINS],
+}
+
 /// One line of results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
@@ -82,6 +97,8 @@ pub struct Record {
     pub cluster: String,
     /// What came out, or why nothing did.
     pub outcome: Result<Outcome, String>,
+    /// Landmark edges by their probability; `None` where they have none, or where the run failed.
+    pub probabilities: Option<Bins>,
 }
 
 /// One line of times.
@@ -123,6 +140,7 @@ pub fn read_results(path: &Path) -> anyhow::Result<(Vec<Record>, InputDigest)> {
             half,
             cluster: grouping("cluster")?,
             outcome: outcome(object)?,
+            probabilities: bins(object)?,
         })
     })
 }
@@ -217,6 +235,54 @@ fn outcome(object: &Map<String, Value>) -> anyhow::Result<Result<Outcome, String
         correct_kept: edge("true_positive")?,
         correct_lost: edge("false_negative")?,
     }))
+}
+
+fn bins(object: &Map<String, Value>) -> anyhow::Result<Option<Bins>> {
+    let own = match object.get("calibration") {
+        None | Some(Value::Null) => return Ok(None),
+        Some(Value::Object(own)) => own,
+        Some(other) => bail!("field `calibration`: found {other}, expected an object of bins"),
+    };
+    let read = || -> anyhow::Result<Bins> {
+        let found = Bins {
+            edges: ten(own, "edges", Value::as_u64)?,
+            probability: ten(own, "probability", Value::as_f64)?,
+            correct: ten(own, "correct", Value::as_u64)?,
+        };
+        for bin in 0..BINS {
+            // Sums of six decimals are exact to much less than that.
+            let count = found.edges[bin] as f64;
+            let (low, high) = (bin as f64 / BINS as f64, (bin + 1) as f64 / BINS as f64);
+            if !(low * count - 1e-6..=high * count + 1e-6).contains(&found.probability[bin]) {
+                bail!(
+                    "field `probability`, bin {bin}: found {} over {}, expected {low} to {high} an edge",
+                    found.probability[bin],
+                    counted(usize::try_from(found.edges[bin])?, "edge")
+                );
+            }
+            if found.correct[bin] > found.edges[bin] {
+                bail!(
+                    "field `correct`, bin {bin}: found {}, expected at most the {} edges of the bin",
+                    found.correct[bin],
+                    found.edges[bin]
+                );
+            }
+        }
+        Ok(found)
+    };
+    read().context("in field `calibration`").map(Some)
+}
+
+fn ten<T>(
+    object: &Map<String, Value>,
+    name: &str,
+    pick: fn(&Value) -> Option<T>,
+) -> anyhow::Result<[T; BINS]> {
+    let value = object.get(name);
+    let all: Option<Vec<T>> =
+        value.and_then(Value::as_array).and_then(|values| values.iter().map(pick).collect());
+    all.and_then(|all| <[T; BINS]>::try_from(all).ok())
+        .with_context(|| format!("field `{name}`: {}, expected {BINS} numbers of at least 0", found(value)))
 }
 
 fn number(object: &Map<String, Value>, name: &str) -> anyhow::Result<f64> {

@@ -9,7 +9,7 @@ use super::bootstrap::{Part, interval, ratio};
 use super::records::{Half, Outcome};
 
 /// The seed of all resampling: the same results give the same intervals.
-const SEED: u64 = 14;
+pub(super) const SEED: u64 = 14;
 
 /// A value with its 95 % interval, which needs two clusters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,7 +112,7 @@ pub fn median(sorted: &[f64]) -> Option<f64> {
 }
 
 /// The sums of each cluster, by family. A cluster without a value stays, with nothing below.
-fn clusters(runs: &[&Run], part: &dyn Fn(&Run) -> Option<Part>) -> Vec<Vec<Part>> {
+pub(super) fn clusters(runs: &[&Run], part: &dyn Fn(&Run) -> Option<Part>) -> Vec<Vec<Part>> {
     let mut families: BTreeMap<&str, BTreeMap<&str, Part>> = BTreeMap::new();
     for run in runs {
         let sum = families.entry(&run.family).or_default().entry(&run.cluster).or_default();

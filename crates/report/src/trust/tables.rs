@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::benchmark::{BOUND, Benchmark, Status};
-use super::records::Half;
+use super::records::{BINS, Half};
+use super::reliability::{Point, Reliability, reliability};
 use super::summary::{Estimate, LARGE_REGRET, Summary, median, summary};
 use crate::table::{grid, metres};
 
@@ -40,6 +41,7 @@ const NONE: &str = "–";
 pub fn tables(benchmark: &Benchmark, half: Half) -> Vec<Table> {
     let mut tables = vec![overall(benchmark, half), matrix(benchmark, half)];
     tables.extend(families(benchmark, half));
+    tables.extend(reliability(benchmark, half).iter().flat_map(calibration));
     tables.push(failures(benchmark, half));
     tables.extend(time(benchmark, half));
     tables.push(counts(benchmark));
@@ -131,6 +133,49 @@ pub fn families(benchmark: &Benchmark, half: Half) -> Vec<Table> {
         }
     };
     benchmark.families_of(half).map(table).collect()
+}
+
+/// The calibration of probabilities: errors by family, then the bins of all families.
+pub fn calibration(found: &Reliability) -> [Table; 2] {
+    let all = found.groups.iter().flat_map(|group| group.curves.iter().map(move |own| (&group.name, own)));
+    let errors = all.map(|(name, own)| {
+        vec![
+            own.method.clone(),
+            name.clone(),
+            if own.runs == own.of { own.runs.to_string() } else { format!("{} of {}", own.runs, own.of) },
+            own.edges.to_string(),
+            share(own.probability),
+            share(own.correct),
+            format!("{:.4}", own.error),
+        ]
+    });
+    let errors = Table {
+        title: format!("Calibration of probabilities, {} half", found.half),
+        note: "*Calibration error*: the expected calibration error over ten bins of `verify_probability`, weighted by their edges. Edges are pooled over the runs that have probabilities, so that a run with many edges weighs more.".to_owned(),
+        cells: with_head(
+            &["method", "family", "runs", "edges", "mean probability", "share correct", "calibration error"],
+            errors,
+        ),
+    };
+    let rows = found.groups[0].curves.iter().flat_map(|own| {
+        (0..BINS).map(|bin| {
+            let point = own.points.iter().find(|point| point.bin == bin);
+            let value = |pick: &dyn Fn(&Point) -> String| point.map_or_else(|| NONE.to_owned(), pick);
+            vec![
+                own.method.clone(),
+                format!("{:.1} to {:.1}", bin as f64 / BINS as f64, (bin + 1) as f64 / BINS as f64),
+                point.map_or(0, |point| point.edges).to_string(),
+                value(&|point| share(point.probability)),
+                value(&|point| recall(Estimate { value: point.correct, interval: point.interval })),
+            ]
+        })
+    });
+    let bins = Table {
+        title: format!("Edges by probability, all families, {} half", found.half),
+        note: "The share of correct edges has its 95 % interval.".to_owned(),
+        cells: with_head(&["method", "probability", "edges", "mean probability", "share correct"], rows),
+    };
+    [errors, bins]
 }
 
 /// Failed and missing runs, by what happened.
@@ -242,6 +287,11 @@ fn recall(own: Estimate) -> String {
         Some((low, high)) => format!("{} [{}, {}]", brief(own.value), brief(low), brief(high)),
         None => brief(own.value),
     }
+}
+
+/// A share without an interval, three decimals.
+fn share(value: f64) -> String {
+    recall(Estimate { value, interval: None })
 }
 
 fn length(own: Option<Estimate>) -> String {

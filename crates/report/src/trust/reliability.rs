@@ -1,0 +1,165 @@
+//! Calibration of probabilities: how often the landmark edges of each `verify_probability` are correct.
+
+use posecut_stage::{counted, random};
+use serde::Serialize;
+
+use super::benchmark::{Benchmark, Run};
+use super::bootstrap::{Part, interval, ratio};
+use super::records::{BINS, Bins, Half};
+use super::summary::{SEED, clusters};
+
+/// What a group of all families is called.
+pub const ALL: &str = "all families";
+
+impl Bins {
+    /// Adds the counts of another run.
+    pub fn add(&mut self, other: &Self) {
+        for bin in 0..BINS {
+            self.edges[bin] += other.edges[bin];
+            self.probability[bin] += other.probability[bin];
+            self.correct[bin] += other.correct[bin];
+        }
+    }
+
+    /// Edges in all bins.
+    pub fn total(&self) -> u64 {
+        self.edges.iter().sum()
+    }
+
+    /// The expected calibration error (Guo et al., ICML 2017, equation 3): the distance between mean probability
+    /// and share of correct edges, over bins weighted by their edges. `None` without edges.
+    pub fn error(&self) -> Option<f64> {
+        // n_b / n |correct_b / n_b - probability_b / n_b| is |correct_b - probability_b| / n.
+        let distances =
+            self.correct.iter().zip(&self.probability).map(|(&correct, sum)| (correct as f64 - sum).abs());
+        (self.total() > 0).then(|| distances.sum::<f64>() / self.total() as f64)
+    }
+}
+
+/// How well probabilities are calibrated: tables, figure and page have this data.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Reliability {
+    /// The half.
+    pub half: String,
+    /// All families together, then each one that has probabilities.
+    pub groups: Vec<Group>,
+}
+
+/// One family, or all of them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Group {
+    /// The family's name, or [`ALL`].
+    pub name: String,
+    /// Methods that write probabilities, by name.
+    pub curves: Vec<Curve>,
+}
+
+/// One method on one group, bins pooled over runs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Curve {
+    /// The method.
+    pub method: String,
+    /// Runs with probabilities.
+    pub runs: usize,
+    /// All runs of the group.
+    pub of: usize,
+    /// Edges with a probability and a known truth.
+    pub edges: u64,
+    /// Mean probability.
+    pub probability: f64,
+    /// Share of correct edges.
+    pub correct: f64,
+    /// Expected calibration error.
+    pub error: f64,
+    /// Bins that have edges.
+    pub points: Vec<Point>,
+}
+
+/// One bin.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Point {
+    /// Its number: bin k has probabilities from k/10 to (k+1)/10.
+    pub bin: usize,
+    /// Edges.
+    pub edges: u64,
+    /// Their mean probability.
+    pub probability: f64,
+    /// The share of correct ones.
+    pub correct: f64,
+    /// The 95 % interval of that share, which needs two clusters in a family.
+    pub interval: Option<(f64, f64)>,
+}
+
+/// Collects the probabilities of a half; `None` if no run has any.
+pub fn reliability(benchmark: &Benchmark, half: Half) -> Option<Reliability> {
+    let families = benchmark.families_of(half).map(Some);
+    let groups: Vec<Group> = std::iter::once(None)
+        .chain(families)
+        .map(|family| Group {
+            name: family.unwrap_or(ALL).to_owned(),
+            curves: (0..benchmark.methods.len())
+                .filter_map(|method| curve(benchmark, half, family, method))
+                .collect(),
+        })
+        .filter(|group| !group.curves.is_empty())
+        .collect();
+    (!groups.is_empty()).then(|| Reliability { half: half.to_string(), groups })
+}
+
+fn curve(benchmark: &Benchmark, half: Half, family: Option<&str>, method: usize) -> Option<Curve> {
+    let runs: Vec<&Run> = benchmark.of(half, family).collect();
+    let mut bins = Bins::default();
+    let mut with = 0;
+    for own in runs.iter().filter_map(|run| run.probabilities[method].as_ref()) {
+        bins.add(own);
+        with += 1;
+    }
+    let error = bins.error()?;
+    let edges = bins.total();
+    let name = &benchmark.methods[method];
+    let point = |bin: usize| {
+        let count = bins.edges[bin];
+        let strata = clusters(&runs, &|run| {
+            let own = run.probabilities[method].as_ref()?;
+            Some(Part { above: own.correct[bin] as f64, below: own.edges[bin] as f64 })
+        });
+        // The stream of a value depends on what it is of, and not on what else is in the results.
+        let purpose = format!("trust: correct in bin {bin}, {half}, {}, {name}", family.unwrap_or(ALL));
+        Some(Point {
+            bin,
+            edges: count,
+            probability: bins.probability[bin] / count as f64,
+            correct: ratio(strata.iter().flatten())?,
+            interval: interval(&strata, &mut random(SEED, &purpose)),
+        })
+    };
+    Some(Curve {
+        method: name.clone(),
+        runs: with,
+        of: runs.len(),
+        edges,
+        probability: bins.probability.iter().sum::<f64>() / edges as f64,
+        correct: bins.correct.iter().sum::<u64>() as f64 / edges as f64,
+        error,
+        points: (0..BINS).filter_map(point).collect(),
+    })
+}
+
+/// The answer in a sentence for each method. Markdown.
+pub fn sentence(found: Option<&Reliability>, half: Half) -> String {
+    let Some(found) = found else {
+        return format!(
+            "No result of the {half} half has probabilities: no method wrote `verify_probability`."
+        );
+    };
+    let says = |own: &Curve| {
+        format!(
+            "The expected calibration error of `{}` on the {half} half is {:.4}, over {} of {}.",
+            own.method,
+            own.error,
+            counted(usize::try_from(own.edges).unwrap_or(usize::MAX), "edge"),
+            counted(own.runs, "run"),
+        )
+    };
+    found.groups[0].curves.iter().map(says).collect::<Vec<_>>().join(" ")
+}
