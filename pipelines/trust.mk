@@ -16,6 +16,8 @@ trust_of       = $(trust_files) --programs $(BIN) --simulated $(call quoted,$(SI
 trust_figure   = $(if $(DOCUMENT),docs/results/trust-regret.svg,$(trust_results)/regret.svg)
 trust_reliability = $(if $(DOCUMENT),docs/results/trust-reliability.svg,$(trust_results)/reliability.svg)
 
+.PHONY: trust-sample constants pcm-gates
+
 trust: $(if $(DATA),$(EXPERIMENTS) $(REPORT))
 	@test -n $(call quoted,$(DATA)) || { echo 'Name the folder of graphs and sessions: make trust DATA=DIR. It holds'; \
 	  echo '  g2o/             benchmark graphs (clean)'; \
@@ -23,7 +25,7 @@ trust: $(if $(DATA),$(EXPERIMENTS) $(REPORT))
 	  echo '  nclt/DATE/       NCLT sessions (two-experiences, many-sessions, hard)'; \
 	  echo 'FAMILIES="clean kitti" needs those of these families alone; docs/methods.md says where to get them.'; exit 2; }
 	@test -d $(call quoted,$(DATA)) || { printf '%s: there is no such folder; name the one with g2o/, false_closures/ and nclt/\n' $(call quoted,$(DATA)); exit 2; }
-	@$(if $(trust_unknown),echo 'No family is called $(trust_unknown); there are: $(sort $(patsubst %-real,%,$(patsubst %-simulated,%,$(filter-out methods sessions,$(basename $(notdir $(wildcard pipelines/trust/*.toml)))))))'; exit 2)
+	@$(if $(trust_unknown),echo 'No family is called $(trust_unknown); there are: $(sort $(patsubst %-real,%,$(patsubst %-simulated,%,$(filter-out methods sessions constants sample,$(basename $(notdir $(wildcard pipelines/trust/*.toml)))))))'; exit 2)
 	@mkdir -p $(call quoted,$(trust_results)) $(if $(DOCUMENT),docs/results)
 	@# What could not be run is said, and fails in the end; what there is, is collected.
 	@status=0; $(EXPERIMENTS) run $(trust_of) --threads $(threads) || status=$$?; \
@@ -34,3 +36,27 @@ trust: $(if $(DATA),$(EXPERIMENTS) $(REPORT))
 	    --reliability $(call quoted,$(trust_reliability)) \
 	    $(if $(HALF),--half $(HALF)) $(if $(DOCUMENT),--document $(call quoted,$(DOCUMENT))) || status=$$?; exit $$status
 	@echo '  tables in $(trust_results)/trust.md, one line a run in $(trust_results)/results.jsonl'
+
+# A sample that needs no data, for tests of the whole chain: every method on two simulated sessions.
+trust-sample: $(EXPERIMENTS) $(REPORT)
+	@scripts/check-trust.sh $(call quoted,$(trust_results)-sample)
+
+# PCM's constants on the tuning halves: docs/constants.md.
+constants_of   = pipelines/trust/constants.toml --half tuning --programs $(BIN) --simulated $(call quoted,$(SIMULATED)) \
+                 --data $(call quoted,$(DATA)) --results $(call quoted,$(trust_results))
+constants: $(EXPERIMENTS)
+	@test -d $(call quoted,$(or $(DATA),missing)) || { echo 'Name the folder of graphs: make constants DATA=DIR'; exit 2; }
+	@$(EXPERIMENTS) run $(constants_of) --threads $(threads)
+	@$(EXPERIMENTS) collect $(constants_of) --quiet -o $(call quoted,$(trust_results)/constants.jsonl)
+	@scripts/edges-table.py $(call quoted,$(trust_results)/constants.jsonl) --rows method,chance,grow --cell kept-lost-rmse \
+	  --columns 'clean=[iM][nI]*' 'corrupted=csail_*' 'bicocca=B25b_*' 'kitti=kitti_05_*' 'sessions=20*' \
+	  -o docs/constants.md --section constants
+
+# PCM's options on graphs with false closures: docs/pcm-results.md.
+gates_of       = pipelines/pcm-gates.toml --programs $(BIN) --data $(call quoted,$(DATA)) --results $(call quoted,$(RESULTS))
+pcm-gates: $(EXPERIMENTS)
+	@test -d $(call quoted,$(or $(DATA),missing)) || { echo 'Name the folder of graphs: make pcm-gates DATA=DIR'; exit 2; }
+	@$(EXPERIMENTS) run $(gates_of) --threads $(threads)
+	@$(EXPERIMENTS) collect $(gates_of) --quiet -o $(call quoted,$(RESULTS)/pcm-gates/results.jsonl)
+	@scripts/edges-table.py $(call quoted,$(RESULTS)/pcm-gates/results.jsonl) --rows session --columns method \
+	  -o docs/pcm-results.md --section data

@@ -122,7 +122,7 @@ import numpy as np
 # gtsam's prior on the first pose is as good as none for relative poses: they do not depend on it.
 marginals = gtsam.Marginals(graph, ours)
 edges = [json.loads(line) for line in open(f"{work}/ours.jsonl")]
-edges = [edge for edge in edges if edge["kind"] == "landmark" and "predicted_covariance" in edge]
+edges = [edge for edge in edges if edge["kind"] == "landmark" and edge.get("predicted_covariance")]
 worst, rejected = 0.0, 0
 for edge in edges:
     i, j = edge["from"], edge["to"]

@@ -59,8 +59,29 @@ impl Affinity {
         row.binary_search_by_key(&(b as u32), |&(column, _)| column).ok().map(|place| row[place].1)
     }
 
-    /// M u, and the sum of u over the vertices inconsistent with each. O(consistent pairs).
+    /// M u, and the sum of u over the vertices inconsistent with each. O(consistent pairs of the vertices above zero).
     pub(crate) fn products(&self, u: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let support = u.iter().filter(|component| **component != 0.0).count();
+        if 2 * support < u.len() { self.products_by_column(u) } else { self.products_by_row(u) }
+    }
+
+    /// [`Self::products`] where most of `u` is zero: the same terms in the same order, without the zeros.
+    fn products_by_column(&self, u: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let total: f64 = u.iter().sum();
+        let (mut weighted, mut consistent) = (u.to_vec(), u.to_vec());
+        for (row, &component) in self.rows.iter().zip(u) {
+            if component == 0.0 {
+                continue;
+            }
+            for &(other, weight) in row {
+                weighted[other as usize] += weight * component;
+                consistent[other as usize] += component;
+            }
+        }
+        (weighted, consistent.into_iter().map(|consistent| (total - consistent).max(0.0)).collect())
+    }
+
+    fn products_by_row(&self, u: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let total: f64 = u.iter().sum();
         self.rows
             .par_iter()
@@ -76,5 +97,23 @@ impl Affinity {
                 (weighted, (total - consistent).max(0.0))
             })
             .unzip()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn products_by_column_are_those_by_row_to_the_bit(
+            weights in proptest::collection::vec(proptest::option::of(0.01_f64..1.0), 400),
+            u in proptest::collection::vec(prop_oneof![Just(0.0), 0.0_f64..1.0], 1..20),
+        ) {
+            let affinity = Affinity::new(u.len(), |a, b| weights[20 * a + b]);
+            prop_assert_eq!(affinity.products_by_column(&u), affinity.products_by_row(&u));
+        }
     }
 }

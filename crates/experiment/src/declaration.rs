@@ -231,6 +231,9 @@ impl Experiment {
         for method in self.methods.iter().chain(every).chain([&self.reference]) {
             self.chain(method)?;
         }
+        if let Some(halves) = &self.halves {
+            halves.validate()?;
+        }
         if self.cpu_limit == Some(0) {
             bail!("cpu_limit is 0, and must be a number of CPU seconds from 1");
         }

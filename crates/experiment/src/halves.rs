@@ -2,7 +2,7 @@
 //!
 //! Constants are chosen on the first half and judged on the second, so that no page reports how well a constant fits the
 //! graphs it was chosen with. A declaration names both halves by patterns of names, and every session or graph of it
-//! belongs to exactly one.
+//! belongs to exactly one; or it names them by seeds, and every seed belongs to exactly one.
 
 use std::collections::BTreeMap;
 
@@ -28,14 +28,22 @@ impl Half {
     }
 }
 
-/// Which sessions and graphs belong to which half, by names or patterns with `*` and `?`.
+/// Which sessions and graphs belong to which half, by names or patterns with `*` and `?`; or which seeds of all sessions do.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Halves {
     /// Names of the tuning half.
+    #[serde(default)]
     pub tuning: Vec<String>,
     /// Names of the test half.
+    #[serde(default)]
     pub test: Vec<String>,
+    /// Seeds of the tuning half, instead of names.
+    #[serde(default)]
+    pub tuning_seeds: Vec<u64>,
+    /// Seeds of the test half, instead of names.
+    #[serde(default)]
+    pub test_seeds: Vec<u64>,
     /// Why the halves are not independent, where one cluster has members in both.
     pub dependent: Option<String>,
 }
@@ -51,6 +59,43 @@ impl Halves {
             ),
             (false, false) => bail!("[halves]: \"{name}\" is in neither half; name it in tuning or test"),
         }
+    }
+
+    /// Whether the halves are blocks of seeds.
+    pub fn by_seed(&self) -> bool {
+        !self.tuning_seeds.is_empty() || !self.test_seeds.is_empty()
+    }
+
+    /// The half of a seed; an error where it is in neither.
+    pub fn of_seed(&self, seed: u64) -> anyhow::Result<Half> {
+        if self.tuning_seeds.contains(&seed) {
+            Ok(Half::Tuning)
+        } else if self.test_seeds.contains(&seed) {
+            Ok(Half::Test)
+        } else {
+            bail!("[halves]: seed {seed} is in neither half; name it in tuning_seeds or test_seeds")
+        }
+    }
+
+    /// Refuses blocks of seeds that overlap, stand beside names, or are not explained.
+    pub(crate) fn validate(&self) -> anyhow::Result<()> {
+        if !self.by_seed() {
+            return Ok(());
+        }
+        if !self.tuning.is_empty() || !self.test.is_empty() {
+            bail!("[halves]: has names and seeds; name the halves by one of them");
+        }
+        if let Some(seed) = self.tuning_seeds.iter().find(|seed| self.test_seeds.contains(seed)) {
+            bail!(
+                "[halves]: seed {seed} is in both halves, so that constants would be tuned on the test; name it in one"
+            );
+        }
+        if self.dependent.is_none() {
+            bail!(
+                "[halves]: blocks of seeds share their sessions; say under `dependent` why the halves are not independent"
+            );
+        }
+        Ok(())
     }
 
     /// Refuses halves that share a cluster, unless the declaration says why.

@@ -7,15 +7,26 @@ use anyhow::{Context as _, bail};
 
 use crate::graphs::GraphFile;
 use crate::halves::any;
-use crate::{Experiment, Half, Origin, Source};
+use crate::{Experiment, Half, Halves, Origin, Source};
 
 /// One session, several that are joined (`A+B`), or one given graph.
 pub(crate) struct Item {
     pub(crate) name: String,
     /// The unit of the bootstrap.
     pub(crate) cluster: String,
-    pub(crate) half: Option<Half>,
+    /// Its half, if halves are named by sessions and graphs.
+    half: Option<Half>,
     pub(crate) kind: Kind,
+}
+
+impl Item {
+    /// The half of a run with this seed, if the experiment has halves.
+    pub(crate) fn half_with(&self, experiment: &Experiment, seed: u64) -> anyhow::Result<Option<Half>> {
+        match &experiment.halves {
+            Some(halves) if halves.by_seed() => halves.of_seed(seed).map(Some),
+            _ => Ok(self.half),
+        }
+    }
 }
 
 /// What an item is made from.
@@ -68,6 +79,10 @@ pub(crate) fn items(
     source: &Source,
     missing: &mut BTreeSet<String>,
 ) -> anyhow::Result<Vec<Item>> {
+    let by_seed = experiment.halves.as_ref().is_some_and(Halves::by_seed);
+    if by_seed && !experiment.graphs.is_empty() {
+        bail!("[halves]: given graphs have one seed; name the halves by graphs");
+    }
     let mut found = Vec::new();
     if !experiment.graphs.is_empty() {
         let Some(data) = &source.data else {
@@ -116,7 +131,7 @@ pub(crate) fn items(
             twice.name
         );
     }
-    if let Some(halves) = &experiment.halves {
+    if let Some(halves) = experiment.halves.as_ref().filter(|_| !by_seed) {
         halves.check(found.iter().map(|item| (item.name.as_str(), item.cluster.as_str())))?;
         for item in &mut found {
             item.half = Some(halves.of(&item.name)?);
@@ -126,15 +141,24 @@ pub(crate) fn items(
         if experiment.halves.is_none() {
             bail!("has no [halves], and --half {} asks for one; declare them", half.name());
         }
-        found.retain(|item| item.half == Some(half));
+        found.retain(|item| by_seed || item.half == Some(half));
     }
     Ok(found)
 }
 
-/// The sessions and graphs of an experiment that has halves, by name, with the half of each.
+/// The sessions and graphs of an experiment that has halves, by name, with the half of each; once for every seed where halves
+/// are blocks of seeds.
 pub fn members(experiment: &Experiment, source: &Source) -> anyhow::Result<Vec<(String, &'static str)>> {
-    let items = items(experiment, source, &mut BTreeSet::new())?;
-    Ok(items.into_iter().filter_map(|item| Some((item.name, item.half?.name()))).collect())
+    let by_seed = experiment.halves.as_ref().is_some_and(Halves::by_seed);
+    let mut members = Vec::new();
+    for item in items(experiment, source, &mut BTreeSet::new())? {
+        for seed in 1..=if by_seed { experiment.seeds } else { 1 } {
+            if let Some(half) = item.half_with(experiment, seed)? {
+                members.push((item.name.clone(), half.name()));
+            }
+        }
+    }
+    Ok(members)
 }
 
 /// Whether an item belongs to a list of names and patterns.

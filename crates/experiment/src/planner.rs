@@ -1,16 +1,18 @@
 //! From declarations to a plan.
 
 use std::collections::{BTreeSet, HashMap};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::{Context as _, bail};
-use serde_json::Value;
+use anyhow::Context as _;
 
-use crate::graphs::GraphFile;
 use crate::items::{Item, Kind, items, matches};
-use crate::parameters::{replace, used};
-use crate::programs::locate;
-use crate::{Experiment, Grid, Half, Keep, Plan, Point, Programs, Task};
+use crate::parameters::used;
+use crate::{Experiment, Grid, Half, Keep, Plan, Point, Programs};
+
+mod steps;
+mod task;
+
+use task::Parts;
 
 /// Where sessions and graphs come from and results go.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -19,7 +21,7 @@ pub struct Source {
     pub nclt: Option<PathBuf>,
     /// The folder of given graphs, and of real sessions in its folder `nclt`.
     pub data: Option<PathBuf>,
-    /// Only the items of this half.
+    /// Only the items or seeds of this half.
     pub half: Option<Half>,
     /// Where simulated sessions go.
     pub simulated: PathBuf,
@@ -52,8 +54,12 @@ pub fn plan(
                 };
                 for point in Point::all(experiment, grid) {
                     for seed in 1..=seeds {
+                        let half = item.half_with(experiment, seed).with_context(named)?;
+                        if source.half.is_some() && half != source.half {
+                            continue;
+                        }
                         let methods = grid.methods.as_ref().unwrap_or(&experiment.methods);
-                        let run = Run { experiment, item, point: &point, seed, methods };
+                        let run = Run { experiment, item, point: &point, seed, half, methods };
                         planner.add_run(&run).with_context(named)?;
                     }
                 }
@@ -80,6 +86,7 @@ struct Run<'a> {
     item: &'a Item,
     point: &'a Point,
     seed: u64,
+    half: Option<Half>,
     methods: &'a [String],
 }
 
@@ -88,27 +95,6 @@ struct Planner<'a> {
     source: &'a Source,
     plan: Plan,
     known: HashMap<String, usize>,
-}
-
-/// What a task is made of besides its step.
-#[derive(Default)]
-struct Parts<'a> {
-    group: &'a str,
-    /// What `{input}` stands for; several words where a stage reads several files.
-    inputs: &'a [String],
-    output: String,
-    /// Read too, and not named by `{input}`.
-    more_inputs: Vec<String>,
-    /// After the declared options.
-    more_options: &'a [String],
-    statistics: Option<String>,
-    temporary: bool,
-    /// Further names in the command line.
-    names: &'a [(&'a str, String)],
-    labels: &'a [(String, String)],
-    /// The tasks of the method, of a result.
-    chain: Vec<String>,
-    cpu_limit: Option<u64>,
 }
 
 impl Planner<'_> {
@@ -184,221 +170,6 @@ impl Planner<'_> {
         }
         Ok(())
     }
-
-    /// A session's graph, simulated first where it is not real.
-    fn add_session(
-        &mut self,
-        run: &Run<'_>,
-        session: &str,
-        data: &str,
-        folder: &str,
-    ) -> anyhow::Result<String> {
-        if self.source.simulates(run.experiment) {
-            let output = data.to_owned();
-            self.add(run, "simulate", Parts { group: data, output, ..Parts::default() })?;
-        }
-        let output = format!("{folder}/session.jsonl");
-        self.add(
-            run,
-            "ingest",
-            Parts {
-                group: folder,
-                inputs: &[data.to_owned()],
-                output: output.clone(),
-                more_inputs: self.source.beside(run.experiment, session).into_iter().collect(),
-                statistics: Some(format!("{folder}/ingest.stats.json")),
-                ..Parts::default()
-            },
-        )?;
-        Ok(output)
-    }
-
-    fn add_construction(
-        &mut self,
-        run: &Run<'_>,
-        sessions: &[String],
-        folder: &str,
-    ) -> anyhow::Result<String> {
-        let all = run.experiment.keep == Keep::All;
-        let output = format!("{folder}/graph.jsonl");
-        self.add(
-            run,
-            "construct",
-            Parts {
-                group: folder,
-                inputs: sessions,
-                output: output.clone(),
-                statistics: all.then(|| format!("{folder}/construct.stats.json")),
-                temporary: !all,
-                names: &[("seed", run.seed.to_string())],
-                ..Parts::default()
-            },
-        )?;
-        Ok(output)
-    }
-
-    /// A given graph, converted and labelled.
-    fn add_given(&mut self, run: &Run<'_>, file: &GraphFile, folder: &str) -> anyhow::Result<String> {
-        let all = run.experiment.keep == Keep::All;
-        let converted = format!("{folder}/converted.jsonl");
-        self.add(
-            run,
-            "convert",
-            Parts {
-                group: folder,
-                inputs: &file.files,
-                output: converted.clone(),
-                more_options: &file.convert,
-                statistics: all.then(|| format!("{folder}/convert.stats.json")),
-                temporary: !all,
-                ..Parts::default()
-            },
-        )?;
-        let output = format!("{folder}/graph.jsonl");
-        self.add(
-            run,
-            "label",
-            Parts {
-                group: folder,
-                inputs: &[converted],
-                output: output.clone(),
-                // Files of labels decide what comes out, too.
-                more_inputs: file.label.iter().filter(|word| Path::new(word).is_file()).cloned().collect(),
-                more_options: &file.label,
-                statistics: all.then(|| format!("{folder}/label.stats.json")),
-                temporary: !all,
-                ..Parts::default()
-            },
-        )?;
-        Ok(output)
-    }
-
-    /// The rejection chain of a method and its optimisation; returns the optimised graph and the tasks of the chain.
-    fn add_method(
-        &mut self,
-        run: &Run<'_>,
-        method: &str,
-        folders: &Folders<'_>,
-    ) -> anyhow::Result<(String, Vec<String>)> {
-        let experiment = run.experiment;
-        let chain = experiment.chain(method)?;
-        // Without the reference there is no result at all, so it has no limit.
-        let reference = experiment.chain(&experiment.reference)?;
-        let limit = |steps: &[String]| experiment.cpu_limit.filter(|_| !reference.starts_with(steps));
-        let mut tasks = Vec::new();
-        let mut graph = folders.graph.to_owned();
-        for length in 1..=chain.len() {
-            // A prefix of the chain that is a method itself has that method's name, and runs once for both.
-            let name = experiment
-                .chains
-                .iter()
-                .find(|(_, other)| other.as_slice() == &chain[..length])
-                .map_or_else(|| chain[..length].join("~"), |(name, _)| name.clone());
-            let output = format!("{}/{name}.jsonl", folders.methods);
-            self.add(
-                run,
-                &chain[length - 1],
-                Parts {
-                    group: folders.group,
-                    inputs: &[graph],
-                    output: output.clone(),
-                    statistics: folders.all.then(|| format!("{}/{name}.stats.json", folders.methods)),
-                    temporary: !folders.all,
-                    cpu_limit: limit(&chain[..length]),
-                    ..Parts::default()
-                },
-            )?;
-            tasks.push(output.clone());
-            graph = output;
-        }
-        let output = format!("{}/{method}.optimized.jsonl", folders.methods);
-        self.add(
-            run,
-            "optimize",
-            Parts {
-                group: folders.group,
-                inputs: &[graph],
-                output: output.clone(),
-                statistics: folders.all.then(|| format!("{}/{method}.optimize.stats.json", folders.methods)),
-                temporary: !folders.all,
-                cpu_limit: experiment.cpu_limit.filter(|_| reference != chain),
-                ..Parts::default()
-            },
-        )?;
-        Ok((output, tasks))
-    }
-
-    fn add(&mut self, run: &Run<'_>, step: &str, parts: Parts<'_>) -> anyhow::Result<()> {
-        let nothing = crate::Step::default();
-        let declared = run.experiment.stages.get(step).unwrap_or(&nothing);
-        let stage = declared.program.as_deref().unwrap_or(step);
-        let program = self.programs.get(stage)?;
-        let mut options =
-            run.point.fill(run.experiment, &declared.options).with_context(|| format!("stages.{step}"))?;
-        let more = run.point.fill(run.experiment, parts.more_options);
-        options.extend(more.with_context(|| format!("graphs, options of {step}"))?);
-        let mut files = program.files.clone();
-        let statistics = parts.statistics.iter().filter(|_| !program.statistics.is_empty());
-        let statistics: Vec<String> = statistics.cloned().collect();
-        let template =
-            program.argv.iter().chain(program.statistics.iter().filter(|_| !statistics.is_empty()));
-        let mut argv = Vec::new();
-        for word in template {
-            match word.as_str() {
-                "{options}" => argv.extend(options.iter().cloned()),
-                "{labels}" => {
-                    let pairs = parts.labels.iter().map(|(name, value)| format!("{name}={value}"));
-                    argv.extend(pairs.flat_map(|label| ["--label".to_owned(), label]));
-                }
-                "{input}" => argv.extend(parts.inputs.iter().cloned()),
-                word => argv.push(replace(word, |name| {
-                    Ok(match name {
-                        "program" => program.path.clone(),
-                        "input" => parts.inputs.join(" "),
-                        "output" => parts.output.clone(),
-                        "statistics" => statistics.first().cloned().unwrap_or_default(),
-                        other => match parts.names.iter().find(|(name, _)| *name == other) {
-                            Some((_, value)) => value.clone(),
-                            // A script that calls another stage: what that one is decides what comes out.
-                            None if let Ok(other) = self.programs.get(other) => {
-                                let file = locate(&other.path)?.to_string_lossy().into_owned();
-                                files.push(file.clone());
-                                file
-                            }
-                            None => bail!("the command line of stage \"{stage}\" names \"{{{other}}}\", which this stage does not have"),
-                        },
-                    })
-                })?),
-            }
-        }
-        let task = Task {
-            id: parts.output.clone(),
-            stage: step.to_owned(),
-            group: parts.group.to_owned(),
-            argv,
-            inputs: parts.inputs.iter().cloned().chain(parts.more_inputs).collect(),
-            outputs: vec![parts.output],
-            statistics,
-            files,
-            temporary: parts.temporary,
-            cpu_limit: parts.cpu_limit,
-            labels: parts.labels.iter().map(|(name, value)| (name.clone(), label_value(value))).collect(),
-            chain: parts.chain,
-            digest: String::new(),
-        };
-        match self.known.get(&task.id) {
-            Some(&place) if self.plan.tasks[place] == task => {}
-            Some(_) => bail!(
-                "{}: two runs would write it with different arguments; a parameter is missing from [parameters]",
-                task.id
-            ),
-            None => {
-                self.known.insert(task.id.clone(), self.plan.tasks.len());
-                self.plan.tasks.push(task);
-            }
-        }
-        Ok(())
-    }
 }
 
 fn join(folder: &str, part: &str) -> String {
@@ -410,7 +181,7 @@ fn labels(run: &Run<'_>, pipeline: &str, method: &str) -> Vec<(String, String)> 
     let mut labels = vec![("pipeline", pipeline.to_owned())];
     if let Some(family) = &run.experiment.family {
         labels.push(("family", family.clone()));
-        labels.extend(run.item.half.map(|half| ("half", half.name().to_owned())));
+        labels.extend(run.half.map(|half| ("half", half.name().to_owned())));
         labels.push(("cluster", run.item.cluster.clone()));
     }
     labels.push(("session", run.item.name.clone()));
@@ -418,11 +189,6 @@ fn labels(run: &Run<'_>, pipeline: &str, method: &str) -> Vec<(String, String)> 
     labels.push(("method", method.to_owned()));
     let parameters = run.point.0.iter().map(|(name, value)| (name.clone(), value.clone()));
     labels.into_iter().map(|(name, value)| (name.to_owned(), value)).chain(parameters).collect()
-}
-
-/// As posecut-evaluate writes labels: numbers stay numbers, everything else is text.
-fn label_value(text: &str) -> Value {
-    text.parse::<u64>().map_or_else(|_| Value::from(text), Value::from)
 }
 
 /// Where a method's files go.

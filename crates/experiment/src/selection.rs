@@ -34,7 +34,7 @@ pub struct Selection {
     #[arg(long, value_name = "DIRECTORY")]
     pub data: Option<PathBuf>,
 
-    /// Only the sessions and graphs of this half
+    /// Run only the sessions, graphs or seeds of this half
     #[arg(long, value_enum)]
     pub half: Option<Half>,
 

@@ -89,6 +89,13 @@ impl Graduated {
             iterations += outcome.iterations;
             rejected += outcome.rejected;
             factorizations += outcome.factorizations;
+            // The range of weights between 0 and 1 only shrinks: later rounds would weigh every edge the same.
+            let decided = |edge: &Edge<G, DOF>| matches!(kernel.evaluate(squared(edge, poses)).1, 0.0 | 1.0);
+            if outcome.termination.converged()
+                && edges.iter().filter(|edge| edge.kind == EdgeKind::Landmark).all(decided)
+            {
+                break;
+            }
         }
         set_landmark_kernels(&mut edges, Some(self.kernel()));
         let mut outcome = workspace.minimise(&edges, poses, options);

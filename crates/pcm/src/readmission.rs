@@ -175,7 +175,9 @@ fn judge<G: LieGroup<DOF>, const DOF: usize>(
         let predicted = predicted::<DOF>(edge)?;
         let (start, end) = (pose::<G, DOF>(graph, edge.from)?, pose::<G, DOF>(graph, edge.to)?);
         let estimate = start.between(&end);
-        let innovation = innovation(&measurement, &covariance, &estimate, &predicted, edge.in_use());
+        let innovation = predicted.and_then(|predicted| {
+            innovation(&measurement, &covariance, &estimate, &predicted, edge.in_use())
+        });
         judged.push(Judged { edge: index, in_use: edge.in_use(), innovation });
         places.push(end);
     }
@@ -255,13 +257,19 @@ pub(crate) fn divide_information(graph: &mut PoseGraph, kind: EdgeKind, scale: f
     }
 }
 
-fn predicted<const DOF: usize>(edge: &Edge) -> Result<SMatrix<f64, DOF, DOF>, PcmError> {
+/// The covariance that the optimiser predicts; `None` where it says that the edges in use determine none.
+fn predicted<const DOF: usize>(edge: &Edge) -> Result<Option<SMatrix<f64, DOF, DOF>>, PcmError> {
     let missing = |reason: &str| PcmError::Prediction { edge: edge.name(), reason: reason.to_owned() };
     let value = edge.extra.get(PREDICTED_COVARIANCE).ok_or_else(|| missing("is missing"))?;
+    if value.is_null() {
+        return Ok(None);
+    }
     let terms: Option<Vec<f64>> =
         value.as_array().and_then(|terms| terms.iter().map(serde_json::Value::as_f64).collect());
     let terms = terms.ok_or_else(|| missing("is no list of numbers"))?;
-    unpack_upper_triangle::<DOF>(&terms).map_err(|error| missing(&format!("does not fit ({error})")))
+    unpack_upper_triangle::<DOF>(&terms)
+        .map(Some)
+        .map_err(|error| missing(&format!("does not fit ({error})")))
 }
 
 fn pose<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph, id: u64) -> Result<G, PcmError> {

@@ -111,6 +111,7 @@ fn readmission_admits_drops_and_keeps_by_the_innovation() {
         .replace("[3,0,0]", "[5,0,0]");
     let rejected = |line: &str, stage: &str| line.replace('}', &format!(r#","rejected_by":"{stage}"}}"#));
     let lone = predicted(&edge("landmark", 3, 3, 4, GOOD), "[0.01,0,0,0.01,0,0.0025]");
+    let unpredicted = predicted(&edge("landmark", 4, 1, 4, GOOD), "null");
     let cases = [
         // (line, rejected before, rejected after)
         (rejected(&near, "pcm"), None),
@@ -119,6 +120,9 @@ fn readmission_admits_drops_and_keeps_by_the_innovation() {
         (wrong.clone(), Some("pcm")),
         (rejected(&near, "multicut"), Some("multicut")),
         (lone, None),
+        // Between two parts of the map nothing is predicted: the edge stays what it was.
+        (rejected(&unpredicted, "pcm"), Some("pcm")),
+        (unpredicted.clone(), None),
     ];
     for (line, expected) in cases {
         let mut graph = with(nodes(5), std::slice::from_ref(&line));

@@ -9,6 +9,7 @@
 //!
 //! Clusters are those of [`posecut_islands`].
 
+mod chains;
 pub mod election;
 pub mod fit;
 pub mod stage;

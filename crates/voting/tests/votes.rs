@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use posecut_geometry::SE2;
+use posecut_geometry::{LieGroup as _, SE2};
 use posecut_graph::PoseGraph;
 use posecut_voting::fit::Parts;
 use posecut_voting::{Election, Fit, Quantiles, vote};
@@ -121,6 +121,72 @@ fn redundancy_counts_what_the_edges_say_beyond_the_poses() {
     assert_eq!(parts.fit(&[0, 1]).redundancy, 6);
     let one = parts.fit(&[3]);
     assert!(one.chi2 > 100.0 && one.residuals.len() == 1, "{one:?}");
+}
+
+/// A noisy walk of some steps that turns by `turn`, with odometry edges across it too, some of them written backwards.
+fn walk(
+    steps: usize,
+    turn: f64,
+    noise: &[f64],
+    across: &[(usize, usize)],
+    landmarks: &[(usize, usize, f64)],
+) -> PoseGraph {
+    let mut text = "{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":2}\n".to_owned();
+    let step = SE2::new(1.0, 0.0, turn);
+    let mut truth = vec![SE2::identity()];
+    for _ in 0..steps {
+        truth.push(truth[truth.len() - 1].compose(&step));
+    }
+    for id in 0..=steps {
+        text += &format!("{{\"kind\":\"node\",\"id\":{id},\"session\":\"a\",\"frame\":{id}}}\n");
+    }
+    let mut id = 0;
+    let mut add = |kind: &str, from: usize, to: usize, error: f64| {
+        let measured = truth[from].between(&truth[to]).compose(&SE2::new(error, -0.3 * error, 0.1 * error));
+        let [x, y, _] = measured.translation();
+        text += &format!(
+            "{{\"kind\":\"{kind}\",\"id\":{id},\"from\":{from},\"to\":{to},\"measurement\":[{x},{y},{}],\"information\":[100,0,0,50,0,900]}}\n",
+            measured.angle()
+        );
+        id += 1;
+    };
+    for from in 0..steps {
+        let error = noise[from % noise.len()];
+        if from % 7 == 3 {
+            add("odometry", from + 1, from, error);
+        } else {
+            add("odometry", from, from + 1, error);
+        }
+    }
+    for &(from, to) in across.iter().filter(|(from, to)| from % (steps + 1) != to % (steps + 1)) {
+        add("odometry", from % (steps + 1), to % (steps + 1), 0.05);
+    }
+    for &(from, to, error) in landmarks.iter().filter(|(from, to, _)| from % (steps + 1) != to % (steps + 1))
+    {
+        add("landmark", from % (steps + 1), to % (steps + 1), error);
+    }
+    PoseGraph::read("walk", text.as_bytes()).unwrap()
+}
+
+proptest! {
+    #[test]
+    fn eliminating_nodes_of_odometry_changes_no_optimum(
+        steps in 2_usize..60,
+        turn in -0.4_f64..0.4,
+        noise in proptest::collection::vec(-0.1_f64..0.1, 1..20),
+        across in proptest::collection::vec((0_usize..100, 0_usize..100), 0..3),
+        landmarks in proptest::collection::vec((0_usize..100, 0_usize..100, -1.5_f64..1.5), 1..8),
+    ) {
+        let parts = Parts::<SE2, 3>::of(&walk(steps, turn, &noise, &across, &landmarks)).unwrap();
+        let all: Vec<usize> = (0..parts.places.len()).collect();
+        let (fast, whole) = (parts.fit(&all), parts.fit_whole(&all));
+        prop_assert_eq!(fast.redundancy, whole.redundancy);
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-2 * (1.0 + a.abs().max(b.abs()));
+        prop_assert!(near(fast.chi2, whole.chi2), "chi2 {} and {}", fast.chi2, whole.chi2);
+        for (a, b) in fast.residuals.iter().zip(&whole.residuals) {
+            prop_assert!(near(*a, *b), "{:?} and {:?}", fast.residuals, whole.residuals);
+        }
+    }
 }
 
 #[test]

@@ -5,6 +5,7 @@ use posecut_geometry::covariance::pack_upper_triangle;
 use posecut_graph::{EdgeKind, Extra, PoseGraph};
 use posecut_stage::{Statistics, warn};
 use serde::Serialize;
+use serde_json::Value;
 
 use crate::{Marginals, PoseGroup, Problem, Solution};
 
@@ -20,7 +21,7 @@ pub enum MarginalsOf {
     All,
 }
 
-/// Writes the covariances; a field of an earlier run is taken away where there is none now.
+/// Writes the covariances, instead of those of an earlier run.
 pub(super) fn write<G: PoseGroup<DOF>, const DOF: usize>(
     of: MarginalsOf,
     problem: &Problem<G, DOF>,
@@ -38,7 +39,9 @@ pub(super) fn write<G: PoseGroup<DOF>, const DOF: usize>(
         let covariances = marginals.relative(&pairs);
         note("predicted_covariances", &covariances, "landmark edges", statistics);
         for (edge, covariance) in graph.edges.iter_mut().filter(|edge| is_asked(&&**edge)).zip(covariances) {
-            set(&mut edge.extra, "predicted_covariance", covariance);
+            // Null where there is none: absent would mean that nobody asked.
+            let value = covariance.map_or(Value::Null, |covariance| pack_upper_triangle(&covariance).into());
+            edge.extra.insert("predicted_covariance".to_owned(), value);
         }
     }
     if matches!(of, MarginalsOf::Poses | MarginalsOf::All) {

@@ -160,6 +160,23 @@ fn marginals_stand_on_landmark_edges_and_nodes() {
 }
 
 #[test]
+fn an_edge_between_two_parts_has_a_marginal_of_null() {
+    // Without odometry 0 and 1, node 1 is alone.
+    let lines = GRAPH
+        .lines()
+        .filter(|line| !line.contains("\"odometry\",\"id\":0") && !line.contains("\"odometry\",\"id\":1"));
+    let edge = "{\"kind\":\"landmark\",\"id\":7,\"from\":1,\"to\":3,\"rejected_by\":\"pcm\",\"measurement\":[1,1,0],\"information\":[100,0,0,100,0,400]}";
+    let apart: String = lines.chain([edge]).map(|line| format!("{line}\n")).collect();
+    let output = run_on(&["--marginals", "landmark"], &apart);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let graph = String::from_utf8(output.stdout).unwrap();
+    let of =
+        |id: &str| graph.lines().find(|line| line.contains(&format!("\"landmark\",\"id\":{id},"))).unwrap();
+    assert!(of("7").contains("\"predicted_covariance\":null"), "{}", of("7"));
+    assert!(of("5").contains("\"predicted_covariance\":["), "{}", of("5"));
+}
+
+#[test]
 fn fixed_nodes_stay_where_they_are_in_both_solvers() {
     let fixed = GRAPH
         .replace("\"id\":1,\"pose\":[1,0,1.5]", "\"id\":1,\"fixed\":true,\"pose\":[1,0,1.5]")
