@@ -17,6 +17,8 @@ pub(crate) struct Evidence {
     pub(crate) chance: f64,
     /// ln t(e; S) - ln t(e; S + L'), L' a local error: the right neighbourhood, wrongly measured.
     pub(crate) local: f64,
+    /// What `chance` would be without any error: how well the prediction can tell correct from chance.
+    pub(crate) most: f64,
     /// e^T S^-1 e
     pub(crate) squared_distance: f64,
     /// Whether the squared distance contradicts, whatever the alternatives say.
@@ -64,10 +66,14 @@ pub(crate) fn compare<const DOF: usize>(
     Some(Evidence {
         chance: ratio(&far),
         local: ratio(&local),
+        most: 0.5 * (far.log_determinant - near.log_determinant),
         squared_distance: near.squared,
         beyond: near.squared > GATE * DOF as f64,
     })
 }
+
+/// Determinants whose logarithm is taken once: a product of pivots must neither overflow nor vanish, whatever the units.
+const RANGE: std::ops::Range<f64> = 1e-150..1e150;
 
 /// L D L^T of a covariance, with a right-hand side carried along.
 struct Elimination {
@@ -85,12 +91,11 @@ impl Elimination {
             if !(pivot > 0.0 && pivot.is_finite()) {
                 return None;
             }
-            determinant *= pivot;
-            // Three pivots fit the range of a double whatever the units.
-            if column % 3 == 2 || column + 1 == DOF {
+            if !RANGE.contains(&(determinant * pivot)) {
                 log_determinant += determinant.ln();
                 determinant = 1.0;
             }
+            determinant *= pivot;
             squared += whitened[column] * whitened[column] / pivot;
             for later in column + 1..DOF {
                 let ratio = remaining[(later, column)] / pivot;
@@ -100,6 +105,7 @@ impl Elimination {
                 }
             }
         }
+        log_determinant += determinant.ln();
         (log_determinant.is_finite() && squared.is_finite()).then_some(Self { log_determinant, squared })
     }
 }

@@ -14,12 +14,17 @@ use crate::map::Drawing;
 use crate::model::{Model, Motion};
 use crate::partners::Partners;
 
-/// Most rounds of map and verdicts.
+/// Most rounds of map and verdicts that do not mainly add closures.
 const ROUNDS: usize = 12;
+/// Most rounds in all, and the growth of a round that mainly adds.
+const ROUNDS_IN_ALL: usize = 60;
+const GROWTH: f64 = 1.02;
 /// Evidence along a spanning tree below which a cluster does not join two parts, nats.
 pub(crate) const LEAST_EVIDENCE: f64 = 20.0;
 /// Log-likelihood ratio at which a closure contradicts the map.
 pub(crate) const CONTRADICTED: f64 = -3.0;
+/// Largest probability of being wrong at which a closure is accepted.
+const DOUBT_MOST: f64 = 0.05;
 /// Members of a cluster that are looked at to tell whether all of it agrees with the map.
 const WITNESSES: usize = 16;
 
@@ -62,6 +67,12 @@ struct Rounds<'a, G, const DOF: usize> {
     parts: UnionFind<usize>,
     accepted: Vec<bool>,
     ratio: Vec<Option<f64>>,
+    /// Whether the error is as small as that of 95 % of correct closures.
+    fits: Vec<bool>,
+    /// Whether a closure without any error would have too little evidence, since the map says too little about its ends.
+    unseen: Vec<bool>,
+    /// Squared distance that 95 % of correct closures stay below.
+    usual: f64,
     /// Where the last map ended, if the next is nearly the same.
     poses: Option<Vec<G>>,
 }
@@ -80,7 +91,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
             let closed = model.single(closure)?;
             let local = calibration.local(&closed.landmark);
             let evidence = compare(&closed.error, &calibration.covariance(&closed), &closed.apart, &local);
-            Some(evidence.map_or(-CLIP, |found| found.distant()))
+            evidence.map(|found| found.distant())
         })
         .collect();
     let threshold = (COST * count as f64 * (1.0 - calibration.correct)).max(1.0).ln();
@@ -107,7 +118,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
                 && best[islands.forest.find(closure)] > loose
         })
         .collect();
-    let hypotheses = islands.hypotheses(&accepted);
+    let hypotheses = islands.hypotheses();
     let parts = UnionFind::new(chains);
     let drawing = Drawing::of(graph, model)?;
     let mut rounds = Rounds {
@@ -121,18 +132,23 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         parts,
         accepted,
         ratio,
+        fits: vec![false; count],
+        unseen: vec![false; count],
+        usual: usual(DOF),
         poses: None,
     };
-    let mut number = 0;
+    let (mut number, mut settling) = (0, 0);
     let mut next = rounds.accepted.clone();
     rounds.join(&mut next);
-    while number < ROUNDS {
+    while settling < ROUNDS && number < ROUNDS_IN_ALL {
         rounds.accepted = next;
         number += 1;
         next = rounds.round()?;
         if next == rounds.accepted {
             break;
         }
+        let size = |set: &[bool]| set.iter().filter(|member| **member).count() as f64;
+        settling += usize::from(size(&next) < GROWTH * size(&rounds.accepted));
     }
     let mut all = UnionFind::<usize>::new(chains);
     let joinable = model.spans.iter().filter(|span| all.union(span.a, span.b)).count();
@@ -165,12 +181,12 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         };
         let asked: Vec<usize> = (0..self.accepted.len()).filter(|&closure| within(closure)).collect();
         let open = |hypothesis: &&Hypothesis| {
-            within(hypothesis.members[0]) && !hypothesis.members.iter().any(|&member| self.accepted[member])
+            let accepted = hypothesis.members.iter().filter(|&&member| self.accepted[member]).count();
+            within(hypothesis.members[0]) && 2 * accepted < hypothesis.members.len()
         };
-        let mut first: Vec<usize> =
-            self.hypotheses.iter().filter(open).flat_map(Hypothesis::witnesses).collect();
-        first.sort_unstable();
+        let first: Vec<usize> = self.hypotheses.iter().filter(open).flat_map(Hypothesis::witnesses).collect();
         let mut map = self.drawing.map(self.model, &self.random, &self.accepted, self.poses.as_deref())?;
+        map.enough = self.threshold;
         let judged = map.judge(&self.partners, &asked, &first);
         let poses = map.poses;
         // Of the accepted ones that the rest contradicts the worst third goes first: the others may be its victims.
@@ -189,13 +205,20 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
                     .is_some_and(|found| found.weight() <= CONTRADICTED && found.squared_distance < limit);
             // Where the rest of the map does not hold both ends, what was known before counts.
             match evidence {
-                Some(evidence) if !spared => self.ratio[closure] = Some(evidence.weight()),
+                Some(evidence) if !spared => {
+                    self.ratio[closure] = Some(evidence.weight());
+                    self.unseen[closure] = evidence.most <= self.loose;
+                    self.fits[closure] = evidence.squared_distance <= self.usual;
+                }
                 _ => {}
             }
         }
         let mut next: Vec<bool> = (0..self.accepted.len())
             .map(|closure| within(closure) && self.ratio[closure].is_some_and(|ratio| ratio > self.threshold))
             .collect();
+        for closure in self.likely(&next) {
+            next[closure] = within(closure);
+        }
         for closure in asked {
             // Accepted with a hypothesis, and the map does not hold both ends without it.
             next[closure] |= self.accepted[closure] && self.ratio[closure].is_none();
@@ -217,10 +240,49 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         for member in agreeing {
             next[member] = true;
         }
+        // Where odometry says nothing of closures, only an island's own evidence can place it: the heaviest goes first.
+        if self.random.on_prior
+            && let Some(unseen) =
+                self.hypotheses.iter().filter(open).find(|hypothesis| self.unplaced(hypothesis))
+        {
+            for &member in &unseen.members {
+                next[member] = true;
+            }
+        }
         let joined = self.join(&mut next);
         // Nearly the same map: start from this one.
         self.poses = (!joined).then_some(poses);
         Ok(next)
+    }
+
+    /// Whether the map could hardly support most members of a hypothesis if they were correct, and does not contradict them.
+    fn unplaced(&self, hypothesis: &Hypothesis) -> bool {
+        let witnesses = hypothesis.witnesses();
+        let unseen = witnesses.iter().filter(|&&member| {
+            self.unseen[member] && self.ratio[member].is_some_and(|ratio| ratio > CONTRADICTED)
+        });
+        2 * unseen.count() > witnesses.len()
+    }
+
+    /// Closures with less evidence than a random one might have somewhere, but which are likely where they are: they fit as
+    /// correct ones do, the posterior probability is high, and among all of them less than a third of a wrong one is expected.
+    fn likely(&self, next: &[bool]) -> Vec<usize> {
+        let odds = self.random.correct / (1.0 - self.random.correct);
+        let mut doubts: Vec<(f64, usize)> = (0..next.len())
+            .filter(|&closure| !next[closure] && self.fits[closure])
+            .filter_map(|closure| Some((1.0 / (1.0 + odds * self.ratio[closure]?.exp()), closure)))
+            .filter(|(doubt, _)| *doubt < DOUBT_MOST)
+            .collect();
+        doubts.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut expected = 0.0;
+        doubts
+            .into_iter()
+            .take_while(|(doubt, _)| {
+                expected += doubt;
+                expected < 1.0 / COST
+            })
+            .map(|(_, closure)| closure)
+            .collect()
     }
 
     /// Joins parts by the hypotheses of most evidence, each part at most once a round, so that the next round judges the
@@ -317,10 +379,10 @@ impl Islands {
         best
     }
 
-    /// Islands of enough evidence without accepted members, the heaviest first.
-    fn hypotheses(&self, accepted: &[bool]) -> Vec<Hypothesis> {
+    /// Islands of enough evidence, the heaviest first.
+    fn hypotheses(&self) -> Vec<Hypothesis> {
         let mut found: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-        for closure in 0..accepted.len() {
+        for closure in 0..self.evidence.len() {
             let root = self.forest.find(closure);
             if self.evidence[root] > LEAST_EVIDENCE {
                 found.entry(root).or_default().push(closure);
@@ -328,7 +390,6 @@ impl Islands {
         }
         let mut hypotheses: Vec<Hypothesis> = found
             .into_iter()
-            .filter(|(_, members)| !members.iter().any(|&member| accepted[member]))
             .map(|(root, members)| Hypothesis { evidence: self.evidence[root], members })
             .collect();
         hypotheses.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
@@ -360,4 +421,11 @@ fn ties<G: Motion<DOF>, const DOF: usize>(
             Some(Tie { one, other, ratio: evidence.weight() })
         })
         .collect()
+}
+
+/// The 95 % quantile of chi-square (Wilson and Hilferty 1931).
+fn usual(degrees: usize) -> f64 {
+    let degrees = degrees as f64;
+    let spread = 2.0 / (9.0 * degrees);
+    degrees * (1.0 - spread + 1.645 * spread.sqrt()).powi(3)
 }

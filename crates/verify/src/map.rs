@@ -5,7 +5,7 @@ use posecut_graph::PoseGraph;
 use posecut_optimize::{Edge, EdgeKind, Initialisation, Marginals, Options, Problem, optimize};
 
 use crate::calibration::Calibration;
-use crate::evidence::{Evidence, compare};
+use crate::evidence::{CLIP, Evidence, compare};
 use crate::judge::CONTRADICTED;
 use crate::model::{Model, Motion};
 use crate::partners::Partners;
@@ -39,6 +39,8 @@ pub(crate) struct Map<'a, G, const DOF: usize> {
     marginals: Marginals<G, DOF>,
     /// Factor on covariances, from the innovations of accepted closures.
     pub(crate) scale: f64,
+    /// Evidence that is enough to accept a closure.
+    pub(crate) enough: f64,
 }
 
 /// How a measurement differs from what the rest of the map predicts.
@@ -88,11 +90,12 @@ impl<G: Motion<DOF>, const DOF: usize> Drawing<G, DOF> {
         let initialisation = if start.is_some() { Initialisation::Given } else { Initialisation::Best };
         let start = start.unwrap_or(&self.start).to_vec();
         let problem = Problem::new(start, odometry.chain(landmarks).collect())?;
-        let options = Options { cost_tolerance: 1e-6, initialisation, ..Options::default() };
+        let options =
+            Options { cost_tolerance: 1e-4, max_iterations: 40, initialisation, ..Options::default() };
         let solution = optimize(&problem, &options);
         let marginals = Marginals::new(&problem, &solution.poses, &solution.weights);
         let poses = solution.poses;
-        Ok(Map { drawing: self, model, calibration, accepted, poses, marginals, scale: 1.0 })
+        Ok(Map { drawing: self, model, calibration, accepted, poses, marginals, scale: 1.0, enough: CLIP })
     }
 }
 
@@ -146,7 +149,7 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
         let open: Vec<usize> = asked
             .iter()
             .copied()
-            .filter(|&closure| !self.accepted[closure] && found[closure].is_none())
+            .filter(|&closure| !self.accepted[closure] && self.in_doubt(closure, found[closure].as_ref()))
             .collect();
         let mut nodes: Vec<usize> = open.iter().flat_map(|&closure| self.ends(closure)).collect();
         nodes.sort_unstable();
@@ -166,8 +169,12 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
                 _ => unsure.push(closure),
             }
         }
-        let mut exact: Vec<usize> =
-            first.iter().copied().filter(|closure| unsure.binary_search(closure).is_ok()).collect();
+        let mut exact: Vec<usize> = first
+            .iter()
+            .copied()
+            .filter(|closure| unsure.binary_search(closure).is_ok())
+            .take(EXACT)
+            .collect();
         let step = unsure.len().div_ceil(EXACT).max(1);
         exact.extend(unsure.iter().copied().step_by(step));
         exact.sort_unstable();
@@ -175,6 +182,12 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
         for (&closure, covariance) in exact.iter().zip(self.relative(&exact)) {
             found[closure] = covariance.map(|covariance| self.innovation(closure, &covariance));
         }
+    }
+
+    /// Whether a bound neither contradicts a closure nor supports it enough.
+    fn in_doubt(&self, closure: usize, bound: Option<&Innovation<DOF>>) -> bool {
+        let evidence = bound.and_then(|bound| self.evidence(closure, bound));
+        evidence.is_none_or(|found| found.weight() > CONTRADICTED && found.weight() <= self.enough)
     }
 
     fn ends(&self, closure: usize) -> [usize; 2] {

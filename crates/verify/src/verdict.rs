@@ -74,6 +74,8 @@ pub(crate) fn findings<G: Motion<DOF>, const DOF: usize>(
         }
     }
     let witnesses = witnesses(&judged.ties, &judged.accepted);
+    let opposed = opposed(&judged.ties, count);
+    let alone = alone(judged);
     (0..count)
         .map(|closure| {
             let accepted = judged.accepted[closure];
@@ -93,7 +95,7 @@ pub(crate) fn findings<G: Motion<DOF>, const DOF: usize>(
                 edge: model.closures[closure].candidate.edge,
                 verdict,
                 reason,
-                probability: probability(ratio, accepted, judged),
+                probability: probability(ratio, accepted, judged, alone / (1.0 + opposed[closure])),
                 ratio,
                 witnesses: witnesses[closure].iter().map(id).collect(),
                 hypothesis: if accepted { Some(0) } else { rival[closure] },
@@ -102,16 +104,39 @@ pub(crate) fn findings<G: Motion<DOF>, const DOF: usize>(
         .collect()
 }
 
-/// The posterior of a mixture with the estimated share of correct candidates. What the map does not reach keeps the share.
-fn probability(ratio: Option<f64>, accepted: bool, judged: &Judged) -> f64 {
+/// The posterior probability of a mixture. The prior odds are those of the estimated share of correct candidates where the
+/// map reaches, and `alone` where nothing does.
+fn probability(ratio: Option<f64>, accepted: bool, judged: &Judged, alone: f64) -> f64 {
     let correct = judged.calibration.correct;
-    let evidence = match ratio {
-        Some(ratio) => ratio.clamp(-CLIP, CLIP),
+    let odds = match ratio {
+        Some(ratio) => ratio.clamp(-CLIP, CLIP).exp() * correct / (1.0 - correct),
         // Accepted with a hypothesis that nothing else holds.
-        None if accepted => CLIP,
-        None => 0.0,
+        None if accepted => CLIP.exp() * correct / (1.0 - correct),
+        None => alone,
     };
-    1.0 / (1.0 + (-evidence).exp() * (1.0 - correct) / correct)
+    odds / (1.0 + odds)
+}
+
+/// Odds that a candidate is correct of which neither the map nor another candidate says anything. Correct candidates mostly
+/// have company: one in all accepted ones is taken to be alone, against the share of the others that is.
+fn alone(judged: &Judged) -> f64 {
+    let correct = judged.calibration.correct;
+    let accepted = judged.accepted.iter().filter(|accepted| **accepted).count() as f64;
+    let silent =
+        judged.ratio.iter().zip(&judged.accepted).filter(|(ratio, accepted)| ratio.is_none() && !**accepted);
+    let silent = silent.count() as f64;
+    let others = judged.accepted.len() as f64 - accepted;
+    correct / (1.0 - correct) * (others + 1.0) / (silent + 1.0) / (accepted + 1.0)
+}
+
+/// For each candidate how many others contradict it: at most one of these can be correct.
+fn opposed(ties: &[Tie], count: usize) -> Vec<f64> {
+    let mut opposed = vec![0.0; count];
+    for tie in ties.iter().filter(|tie| tie.ratio <= CONTRADICTED) {
+        opposed[tie.one] += 1.0;
+        opposed[tie.other] += 1.0;
+    }
+    opposed
 }
 
 /// The accepted partners that speak most for each accepted closure, and most against each other one.
