@@ -11,9 +11,9 @@ use crate::spread::Spatial;
 
 /// Landmark edges below which there is no estimate. Loops do not count: one edge closes up to nine of them.
 pub(crate) const FEWEST: usize = 15;
-/// Nats of evidence below which an estimate rests on nothing, and nats an edge: false edges between nearby places agree a
+/// Nats of evidence below which an estimate rests on nothing (drawn sessions without overlap reach 11), and nats an edge: false edges between nearby places agree a
 /// little better than with shuffled ends.
-const EVIDENCE: f64 = 10.0;
+const EVIDENCE: f64 = 15.0;
 const EVIDENCE_OF_EDGE: f64 = 0.2;
 
 /// What covariances are multiplied by: above 1 where they are too tight.
@@ -88,7 +88,7 @@ pub enum NoScales {
 /// odometry's factor is 2.5 times too large in the plane, and 6 times in space.
 ///
 /// Large enough factors explain any loops, those of false edges too. The mixture is therefore also fitted to the same
-/// loops with one end of each landmark edge shuffled, and there is no estimate where the loops themselves are less than 10
+/// loops with one end of each landmark edge shuffled, and there is no estimate where the loops themselves are less than 15
 /// nats likelier (0.2 an edge where that is more), or where fewer than 15 landmark edges close them. O(N log N + 10^4 * iterations).
 pub fn estimate_scales<G: Spatial<DOF>, const DOF: usize>(
     chains: &Chains<G, DOF>,
