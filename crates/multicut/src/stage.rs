@@ -78,6 +78,9 @@ pub enum SolverChoice {
     Gaec,
 }
 
+/// Indices of edges, each with its cost.
+type Priced = Vec<(usize, f64)>;
+
 impl StageOptions {
     /// How to solve, as the command line says it.
     pub(crate) fn solver_options(&self, certificate: bool) -> anyhow::Result<crate::Options> {
@@ -102,9 +105,9 @@ impl StageOptions {
     }
 
     /// The place of each landmark edge in use and its cost, with the support that costs rest on.
-    fn costs(&self, graph: &PoseGraph) -> anyhow::Result<(Vec<(usize, f64)>, Option<Support>)> {
+    fn costs(&self, graph: &PoseGraph) -> anyhow::Result<(Priced, Option<Support>)> {
         if self.costs == Costs::Field {
-            let costs: anyhow::Result<Vec<(usize, f64)>> = graph
+            let costs: anyhow::Result<Priced> = graph
                 .edges
                 .iter()
                 .enumerate()

@@ -178,7 +178,7 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
             .collect();
         let mut islands = Islands::of(members, &links);
         let mut supported = islands.take_first();
-        if self.pool.groups > 1 && !self.is_vouched_for(&supported, &vouched, members, limit) {
+        if self.pool.groups > 1 && !Self::is_vouched_for(&supported, &vouched, members, limit) {
             supported.clear();
         }
         while !supported.is_empty() {
@@ -204,7 +204,7 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
     }
 
     /// Whether an island has two members, or one that the odometry of its chain vouches for.
-    fn is_vouched_for(&self, island: &[usize], vouched: &[Vouched], members: &[usize], limit: f64) -> bool {
+    fn is_vouched_for(island: &[usize], vouched: &[Vouched], members: &[usize], limit: f64) -> bool {
         match island {
             [] => false,
             [only] => members.binary_search(only).is_ok_and(|place| vouched[place].odometry <= limit),

@@ -182,13 +182,12 @@ fn judge<G: LieGroup<DOF>, const DOF: usize>(
         places.push(end);
     }
     result.tested = judged.len();
-    result.scale = match options.scale {
-        Some(scale) => scale,
-        None => {
-            let estimate = estimated_scale(&judged)?;
-            result.unbounded_scale = (estimate > LARGEST_SCALE).then_some(estimate);
-            estimate.min(LARGEST_SCALE)
-        }
+    result.scale = if let Some(scale) = options.scale {
+        scale
+    } else {
+        let estimate = estimated_scale(&judged)?;
+        result.unbounded_scale = (estimate > LARGEST_SCALE).then_some(estimate);
+        estimate.min(LARGEST_SCALE)
     };
     let by_chance = ByChance::of(&places);
     let false_alarms: Vec<Option<f64>> = judged

@@ -35,12 +35,7 @@ fn judge<S: GraphStage>(graph: &mut PoseGraph, options: &[&str]) {
     line.options.run(graph, &mut Context::new(identity, line.common)).unwrap();
 }
 
-fn bench(
-    criterion: &mut Criterion,
-    graph: &PoseGraph,
-    name: &str,
-    (method, judge): (&str, &dyn Fn(&mut PoseGraph)),
-) {
+fn bench(criterion: &mut Criterion, graph: &PoseGraph, name: &str, (method, judge): (&str, Method)) {
     let mut group = criterion.benchmark_group(name);
     group.sample_size(10).sampling_mode(SamplingMode::Flat);
     group.warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(2));
@@ -57,12 +52,15 @@ fn bench(
     group.finish();
 }
 
+/// Judges the landmark edges of a graph.
+type Method<'a> = &'a dyn Fn(&mut PoseGraph);
+
 fn benches(criterion: &mut Criterion) {
     let large = std::env::var_os("POSECUT_BENCH_LARGE").is_some();
     for candidates in SIZES.into_iter().filter(|&size| large || size <= LARGEST) {
         for (kind, falsehood) in [("uniform", Falsehood::Uniform), ("grouped", Falsehood::Grouped)] {
             let graph = Scenario { candidates, outliers: 0.3, falsehood, seed: 1 }.draw::<SE2, 3>();
-            let methods: [(&str, &dyn Fn(&mut PoseGraph)); 3] = [
+            let methods: [(&str, Method); 3] = [
                 ("verify", &|graph| judge::<posecut_verify::Options>(graph, &[])),
                 ("pcm", &|graph| judge::<posecut_pcm::Options>(graph, &[])),
                 ("pcm --chance 3", &|graph| judge::<posecut_pcm::Options>(graph, &["--chance", "3"])),

@@ -1,5 +1,7 @@
 //! Trajectories that grow, and fresh batch solutions to compare with.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_optimize::incremental::IncrementalSolver;

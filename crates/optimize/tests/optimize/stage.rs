@@ -166,7 +166,7 @@ fn an_edge_between_two_parts_has_a_marginal_of_null() {
         .lines()
         .filter(|line| !line.contains("\"odometry\",\"id\":0") && !line.contains("\"odometry\",\"id\":1"));
     let edge = "{\"kind\":\"landmark\",\"id\":7,\"from\":1,\"to\":3,\"rejected_by\":\"pcm\",\"measurement\":[1,1,0],\"information\":[100,0,0,100,0,400]}";
-    let apart: String = lines.chain([edge]).map(|line| format!("{line}\n")).collect();
+    let apart = lines.chain([edge]).collect::<Vec<_>>().join("\n");
     let output = run_on(&["--marginals", "landmark"], &apart);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let graph = String::from_utf8(output.stdout).unwrap();

@@ -62,13 +62,14 @@ impl Trust {
             write_figure(path, &drawing)?;
         }
         if let Some(path) = &self.reliability {
-            match reliability(&benchmark, self.half) {
-                Some(found) => write_figure(path, &charts(&diagram(&found), COLUMNS)?)?,
-                None => warn!(
+            if let Some(found) = reliability(&benchmark, self.half) {
+                write_figure(path, &charts(&diagram(&found), COLUMNS)?)?;
+            } else {
+                warn!(
                     "{} is not written: no result of the {} half has probabilities (`calibration`)",
                     path.display(),
                     self.half
-                ),
+                );
             }
         }
         if let Some(document) = &self.document {
