@@ -20,7 +20,7 @@ SHELL := /bin/sh
 .DELETE_ON_ERROR:
 .SECONDARY:
 .DEFAULT_GOAL := help
-.PHONY: help trust documentation install table methods figures report regimes sweep run check-results accept-results stages test check bench data clean
+.PHONY: help trust documentation install table methods figures report regimes sweep run check-results accept-results stages test check properties bench data clean
 
 help:
 	@echo 'posecut: which landmark edges of a multi-session pose graph are wrong?'
@@ -198,6 +198,11 @@ include pipelines/trust.mk
 test:
 	cargo build --release --workspace --bins --tests --examples --locked
 	cargo test --release --workspace --locked
+
+# Property tests on other cases than those that every run of the tests draws: make properties CASES="7 8 9".
+CASES ?= 2 3 4
+properties:
+	for case in $(CASES); do echo "cases $$case"; PROPTEST_RNG_SEED=$$case cargo test --release --workspace --locked --quiet || exit 1; done
 
 check:
 	cargo fmt --all --check
