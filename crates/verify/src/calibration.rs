@@ -45,12 +45,32 @@ impl Calibration {
     }
 }
 
+impl Calibration {
+    /// Prior odds that a candidate is correct.
+    pub(crate) fn odds(&self) -> f64 {
+        self.correct / (1.0 - self.correct)
+    }
+
+    /// The same of a candidate of which neither the map nor another candidate says anything. Correct candidates mostly have
+    /// company: one in all accepted ones is taken to be alone, against the share of the others that is.
+    pub(crate) fn odds_alone(&self, ratio: &[Option<f64>], accepted: &[bool]) -> f64 {
+        let silent = ratio.iter().zip(accepted).filter(|(ratio, accepted)| ratio.is_none() && !**accepted);
+        let silent = silent.count() as f64;
+        let agreed = accepted.iter().filter(|accepted| **accepted).count() as f64;
+        let others = accepted.len() as f64 - agreed;
+        self.odds() * (others + 1.0) / (silent + 1.0) / (agreed + 1.0)
+    }
+}
+
 /// Loops of a kind that share a mixing proportion, with their shuffled twins.
 struct Class<const DOF: usize> {
     /// Whether it tells how many candidates are correct.
     counts: bool,
     /// Most local errors, as a share of the correct loops: local errors are the exception, or they would be the noise.
     local_most: f64,
+    /// Whether loops may be shifted: false closures between chains come in groups that agree within themselves, and lie a
+    /// corridor's or a crossing's width beside the correct ones.
+    shifted: bool,
     real: Vec<Loop<DOF>>,
     shuffled: Vec<Loop<DOF>>,
 }
@@ -182,7 +202,7 @@ impl<const DOF: usize> Class<DOF> {
                 shuffled.push(twin.clone());
             }
         }
-        Self { counts: self.counts, local_most: self.local_most, real, shuffled }
+        Self { real, shuffled, ..*self }
     }
 }
 
@@ -243,22 +263,34 @@ fn contrast<const DOF: usize>(
     let (mut sum, mut evidence, mut correct) = (0.0, 0.0, 0.0);
     let mut counted = 0.0;
     for class in classes {
-        let ratios = |loops: &[Loop<DOF>]| -> Vec<[f64; 2]> {
+        let shift: f64 = std::env::var("SH").map_or(0.01, |q| q.parse().unwrap());
+        let ratios = |loops: &[Loop<DOF>]| -> Vec<[f64; 3]> {
             loops
                 .iter()
                 .filter_map(|closed| {
                     let local = factors.local(&closed.landmark);
                     let evidence =
                         compare(&closed.error, &factors.covariance(closed), &closed.apart, &local)?;
-                    // Correct and local error, each against chance.
-                    Some([evidence.chance.exp(), (evidence.chance - evidence.local).exp()])
+                    let shifted =
+                        compare(&closed.error, &factors.covariance(closed), &(closed.apart * shift), &local)?;
+                    // Correct, local error and shift, each against chance.
+                    Some([
+                        evidence.chance.exp(),
+                        (evidence.chance - evidence.local).exp(),
+                        (evidence.chance - shifted.chance).exp(),
+                    ])
                 })
                 .collect()
         };
         let (real, shuffled) = (ratios(&class.real), ratios(&class.shuffled));
-        let [share, local] = shares(&real, class.local_most);
-        let gain = |ratios: &[[f64; 2]]| {
-            ratios.iter().map(|[ok, near]| (share * (ok - 1.0) + local * (near - 1.0)).ln_1p()).sum::<f64>()
+        let [share, local, shifted] = shares(&real, class);
+        let gain = |ratios: &[[f64; 3]]| {
+            ratios
+                .iter()
+                .map(|[ok, near, wide]| {
+                    (share * (ok - 1.0) + local * (near - 1.0) + shifted * (wide - 1.0)).ln_1p()
+                })
+                .sum::<f64>()
         };
         let gained = gain(&real) - gain(&shuffled).max(0.0);
         sum += gained;
@@ -272,33 +304,44 @@ fn contrast<const DOF: usize>(
 }
 
 /// The mixing proportions of correct loops and of local errors, by expectation maximisation.
-fn shares(ratios: &[[f64; 2]], local_most: f64) -> [f64; 2] {
-    let (mut share, mut local) = (0.5, 0.05);
+fn shares<const DOF: usize>(ratios: &[[f64; 3]], class: &Class<DOF>) -> [f64; 3] {
+    let local_most = class.local_most;
+    let (mut share, mut local, mut shifted) = (0.5, 0.05, if class.shifted { 0.05 } else { 0.0 });
     for _ in 0..12 {
-        let (mut correct, mut near) = (0.0, 0.0);
-        for [ok, wide] in ratios {
-            let rest = 1.0 - share - local;
-            let total = rest + share * ok + local * wide;
+        let (mut correct, mut near, mut wide) = (0.0, 0.0, 0.0);
+        for [ok, local_error, shift] in ratios {
+            let rest = 1.0 - share - local - shifted;
+            let total = rest + share * ok + local * local_error + shifted * shift;
             correct += share * ok / total;
-            near += local * wide / total;
+            near += local * local_error / total;
+            wide += shifted * shift / total;
         }
         // A wrong and a correct loop more than seen: never certain.
-        let all = ratios.len() as f64 + 2.5;
-        (share, local) = ((correct + 1.0) / all, (near + 0.5) / all);
-        if local > local_most * share {
-            let both = share + local;
-            share = both / (1.0 + local_most);
-            local = both - share;
+        let all = ratios.len() as f64 + 3.0;
+        (share, local, shifted) =
+            ((correct + 1.0) / all, (near + 0.5) / all, if class.shifted { (wide + 0.5) / all } else { 0.0 });
+        let wrong = local + shifted;
+        if wrong > local_most * share {
+            let sum = share + wrong;
+            share = sum / (1.0 + local_most);
+            let kept = (sum - share) / wrong;
+            (local, shifted) = (local * kept, shifted * kept);
         }
     }
-    [share, local]
+    [share, local, shifted]
 }
 
 /// Loops through single closures of a chain; between chains, through pairs of near and of random partners.
 fn classes<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, partners: &Partners) -> Vec<Class<DOF>> {
-    let empty = |counts, local_most| Class { counts, local_most, real: Vec::new(), shuffled: Vec::new() };
-    let (mut single, mut short) = (empty(true, 0.0), empty(false, 1.25));
-    let (mut near, mut far) = (empty(true, 1.25), empty(true, 1.25));
+    let empty = |counts, local_most, shifted| Class {
+        counts,
+        local_most,
+        shifted,
+        real: Vec::new(),
+        shuffled: Vec::new(),
+    };
+    let (mut single, mut short) = (empty(true, 0.0, false), empty(false, 1.25, false));
+    let (mut near, mut far) = (empty(true, 1.25, true), empty(true, 1.25, true));
     let count = model.closures.len();
     let step = count.div_ceil(SAMPLE).max(1);
     for closure in (0..count).step_by(step) {

@@ -5,16 +5,20 @@
 //! - `evidence`: log-likelihood ratios of a loop.
 //! - `calibration`: factors on the covariances, for each chain, against shuffled candidates.
 //! - `partners`, `cut`: which pairs are compared, and the multicut of the graph of evidence.
-//! - `judge`, `map`: hypotheses, and rounds of optimisation and verdicts.
+//! - `judge`, `islands`, `rounds`, `map`: hypotheses, and rounds of optimisation and verdicts.
+//! - `bridges`: where odometry is missing, how far the robot usually moves in such a time.
 //! - [`verdict`], [`stage`]: what is said of every edge, on a pose graph.
 
+mod bridges;
 mod calibration;
 mod cut;
 mod evidence;
+mod islands;
 mod judge;
 mod map;
 mod model;
 mod partners;
+mod rounds;
 pub mod stage;
 pub mod verdict;
 mod verification;

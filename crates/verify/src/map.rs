@@ -6,9 +6,9 @@ use posecut_optimize::{Edge, EdgeKind, Initialisation, Marginals, Options, Probl
 
 use crate::calibration::Calibration;
 use crate::evidence::{CLIP, Evidence, compare};
-use crate::judge::CONTRADICTED;
-use crate::model::{Model, Motion};
+use crate::model::{Model, Motion, spread as spread_of};
 use crate::partners::Partners;
+use crate::rounds::CONTRADICTED;
 
 /// Closures without an accepted neighbour whose covariance is computed exactly, a round. Each costs a triangular solve.
 const EXACT: usize = 400;
@@ -41,6 +41,8 @@ pub(crate) struct Map<'a, G, const DOF: usize> {
     pub(crate) scale: f64,
     /// Evidence that is enough to accept a closure.
     pub(crate) enough: f64,
+    /// The second moment of relative poses by chance, if not that along a closure's own chains.
+    pub(crate) apart: Option<SMatrix<f64, DOF, DOF>>,
 }
 
 /// How a measurement differs from what the rest of the map predicts.
@@ -69,12 +71,13 @@ impl<G: Motion<DOF>, const DOF: usize> Drawing<G, DOF> {
         Ok(Self { start: model.chains.places.iter().map(place).collect(), odometry, landmarks, covariances })
     }
 
-    /// Optimises the odometry with the accepted closures.
+    /// Optimises the odometry with the accepted closures, and with bridges where odometry is missing.
     pub(crate) fn map<'a>(
         &'a self,
         model: &'a Model<G, DOF>,
         calibration: &'a Calibration,
         accepted: &'a [bool],
+        bridges: &[Edge<G, DOF>],
         start: Option<&[G]>,
     ) -> anyhow::Result<Map<'a, G, DOF>> {
         let odometry = self.odometry.iter().map(|(chain, edge)| Edge {
@@ -89,13 +92,24 @@ impl<G: Motion<DOF>, const DOF: usize> Drawing<G, DOF> {
             .map(|(edge, _)| Edge { information: edge.information / calibration.landmark, ..*edge });
         let initialisation = if start.is_some() { Initialisation::Given } else { Initialisation::Best };
         let start = start.unwrap_or(&self.start).to_vec();
-        let problem = Problem::new(start, odometry.chain(landmarks).collect())?;
+        let problem =
+            Problem::new(start, odometry.chain(bridges.iter().copied()).chain(landmarks).collect())?;
         let options =
             Options { cost_tolerance: 1e-4, max_iterations: 40, initialisation, ..Options::default() };
         let solution = optimize(&problem, &options);
         let marginals = Marginals::new(&problem, &solution.poses, &solution.weights);
         let poses = solution.poses;
-        Ok(Map { drawing: self, model, calibration, accepted, poses, marginals, scale: 1.0, enough: CLIP })
+        Ok(Map {
+            drawing: self,
+            model,
+            calibration,
+            accepted,
+            poses,
+            marginals,
+            scale: 1.0,
+            enough: CLIP,
+            apart: None,
+        })
     }
 }
 
@@ -190,6 +204,11 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
         evidence.is_none_or(|found| found.weight() > CONTRADICTED && found.weight() <= self.enough)
     }
 
+    /// The second moment of the relative poses of places anywhere in the map.
+    pub(crate) fn extent(&self) -> SMatrix<f64, DOF, DOF> {
+        spread_of(&self.poses)
+    }
+
     fn ends(&self, closure: usize) -> [usize; 2] {
         let edge = &self.drawing.landmarks[closure];
         [edge.from, edge.to]
@@ -241,7 +260,7 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
         compare(
             &innovation.error,
             &(innovation.covariance * self.scale),
-            &self.model.apart_local(closure),
+            &self.apart.unwrap_or_else(|| self.model.apart_local(closure)),
             &local,
         )
     }

@@ -68,7 +68,7 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         let chains = Chains::with(graph, Covariances::Repaired)?;
         let grouped = group_with(graph, &chains, Covariances::Repaired)?;
         let drifts = chains.chains.iter().map(|chain| drift(chain)).collect();
-        let apart = chains.chains.iter().map(|chain| spread(chain)).collect();
+        let apart = chains.chains.iter().map(|chain| spread(&chain.poses)).collect();
         let (mut spans, mut closures) = (Vec::new(), Vec::new());
         for (number, group) in grouped.groups.iter().enumerate() {
             let first = closures.len();
@@ -278,15 +278,15 @@ fn drift<G: Motion<DOF>, const DOF: usize>(chain: &Chain<G, DOF>) -> Vec<Drift<D
     sums
 }
 
-/// Second moment of the logarithm of relative poses of places far from each other along a chain.
-fn spread<G: Motion<DOF>, const DOF: usize>(chain: &Chain<G, DOF>) -> SMatrix<f64, DOF, DOF> {
-    let count = chain.poses.len();
+/// Second moment of the logarithm of relative poses of places far from each other in a row of places.
+pub(crate) fn spread<G: Motion<DOF>, const DOF: usize>(poses: &[G]) -> SMatrix<f64, DOF, DOF> {
+    let count = poses.len();
     let mut sum = SMatrix::zeros();
     let sample: Vec<usize> = (0..count).step_by(count.div_ceil(PLACES).max(1)).collect();
     for (turn, &one) in sample.iter().enumerate() {
         // Steps of the golden section spread over all places without a pattern.
         let other = (one + (count as f64 * (0.618_034 * (turn + 1) as f64).fract()) as usize) % count;
-        let error = chain.poses[one].between(&chain.poses[other]).log();
+        let error = poses[one].between(&poses[other]).log();
         sum += error * error.transpose() / sample.len() as f64;
     }
     sum

@@ -5,8 +5,9 @@ use serde_json::Value;
 
 use crate::cut::Tie;
 use crate::evidence::CLIP;
-use crate::judge::{CONTRADICTED, Judged};
+use crate::judge::Judged;
 use crate::model::{Model, Motion};
+use crate::rounds::CONTRADICTED;
 
 /// Edges named as witnesses, at most.
 const WITNESSES: usize = 3;
@@ -75,7 +76,7 @@ pub(crate) fn findings<G: Motion<DOF>, const DOF: usize>(
     }
     let witnesses = witnesses(&judged.ties, &judged.accepted);
     let opposed = opposed(&judged.ties, count);
-    let alone = alone(judged);
+    let alone = judged.calibration.odds_alone(&judged.ratio, &judged.accepted);
     (0..count)
         .map(|closure| {
             let accepted = judged.accepted[closure];
@@ -107,26 +108,13 @@ pub(crate) fn findings<G: Motion<DOF>, const DOF: usize>(
 /// The posterior probability of a mixture. The prior odds are those of the estimated share of correct candidates where the
 /// map reaches, and `alone` where nothing does.
 fn probability(ratio: Option<f64>, accepted: bool, judged: &Judged, alone: f64) -> f64 {
-    let correct = judged.calibration.correct;
     let odds = match ratio {
-        Some(ratio) => ratio.clamp(-CLIP, CLIP).exp() * correct / (1.0 - correct),
+        Some(ratio) => ratio.clamp(-CLIP, CLIP).exp() * judged.calibration.odds(),
         // Accepted with a hypothesis that nothing else holds.
-        None if accepted => CLIP.exp() * correct / (1.0 - correct),
+        None if accepted => CLIP.exp() * judged.calibration.odds(),
         None => alone,
     };
     odds / (1.0 + odds)
-}
-
-/// Odds that a candidate is correct of which neither the map nor another candidate says anything. Correct candidates mostly
-/// have company: one in all accepted ones is taken to be alone, against the share of the others that is.
-fn alone(judged: &Judged) -> f64 {
-    let correct = judged.calibration.correct;
-    let accepted = judged.accepted.iter().filter(|accepted| **accepted).count() as f64;
-    let silent =
-        judged.ratio.iter().zip(&judged.accepted).filter(|(ratio, accepted)| ratio.is_none() && !**accepted);
-    let silent = silent.count() as f64;
-    let others = judged.accepted.len() as f64 - accepted;
-    correct / (1.0 - correct) * (others + 1.0) / (silent + 1.0) / (accepted + 1.0)
 }
 
 /// For each candidate how many others contradict it: at most one of these can be correct.

@@ -1,0 +1,121 @@
+//! Where a session's odometry is interrupted: how far the robot usually moves in such a time.
+//!
+//! A landmark edge that alone joins two parts of a graph has no loop to be judged by. If the parts follow each other in one
+//! session, the motion over the interruption is not unknown: it is as in other stretches of the session that took as long.
+//! Such a bridge is weak, takes part in no map that is kept, and rejects nothing, since a robot may have been carried.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{SMatrix, SVector};
+use posecut_graph::PoseGraph;
+use posecut_optimize::{Edge, EdgeKind};
+use posecut_pcm::chain::Chains;
+
+use crate::model::Motion;
+
+/// Stretches of a session from which its motion over an interruption is known.
+const STRETCHES: usize = 20;
+/// How much longer than the interruption they may be.
+const LONGER: f64 = 1.5;
+
+/// What stands for the missing odometry between two chains.
+pub(crate) struct Bridge<G, const DOF: usize> {
+    pub(crate) chains: [usize; 2],
+    pub(crate) edge: Edge<G, DOF>,
+    /// Length of the interruption: frames or microseconds.
+    length: f64,
+}
+
+/// All bridges, the shortest interruption first.
+pub(crate) fn bridges<G: Motion<DOF>, const DOF: usize>(
+    graph: &PoseGraph,
+    chains: &Chains<G, DOF>,
+) -> Vec<Bridge<G, DOF>> {
+    let mut sessions: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    for (place, node) in graph.nodes.iter().enumerate() {
+        if let Some(session) = &node.session {
+            sessions.entry(session).or_default().push(place);
+        }
+    }
+    let mut bridges: Vec<_> = sessions
+        .values()
+        .filter_map(|nodes| in_order(graph, nodes))
+        .flat_map(|nodes| of(&nodes, chains))
+        .collect();
+    bridges.sort_by(|a, b| a.length.total_cmp(&b.length).then(a.chains.cmp(&b.chains)));
+    bridges
+}
+
+/// Nodes with their frames, or with their times where a frame is missing; `None` where neither gives an order.
+fn in_order(graph: &PoseGraph, nodes: &[usize]) -> Option<Vec<(i64, usize)>> {
+    let by = |key: fn(&posecut_graph::Node) -> Option<i64>| {
+        let keys = nodes.iter().map(|&node| Some((key(&graph.nodes[node])?, node)));
+        let mut keys = keys.collect::<Option<Vec<_>>>()?;
+        keys.sort_unstable();
+        keys.windows(2).all(|pair| pair[0].0 < pair[1].0).then_some(keys)
+    };
+    by(|node| node.frame).or_else(|| by(|node| node.utime))
+}
+
+/// The bridges of a session.
+fn of<G: Motion<DOF>, const DOF: usize>(
+    nodes: &[(i64, usize)],
+    chains: &Chains<G, DOF>,
+) -> Vec<Bridge<G, DOF>> {
+    let chain = |node: usize| chains.places[node].0;
+    let mut known: BTreeMap<i64, Option<(G, SMatrix<f64, DOF, DOF>)>> = BTreeMap::new();
+    let mut bridges = Vec::new();
+    for pair in nodes.windows(2) {
+        let [(before, from), (after, to)] = [pair[0], pair[1]];
+        if chain(from) == chain(to) {
+            continue;
+        }
+        let length = after.saturating_sub(before);
+        let motion = known.entry(length).or_insert_with(|| usual_motion(nodes, chains, length as f64));
+        let Some((measurement, information)) = *motion else { continue };
+        bridges.push(Bridge {
+            chains: [chain(from), chain(to)],
+            edge: Edge { from, to, measurement, information, kind: EdgeKind::Odometry, kernel: None },
+            length: length as f64,
+        });
+    }
+    bridges
+}
+
+/// Mean and information of the motion over stretches of a length; `None` where there are too few.
+fn usual_motion<G: Motion<DOF>, const DOF: usize>(
+    nodes: &[(i64, usize)],
+    chains: &Chains<G, DOF>,
+    length: f64,
+) -> Option<(G, SMatrix<f64, DOF, DOF>)> {
+    let mut motions: Vec<SVector<f64, DOF>> = Vec::new();
+    let mut noise = SMatrix::zeros();
+    let mut end = 0;
+    for &(start, from) in nodes {
+        let far = |end: usize| nodes.get(end).map(|(key, _)| key.saturating_sub(start) as f64);
+        while far(end).is_some_and(|far| far < length) {
+            end += 1;
+        }
+        let Some(&(_, to)) = nodes.get(end).filter(|_| far(end).is_some_and(|far| far <= LONGER * length))
+        else {
+            continue;
+        };
+        let ((number, one), (same, other)) = (chains.places[from], chains.places[to]);
+        if number != same {
+            continue;
+        }
+        let chain = &chains.chains[number];
+        motions.push(chain.poses[one].between(&chain.poses[other]).log());
+        let frame = chain.poses[other].inverse().adjoint();
+        noise += frame * chain.covariance_between(one, other) * frame.transpose();
+    }
+    if motions.len() < STRETCHES {
+        return None;
+    }
+    let count = motions.len() as f64;
+    let mean = motions.iter().sum::<SVector<f64, DOF>>() / count;
+    let scatter: SMatrix<f64, DOF, DOF> =
+        motions.iter().map(|motion| (motion - mean) * (motion - mean).transpose()).sum();
+    let information = ((scatter + noise) / count).cholesky()?.inverse();
+    Some((G::exp(&mean), information))
+}

@@ -1,0 +1,118 @@
+//! Closures of one cluster that hang together, and the hypotheses that they make.
+
+use std::collections::BTreeMap;
+
+use petgraph::unionfind::UnionFind;
+
+use crate::cut::{Clusters, Tie};
+use crate::evidence::CLIP;
+
+/// Evidence along a spanning tree below which a cluster does not join two parts, nats.
+const LEAST_EVIDENCE: f64 = 20.0;
+/// Members of a cluster that are looked at to tell whether all of it agrees with the map.
+const WITNESSES: usize = 16;
+
+/// A cluster of closures between two parts that agree on how these lie.
+#[derive(Clone, Debug)]
+pub(crate) struct Hypothesis {
+    /// Nats along a spanning tree, which counts every odometry once.
+    pub(crate) evidence: f64,
+    pub(crate) members: Vec<usize>,
+}
+
+impl Hypothesis {
+    /// Members spread over the whole.
+    pub(crate) fn witnesses(&self) -> Vec<usize> {
+        let step = self.members.len().div_ceil(WITNESSES).max(1);
+        self.members.iter().copied().step_by(step).collect()
+    }
+}
+
+/// Sum of the evidence that each closure has within its cluster.
+pub(crate) fn support(clusters: &Clusters, ties: &[Tie], anchored: &[Option<(usize, f64)>]) -> Vec<f64> {
+    let count = anchored.len();
+    let mut support: Vec<f64> = anchored
+        .iter()
+        .enumerate()
+        .map(|(closure, anchored)| match anchored {
+            Some((anchor, ratio)) if clusters.labels[closure] == clusters.labels[count + anchor] => {
+                ratio.clamp(-CLIP, CLIP)
+            }
+            _ => 0.0,
+        })
+        .collect();
+    for tie in ties.iter().filter(|tie| clusters.labels[tie.one] == clusters.labels[tie.other]) {
+        support[tie.one] += tie.ratio.clamp(-CLIP, CLIP);
+        support[tie.other] += tie.ratio.clamp(-CLIP, CLIP);
+    }
+    support
+}
+
+/// Closures of one cluster that hang together by ties which chance hardly makes: each weighs more than the least evidence
+/// of a member. What only weak ties join to a cluster is judged by the map that the rest makes.
+pub(crate) fn islands(
+    clusters: &Clusters,
+    ties: &[Tie],
+    support: &[f64],
+    threshold: f64,
+    least: f64,
+) -> Islands {
+    let mut forest = UnionFind::<usize>::new(support.len());
+    let mut evidence = vec![0.0; support.len()];
+    let mut strong: Vec<&Tie> = ties
+        .iter()
+        .filter(|tie| tie.ratio > least && clusters.labels[tie.one] == clusters.labels[tie.other])
+        .filter(|tie| support[tie.one] > threshold && support[tie.other] > threshold)
+        .collect();
+    strong.sort_by(|a, b| b.ratio.total_cmp(&a.ratio).then((a.one, a.other).cmp(&(b.one, b.other))));
+    for tie in strong {
+        let (a, b) = (forest.find(tie.one), forest.find(tie.other));
+        if a != b {
+            forest.union(a, b);
+            evidence[forest.find(a)] = evidence[a] + evidence[b] + tie.ratio.min(CLIP);
+        }
+    }
+    Islands { forest, evidence }
+}
+
+/// Sets of closures, each with its evidence along a spanning tree, which counts every odometry once.
+pub(crate) struct Islands {
+    pub(crate) forest: UnionFind<usize>,
+    evidence: Vec<f64>,
+}
+
+impl Islands {
+    /// How many there are among members.
+    pub(crate) fn count(&self, support: &[f64], threshold: f64) -> usize {
+        (0..support.len())
+            .filter(|&closure| support[closure] > threshold && self.forest.find(closure) == closure)
+            .count()
+    }
+
+    /// The largest value of a member, for each root.
+    pub(crate) fn best(&self, values: &[Option<f64>]) -> Vec<f64> {
+        let mut best = vec![f64::NEG_INFINITY; values.len()];
+        for (closure, value) in values.iter().enumerate() {
+            let root = self.forest.find(closure);
+            best[root] = best[root].max(value.unwrap_or(f64::NEG_INFINITY));
+        }
+        best
+    }
+
+    /// Islands of enough evidence, the heaviest first.
+    pub(crate) fn hypotheses(&self) -> Vec<Hypothesis> {
+        let mut found: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for closure in 0..self.evidence.len() {
+            let root = self.forest.find(closure);
+            if self.evidence[root] > LEAST_EVIDENCE {
+                found.entry(root).or_default().push(closure);
+            }
+        }
+        let mut hypotheses: Vec<Hypothesis> = found
+            .into_iter()
+            .map(|(root, members)| Hypothesis { evidence: self.evidence[root], members })
+            .collect();
+        hypotheses.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+        hypotheses
+    }
+}

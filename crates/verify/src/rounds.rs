@@ -1,0 +1,254 @@
+//! Rounds of map and verdicts.
+
+use petgraph::unionfind::UnionFind;
+
+use crate::bridges::Bridge;
+use crate::calibration::Calibration;
+use crate::cut::COST;
+use crate::islands::Hypothesis;
+use crate::map::Drawing;
+use crate::model::{Model, Motion};
+use crate::partners::Partners;
+
+/// Most rounds that do not mainly add closures.
+const ROUNDS: usize = 12;
+/// Most rounds in all, and the growth of a round that mainly adds.
+const ROUNDS_IN_ALL: usize = 60;
+const GROWTH: f64 = 1.02;
+/// Log-likelihood ratio at which a closure contradicts the map.
+pub(crate) const CONTRADICTED: f64 = -3.0;
+/// Largest probability of being wrong at which a closure is accepted, and at which it stays: it may not come and go.
+const DOUBT_MOST: f64 = 0.05;
+const DOUBT_KEPT: f64 = 0.1;
+
+/// Everything that rounds need.
+pub(crate) struct Rounds<'a, G, const DOF: usize> {
+    pub(crate) model: &'a Model<G, DOF>,
+    pub(crate) partners: Partners,
+    pub(crate) drawing: Drawing<G, DOF>,
+    /// Calibration without coherent terms, which the optimiser does not have.
+    pub(crate) random: Calibration,
+    pub(crate) threshold: f64,
+    /// The same for islands, which are fewer.
+    pub(crate) loose: f64,
+    pub(crate) hypotheses: Vec<Hypothesis>,
+    /// Parts of the graph: chains that accepted closures join.
+    pub(crate) parts: UnionFind<usize>,
+    pub(crate) accepted: Vec<bool>,
+    pub(crate) ratio: Vec<Option<f64>>,
+    /// Whether the error is as small as that of 99 % of correct closures.
+    pub(crate) fits: Vec<bool>,
+    /// Whether a closure without any error would have too little evidence, since the map says too little about its ends.
+    pub(crate) unseen: Vec<bool>,
+    /// Squared distance that 99 % of correct closures stay below.
+    pub(crate) usual: f64,
+    /// Where the last map ended, if the next is nearly the same.
+    pub(crate) poses: Option<Vec<G>>,
+}
+
+impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
+    /// Rounds until nothing changes, then what bridges say of closures that nothing else places, and so on. Returns the number
+    /// of rounds.
+    pub(crate) fn all(&mut self, bridges: &[Bridge<G, DOF>]) -> anyhow::Result<usize> {
+        let mut number = 0;
+        let mut next = self.accepted.clone();
+        self.join(&mut next);
+        loop {
+            let mut settling = 0;
+            while settling < ROUNDS && number < ROUNDS_IN_ALL {
+                self.accepted = next;
+                number += 1;
+                next = self.round()?;
+                if next == self.accepted {
+                    break;
+                }
+                let size = |set: &[bool]| set.iter().filter(|member| **member).count() as f64;
+                settling += usize::from(size(&next) < GROWTH * size(&self.accepted));
+            }
+            // Where rounds alternate, what both accept.
+            self.accepted.iter_mut().zip(&next).for_each(|(accepted, next)| *accepted &= next);
+            let placed = self.across(bridges)?;
+            if placed.is_empty() {
+                return Ok(number);
+            }
+            next = self.accepted.clone();
+            for closure in placed {
+                let span = self.model.span(closure);
+                self.parts.union(span.a, span.b);
+                next[closure] = true;
+            }
+            self.poses = None;
+        }
+    }
+
+    /// Closures between parts that bridges place, and that fit.
+    fn across(&mut self, bridges: &[Bridge<G, DOF>]) -> anyhow::Result<Vec<usize>> {
+        let mut bridged = self.parts.clone();
+        let edges: Vec<_> = bridges
+            .iter()
+            .filter(|bridge| bridged.union(bridge.chains[0], bridge.chains[1]))
+            .map(|bridge| bridge.edge)
+            .collect();
+        let asked: Vec<usize> = (0..self.accepted.len())
+            .filter(|&closure| {
+                let span = self.model.span(closure);
+                self.accepted[closure] || bridged.equiv(span.a, span.b) && !self.parts.equiv(span.a, span.b)
+            })
+            .collect();
+        let open: Vec<usize> = asked.iter().copied().filter(|&closure| !self.accepted[closure]).collect();
+        if open.is_empty() {
+            return Ok(Vec::new());
+        }
+        // Correct closures mostly have company.
+        let alone = self.random.odds_alone(&self.ratio, &self.accepted).ln() - self.random.odds().ln();
+        let mut map = self.drawing.map(self.model, &self.random, &self.accepted, &edges, None)?;
+        map.enough = self.threshold;
+        map.apart = Some(map.extent());
+        for (&closure, evidence) in asked.iter().zip(map.judge(&self.partners, &asked, &open)) {
+            // What the usual motion contradicts may still be right: somebody may have carried the robot.
+            if let Some(evidence) = evidence.filter(|evidence| evidence.weight() + alone > 0.0)
+                && !self.accepted[closure]
+            {
+                self.ratio[closure] = Some(evidence.weight() + alone);
+                self.fits[closure] = evidence.squared_distance <= self.usual;
+            }
+        }
+        let likely = self.likely(&self.accepted);
+        Ok(open.into_iter().filter(|closure| likely.contains(closure)).collect())
+    }
+
+    /// Draws the map of what is accepted, judges every closure within its parts by it, and joins further parts. Returns what
+    /// is accepted next.
+    fn round(&mut self) -> anyhow::Result<Vec<bool>> {
+        let part = self.parts.clone().into_labeling();
+        let within = |closure: usize| {
+            let span = self.model.span(closure);
+            part[span.a] == part[span.b]
+        };
+        let asked: Vec<usize> = (0..self.accepted.len()).filter(|&closure| within(closure)).collect();
+        let open = |hypothesis: &&Hypothesis| {
+            let accepted = hypothesis.members.iter().filter(|&&member| self.accepted[member]).count();
+            within(hypothesis.members[0]) && 2 * accepted < hypothesis.members.len()
+        };
+        let first: Vec<usize> = self.hypotheses.iter().filter(open).flat_map(Hypothesis::witnesses).collect();
+        let mut map =
+            self.drawing.map(self.model, &self.random, &self.accepted, &[], self.poses.as_deref())?;
+        map.enough = self.threshold;
+        let judged = map.judge(&self.partners, &asked, &first);
+        let poses = map.poses;
+        // Of the accepted ones that the rest contradicts the worst third goes first: the others may be its victims.
+        let mut worst: Vec<f64> = asked
+            .iter()
+            .zip(&judged)
+            .filter(|(closure, _)| self.accepted[**closure])
+            .filter_map(|(_, evidence)| evidence.filter(|evidence| evidence.weight() <= CONTRADICTED))
+            .map(|evidence| evidence.squared_distance)
+            .collect();
+        worst.sort_by(|a, b| b.total_cmp(a));
+        let limit = worst.get(worst.len().div_ceil(3).saturating_sub(1)).copied().unwrap_or(f64::INFINITY);
+        for (&closure, evidence) in asked.iter().zip(judged) {
+            let spared = self.accepted[closure]
+                && evidence
+                    .is_some_and(|found| found.weight() <= CONTRADICTED && found.squared_distance < limit);
+            // Where the rest of the map does not hold both ends, what was known before counts.
+            match evidence {
+                Some(evidence) if !spared => {
+                    self.ratio[closure] = Some(evidence.weight());
+                    self.unseen[closure] = evidence.most <= self.loose;
+                    self.fits[closure] = evidence.squared_distance <= self.usual;
+                }
+                _ => {}
+            }
+        }
+        let mut next: Vec<bool> = (0..self.accepted.len())
+            .map(|closure| within(closure) && self.ratio[closure].is_some_and(|ratio| ratio > self.threshold))
+            .collect();
+        for closure in self.likely(&next) {
+            next[closure] = within(closure);
+        }
+        for closure in asked {
+            // Accepted with a hypothesis, and the map does not hold both ends without it.
+            next[closure] |= self.accepted[closure] && self.ratio[closure].is_none();
+        }
+        let agreeing: Vec<usize> = self
+            .hypotheses
+            .iter()
+            .filter(open)
+            .filter(|hypothesis| {
+                let witnesses = hypothesis.witnesses();
+                let agree = witnesses
+                    .iter()
+                    .filter(|&&member| self.ratio[member].is_some_and(|ratio| ratio > self.loose))
+                    .count();
+                2 * agree > witnesses.len()
+            })
+            .flat_map(|hypothesis| hypothesis.members.iter().copied())
+            .collect();
+        for member in agreeing {
+            next[member] = true;
+        }
+        // Where odometry says nothing of closures, only an island's own evidence can place it: the heaviest goes first.
+        if self.random.on_prior
+            && let Some(unseen) =
+                self.hypotheses.iter().filter(open).find(|hypothesis| self.unplaced(hypothesis))
+        {
+            for &member in &unseen.members {
+                next[member] = true;
+            }
+        }
+        let joined = self.join(&mut next);
+        // Nearly the same map: start from this one.
+        self.poses = (!joined).then_some(poses);
+        Ok(next)
+    }
+
+    /// Whether the map could hardly support most members of a hypothesis if they were correct, and does not contradict them.
+    fn unplaced(&self, hypothesis: &Hypothesis) -> bool {
+        let witnesses = hypothesis.witnesses();
+        let unseen = witnesses.iter().filter(|&&member| {
+            self.unseen[member] && self.ratio[member].is_some_and(|ratio| ratio > CONTRADICTED)
+        });
+        2 * unseen.count() > witnesses.len()
+    }
+
+    /// Closures with less evidence than a random one might have somewhere, but which are likely where they are: they fit as
+    /// correct ones do, the posterior probability is high, and among all of them less than a third of a wrong one is expected.
+    fn likely(&self, next: &[bool]) -> Vec<usize> {
+        let odds = self.random.odds();
+        let mut doubts: Vec<(f64, usize)> = (0..next.len())
+            .filter(|&closure| !next[closure] && self.fits[closure])
+            .filter_map(|closure| Some((1.0 / (1.0 + odds * self.ratio[closure]?.exp()), closure)))
+            .filter(|&(doubt, closure)| doubt < if self.accepted[closure] { DOUBT_KEPT } else { DOUBT_MOST })
+            .collect();
+        doubts.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut expected = 0.0;
+        doubts
+            .into_iter()
+            .take_while(|(doubt, _)| {
+                expected += doubt;
+                expected < 1.0 / COST
+            })
+            .map(|(_, closure)| closure)
+            .collect()
+    }
+
+    /// Joins parts by the hypotheses of most evidence, each part at most once a round, so that the next round judges the
+    /// others by the larger map.
+    fn join(&mut self, next: &mut [bool]) -> bool {
+        let part = self.parts.clone().into_labeling();
+        let mut busy = vec![false; part.len()];
+        for hypothesis in &self.hypotheses {
+            let span = self.model.span(hypothesis.members[0]);
+            let (a, b) = (part[span.a], part[span.b]);
+            if a == b || busy[a] || busy[b] {
+                continue;
+            }
+            (busy[a], busy[b]) = (true, true);
+            self.parts.union(span.a, span.b);
+            for &member in &hypothesis.members {
+                next[member] = true;
+            }
+        }
+        busy.contains(&true)
+    }
+}
