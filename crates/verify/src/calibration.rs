@@ -3,9 +3,8 @@
 use nalgebra::SMatrix;
 use serde::Serialize;
 
-use crate::evidence::compare;
+use crate::mixture::{Class, SAMPLE, contrast};
 use crate::model::{Loop, Model, Motion};
-use crate::partners::Partners;
 
 /// Factors on covariances.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -62,21 +61,6 @@ impl Calibration {
     }
 }
 
-/// Loops of a kind that share a mixing proportion, with their shuffled twins.
-struct Class<const DOF: usize> {
-    /// Whether it tells how many candidates are correct.
-    counts: bool,
-    /// Most local errors, as a share of the correct loops: local errors are the exception, or they would be the noise.
-    local_most: f64,
-    /// Whether loops may be shifted: false closures between chains come in groups that agree within themselves, and lie a
-    /// corridor's or a crossing's width beside the correct ones.
-    shifted: bool,
-    real: Vec<Loop<DOF>>,
-    shuffled: Vec<Loop<DOF>>,
-}
-
-/// Closures whose loops are looked at.
-const SAMPLE: usize = 400;
 /// Standard deviation of the logarithm of a factor, a priori.
 const PRIOR: f64 = 2.0;
 /// The same of a chain's own factor beside the common one.
@@ -99,11 +83,10 @@ struct Point {
 /// Common factors first, then each chain's own.
 pub(crate) fn calibrate<G: Motion<DOF>, const DOF: usize>(
     model: &Model<G, DOF>,
-    partners: &Partners,
+    classes: &[Class<DOF>],
     with_coherent: bool,
 ) -> Calibration {
     let chains = model.chains.chains.len();
-    let classes = classes(model, partners);
     let mut calibration = Calibration {
         odometry: vec![1.0; chains],
         coherent: vec![COHERENT; chains],
@@ -125,11 +108,11 @@ pub(crate) fn calibrate<G: Motion<DOF>, const DOF: usize>(
     for (start_odometry, start_landmark) in [(0.0, 0.0), (-4.0, 0.0), (4.0, 0.0), (0.0, 5.0), (0.0, -3.0)] {
         let start = Point { odometry: start_odometry, landmark: start_landmark, coherent: coherent.ln() };
         let found = climb(start, if with_coherent { &[0, 2, 1] } else { &[0, 1] }, |point| {
-            let (contrast, evidence, correct) = contrast(&classes, &uniform(point, chains), tempering);
+            let found = contrast(classes, &uniform(point, chains), tempering);
             let prior = square(point.odometry / PRIOR)
                 + square(point.landmark / PRIOR)
                 + square((point.coherent - coherent.ln()) / (2.0 * PRIOR));
-            (contrast - 0.5 * prior, evidence, correct)
+            (found.objective - 0.5 * prior, found.evidence, found.correct)
         });
         if found.0 > best.0 {
             best = found;
@@ -144,7 +127,7 @@ pub(crate) fn calibrate<G: Motion<DOF>, const DOF: usize>(
         calibration.odometry = common.odometry;
         calibration.coherent = common.coherent;
         calibration.landmark = common.landmark;
-        refine(&mut calibration, &classes, tempering, with_coherent);
+        refine(&mut calibration, classes, tempering, with_coherent);
     }
     calibration
 }
@@ -175,10 +158,10 @@ fn refine<const DOF: usize>(
                     let mut factors = calibration.clone();
                     factors.odometry[chain] = point.odometry.exp();
                     factors.coherent[chain] = point.coherent.exp();
-                    let contrast = contrast(&own, &factors, tempering);
+                    let found = contrast(&own, &factors, tempering);
                     let prior = square((point.odometry - common.0) / PRIOR_CHAIN)
                         + square((point.coherent - common.1) / PRIOR_CHAIN);
-                    (contrast.0 - 0.5 * prior, contrast.1, contrast.2)
+                    (found.objective - 0.5 * prior, found.evidence, found.correct)
                 });
                 if best.is_none_or(|best| found.0 > best.0) {
                     best = Some((found.0, found.1));
@@ -189,20 +172,6 @@ fn refine<const DOF: usize>(
                 calibration.coherent[chain] = point.coherent.exp();
             }
         }
-    }
-}
-
-impl<const DOF: usize> Class<DOF> {
-    /// The loops that a chain takes part in.
-    fn of(&self, chain: usize) -> Self {
-        let (mut real, mut shuffled) = (Vec::new(), Vec::new());
-        for (closed, twin) in self.real.iter().zip(&self.shuffled) {
-            if closed.odometry.iter().any(|(of, ..)| *of == chain) {
-                real.push(closed.clone());
-                shuffled.push(twin.clone());
-            }
-        }
-        Self { real, shuffled, ..*self }
     }
 }
 
@@ -252,134 +221,4 @@ fn climb(
         }
     }
     (value.0, point, value.1, value.2)
-}
-
-/// Log-likelihood of the mixture of correct and chance over chance alone, of the loops less of their shuffled twins.
-fn contrast<const DOF: usize>(
-    classes: &[Class<DOF>],
-    factors: &Calibration,
-    tempering: f64,
-) -> (f64, f64, f64) {
-    let (mut sum, mut evidence, mut correct) = (0.0, 0.0, 0.0);
-    let mut counted = 0.0;
-    for class in classes {
-        let shift: f64 = std::env::var("SH").map_or(0.01, |q| q.parse().unwrap());
-        let ratios = |loops: &[Loop<DOF>]| -> Vec<[f64; 3]> {
-            loops
-                .iter()
-                .filter_map(|closed| {
-                    let local = factors.local(&closed.landmark);
-                    let evidence =
-                        compare(&closed.error, &factors.covariance(closed), &closed.apart, &local)?;
-                    let shifted =
-                        compare(&closed.error, &factors.covariance(closed), &(closed.apart * shift), &local)?;
-                    // Correct, local error and shift, each against chance.
-                    Some([
-                        evidence.chance.exp(),
-                        (evidence.chance - evidence.local).exp(),
-                        (evidence.chance - shifted.chance).exp(),
-                    ])
-                })
-                .collect()
-        };
-        let (real, shuffled) = (ratios(&class.real), ratios(&class.shuffled));
-        let [share, local, shifted] = shares(&real, class);
-        let gain = |ratios: &[[f64; 3]]| {
-            ratios
-                .iter()
-                .map(|[ok, near, wide]| {
-                    (share * (ok - 1.0) + local * (near - 1.0) + shifted * (wide - 1.0)).ln_1p()
-                })
-                .sum::<f64>()
-        };
-        let gained = gain(&real) - gain(&shuffled).max(0.0);
-        sum += gained;
-        if class.counts {
-            evidence += gained;
-            correct += share * real.len() as f64;
-            counted += real.len() as f64;
-        }
-    }
-    (sum * tempering, evidence * tempering, if counted > 0.0 { correct / counted } else { 0.5 })
-}
-
-/// The mixing proportions of correct loops and of local errors, by expectation maximisation.
-fn shares<const DOF: usize>(ratios: &[[f64; 3]], class: &Class<DOF>) -> [f64; 3] {
-    let local_most = class.local_most;
-    let (mut share, mut local, mut shifted) = (0.5, 0.05, if class.shifted { 0.05 } else { 0.0 });
-    for _ in 0..12 {
-        let (mut correct, mut near, mut wide) = (0.0, 0.0, 0.0);
-        for [ok, local_error, shift] in ratios {
-            let rest = 1.0 - share - local - shifted;
-            let total = rest + share * ok + local * local_error + shifted * shift;
-            correct += share * ok / total;
-            near += local * local_error / total;
-            wide += shifted * shift / total;
-        }
-        // A wrong and a correct loop more than seen: never certain.
-        let all = ratios.len() as f64 + 3.0;
-        (share, local, shifted) =
-            ((correct + 1.0) / all, (near + 0.5) / all, if class.shifted { (wide + 0.5) / all } else { 0.0 });
-        let wrong = local + shifted;
-        if wrong > local_most * share {
-            let sum = share + wrong;
-            share = sum / (1.0 + local_most);
-            let kept = (sum - share) / wrong;
-            (local, shifted) = (local * kept, shifted * kept);
-        }
-    }
-    [share, local, shifted]
-}
-
-/// Loops through single closures of a chain; between chains, through pairs of near and of random partners.
-fn classes<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, partners: &Partners) -> Vec<Class<DOF>> {
-    let empty = |counts, local_most, shifted| Class {
-        counts,
-        local_most,
-        shifted,
-        real: Vec::new(),
-        shuffled: Vec::new(),
-    };
-    let (mut single, mut short) = (empty(true, 0.0, false), empty(false, 1.25, false));
-    let (mut near, mut far) = (empty(true, 1.25, true), empty(true, 1.25, true));
-    let count = model.closures.len();
-    let step = count.div_ceil(SAMPLE).max(1);
-    for closure in (0..count).step_by(step) {
-        let donor = Partners::elsewhere(model, closure, 3);
-        if let Some(closed) = model.single(closure) {
-            single.real.push(closed);
-            single.shuffled.extend(model.single_shuffled(closure, donor));
-            // Neighbours tell of the landmark edges alone: aliased runs agree with each other, too.
-            for (turn, &other) in
-                partners.near(closure).iter().enumerate().filter(|(turn, _)| [0, 3, 7].contains(turn))
-            {
-                short.real.push(model.pair(closure, other));
-                short.shuffled.push(model.pair_shuffled(
-                    closure,
-                    other,
-                    Partners::elsewhere(model, other, turn + 2),
-                ));
-            }
-            continue;
-        }
-        for (turn, &other) in
-            partners.near(closure).iter().enumerate().filter(|(turn, _)| [0, 1, 3, 7].contains(turn))
-        {
-            near.real.push(model.pair(closure, other));
-            near.shuffled.push(model.pair_shuffled(
-                closure,
-                other,
-                Partners::elsewhere(model, other, turn + 2),
-            ));
-        }
-        for (turn, &other) in partners.far(closure).iter().take(4).enumerate() {
-            far.real.push(model.pair(closure, other));
-            far.shuffled.push(model.pair_shuffled(
-                closure,
-                other,
-                Partners::elsewhere(model, other, turn + 7),
-            ));
-        }
-    }
-    [single, short, near, far].into_iter().filter(|class| !class.real.is_empty()).collect()
 }

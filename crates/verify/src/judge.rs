@@ -11,6 +11,7 @@ use crate::cut::{COST, Tie, cut};
 use crate::evidence::compare;
 use crate::islands::{Hypothesis, islands, support};
 use crate::map::Drawing;
+use crate::mixture::classes;
 use crate::model::{Model, Motion};
 use crate::partners::Partners;
 use crate::rounds::Rounds;
@@ -36,8 +37,9 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     model: &Model<G, DOF>,
 ) -> anyhow::Result<Judged> {
     let partners = Partners::of(model);
-    let calibration = calibrate(model, &partners, true);
-    let random = calibrate(model, &partners, false);
+    let classes = classes(model, &partners);
+    let calibration = calibrate(model, &classes, true);
+    let random = calibrate(model, &classes, false);
     let ties = ties(model, &partners, &calibration);
     let count = model.closures.len();
     let ratio: Vec<Option<f64>> = (0..count)

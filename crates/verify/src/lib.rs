@@ -3,7 +3,7 @@
 //!
 //! - `model`: chains, candidates, and the loops that they close with their covariances.
 //! - `evidence`: log-likelihood ratios of a loop.
-//! - `calibration`: factors on the covariances, for each chain, against shuffled candidates.
+//! - `calibration`, `mixture`: factors on the covariances, for each chain, against shuffled candidates.
 //! - `partners`, `cut`: which pairs are compared, and the multicut of the graph of evidence.
 //! - `judge`, `islands`, `rounds`, `map`: hypotheses, and rounds of optimisation and verdicts.
 //! - `bridges`: where odometry is missing, how far the robot usually moves in such a time.
@@ -16,6 +16,7 @@ mod evidence;
 mod islands;
 mod judge;
 mod map;
+mod mixture;
 mod model;
 mod partners;
 mod rounds;

@@ -1,0 +1,183 @@
+//! Loops as a mixture of correct ones, chance, and errors between the two, against the same loops shuffled.
+
+use crate::calibration::Calibration;
+use crate::evidence::compare;
+use crate::model::{Loop, Model, Motion};
+use crate::partners::Partners;
+
+/// Closures whose loops are looked at.
+pub(crate) const SAMPLE: usize = 400;
+/// The second moment of a shift, as a share of that of chance: a tenth of the way.
+const SHIFT: f64 = 0.01;
+/// Rounds of expectation maximisation.
+const ROUNDS: usize = 12;
+
+/// Loops of a kind that share a mixing proportion, with their shuffled twins.
+pub(crate) struct Class<const DOF: usize> {
+    /// Whether it tells how many candidates are correct.
+    counts: bool,
+    /// Most local errors and shifts, as a share of the correct loops: they are the exception, or they would be the noise.
+    wrong_most: f64,
+    /// Whether loops may be shifted: false closures between chains come in groups that agree within themselves, and lie a
+    /// corridor's or a crossing's width beside the correct ones.
+    shifted: bool,
+    pub(crate) real: Vec<Loop<DOF>>,
+    shuffled: Vec<Loop<DOF>>,
+}
+
+/// What loops gain over their shuffled twins.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Contrast {
+    /// Log-likelihood of the mixture over chance alone, tempered: that of all classes.
+    pub(crate) objective: f64,
+    /// The same of classes that tell how many candidates are correct.
+    pub(crate) evidence: f64,
+    /// Share of correct loops in these.
+    pub(crate) correct: f64,
+}
+
+/// How likely a loop is as a correct one, as one with a local error, and as a shifted one, each over chance.
+type Likelihoods = [f64; 3];
+
+/// Loops through the same closures are not independent: `tempering` is what each counts.
+pub(crate) fn contrast<const DOF: usize>(
+    classes: &[Class<DOF>],
+    factors: &Calibration,
+    tempering: f64,
+) -> Contrast {
+    let (mut sum, mut evidence, mut correct) = (0.0, 0.0, 0.0);
+    let mut counted = 0.0;
+    for class in classes {
+        let likelihoods = |loops: &[Loop<DOF>]| -> Vec<Likelihoods> {
+            loops.iter().filter_map(|closed| class.likelihoods(closed, factors)).collect()
+        };
+        let (real, shuffled) = (likelihoods(&class.real), likelihoods(&class.shuffled));
+        let shares = class.shares(&real);
+        let gain = |loops: &[Likelihoods]| {
+            let over = loops.iter().map(|of| {
+                of.iter().zip(&shares).map(|(likelihood, share)| share * (likelihood - 1.0)).sum::<f64>()
+            });
+            over.map(f64::ln_1p).sum::<f64>()
+        };
+        let gained = gain(&real) - gain(&shuffled).max(0.0);
+        sum += gained;
+        if class.counts {
+            evidence += gained;
+            correct += shares[0] * real.len() as f64;
+            counted += real.len() as f64;
+        }
+    }
+    Contrast {
+        objective: sum * tempering,
+        evidence: evidence * tempering,
+        correct: if counted > 0.0 { correct / counted } else { 0.5 },
+    }
+}
+
+impl<const DOF: usize> Class<DOF> {
+    /// The loops that a chain takes part in.
+    pub(crate) fn of(&self, chain: usize) -> Self {
+        let (mut real, mut shuffled) = (Vec::new(), Vec::new());
+        for (closed, twin) in self.real.iter().zip(&self.shuffled) {
+            if closed.odometry.iter().any(|(of, ..)| *of == chain) {
+                real.push(closed.clone());
+                shuffled.push(twin.clone());
+            }
+        }
+        Self { real, shuffled, ..*self }
+    }
+
+    fn likelihoods(&self, closed: &Loop<DOF>, factors: &Calibration) -> Option<Likelihoods> {
+        let covariance = factors.covariance(closed);
+        let local = factors.local(&closed.landmark);
+        let evidence = compare(&closed.error, &covariance, &closed.apart, &local)?;
+        let shifted = if self.shifted {
+            let shift = compare(&closed.error, &covariance, &(closed.apart * SHIFT), &local)?;
+            (evidence.chance - shift.chance).exp()
+        } else {
+            0.0
+        };
+        Some([evidence.chance.exp(), (evidence.chance - evidence.local).exp(), shifted])
+    }
+
+    /// The mixing proportions, by expectation maximisation.
+    fn shares(&self, loops: &[Likelihoods]) -> Likelihoods {
+        // A wrong and a correct loop more than seen: never certain.
+        let unseen = [1.0, 0.5, if self.shifted { 0.5 } else { 0.0 }];
+        let all = loops.len() as f64 + unseen.iter().sum::<f64>() + 1.0;
+        let mut shares = [0.5, 0.05, if self.shifted { 0.05 } else { 0.0 }];
+        for _ in 0..ROUNDS {
+            let mut counts = unseen;
+            for likelihoods in loops {
+                let parts = [0, 1, 2].map(|part| shares[part] * likelihoods[part]);
+                let total = 1.0 - shares.iter().sum::<f64>() + parts.iter().sum::<f64>();
+                counts.iter_mut().zip(parts).for_each(|(count, part)| *count += part / total);
+            }
+            shares = counts.map(|count| count / all);
+            let wrong = shares[1] + shares[2];
+            if wrong > self.wrong_most * shares[0] {
+                let sum = shares[0] + wrong;
+                let correct = sum / (1.0 + self.wrong_most);
+                let kept = (sum - correct) / wrong;
+                shares = [correct, shares[1] * kept, shares[2] * kept];
+            }
+        }
+        shares
+    }
+}
+
+/// Loops through single closures of a chain; between chains, through pairs of near and of random partners.
+pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
+    model: &Model<G, DOF>,
+    partners: &Partners,
+) -> Vec<Class<DOF>> {
+    let empty = |counts, wrong_most, shifted| Class {
+        counts,
+        wrong_most,
+        shifted,
+        real: Vec::new(),
+        shuffled: Vec::new(),
+    };
+    let (mut single, mut short) = (empty(true, 0.0, false), empty(false, 1.25, false));
+    let (mut near, mut far) = (empty(true, 1.25, true), empty(true, 1.25, true));
+    let count = model.closures.len();
+    let step = count.div_ceil(SAMPLE).max(1);
+    for closure in (0..count).step_by(step) {
+        let donor = Partners::elsewhere(model, closure, 3);
+        if let Some(closed) = model.single(closure) {
+            single.real.push(closed);
+            single.shuffled.extend(model.single_shuffled(closure, donor));
+            // Neighbours tell of the landmark edges alone: aliased runs agree with each other, too.
+            for (turn, &other) in
+                partners.near(closure).iter().enumerate().filter(|(turn, _)| [0, 3, 7].contains(turn))
+            {
+                short.real.push(model.pair(closure, other));
+                short.shuffled.push(model.pair_shuffled(
+                    closure,
+                    other,
+                    Partners::elsewhere(model, other, turn + 2),
+                ));
+            }
+            continue;
+        }
+        for (turn, &other) in
+            partners.near(closure).iter().enumerate().filter(|(turn, _)| [0, 1, 3, 7].contains(turn))
+        {
+            near.real.push(model.pair(closure, other));
+            near.shuffled.push(model.pair_shuffled(
+                closure,
+                other,
+                Partners::elsewhere(model, other, turn + 2),
+            ));
+        }
+        for (turn, &other) in partners.far(closure).iter().take(4).enumerate() {
+            far.real.push(model.pair(closure, other));
+            far.shuffled.push(model.pair_shuffled(
+                closure,
+                other,
+                Partners::elsewhere(model, other, turn + 7),
+            ));
+        }
+    }
+    [single, short, near, far].into_iter().filter(|class| !class.real.is_empty()).collect()
+}

@@ -1,0 +1,81 @@
+//! Landmark edges beyond an interruption of odometry.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use posecut_geometry::{LieGroup as _, SE2};
+use posecut_graph::PoseGraph;
+use posecut_verify::verdict::{Reason, Verdict};
+use posecut_verify::verify;
+
+/// Steps of a lap, and of the whole.
+const LAP: usize = 60;
+const STEPS: usize = 2 * LAP;
+/// The step without odometry, and the only landmark edge beyond it.
+const INTERRUPTED: usize = 100;
+const LONE: u64 = 1000;
+
+/// Two laps with landmark edges between them up to the interruption, and one beyond it, which is off by `error` metres. The
+/// robot goes on `carried` metres from where its odometry ended.
+fn laps(session: &str, error: f64, carried: f64) -> PoseGraph {
+    let mut truth = vec![SE2::identity()];
+    for step in 0..STEPS {
+        // Straights and bends: neither the steps nor the turns are all alike.
+        let turn = std::f64::consts::TAU / LAP as f64 * (1.0 + 0.8 * (step as f64 * 0.7).sin());
+        let length = if step == INTERRUPTED { carried } else { 1.0 + 0.2 * (step as f64 * 1.3).cos() };
+        truth.push(truth[step].compose(&SE2::new(length, 0.0, turn)));
+    }
+    let mut text = "{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":2}\n".to_owned();
+    for id in 0..=STEPS {
+        text += &format!(
+            "{{\"kind\":\"node\",\"id\":{id}{session}{}}}\n",
+            if session.is_empty() { String::new() } else { format!(",\"frame\":{id}") }
+        );
+    }
+    let mut add = |kind: &str, id: u64, from: usize, to: usize, error: f64| {
+        let wobble = 0.01 * (id as f64 * 1.7).sin();
+        let [x, y, _] = truth[from].between(&truth[to]).translation();
+        let angle = truth[from].between(&truth[to]).angle();
+        text += &format!(
+            "{{\"kind\":\"{kind}\",\"id\":{id},\"from\":{from},\"to\":{to},\"measurement\":[{},{},{}],\"information\":[2500,0,0,2500,0,10000]}}\n",
+            x + wobble + error,
+            y - wobble,
+            angle + 0.3 * wobble
+        );
+    };
+    for step in (0..STEPS).filter(|step| *step != INTERRUPTED) {
+        add("odometry", step as u64, step, step + 1, 0.0);
+    }
+    for place in 0..INTERRUPTED - LAP {
+        add("landmark", 200 + place as u64, place, place + LAP, 0.0);
+    }
+    add("landmark", LONE, 45, 105, error);
+    PoseGraph::read("laps", text.as_bytes()).unwrap()
+}
+
+fn lone(graph: &PoseGraph) -> (Verdict, Reason) {
+    let findings = verify::<SE2, 3>(graph).unwrap().findings;
+    let finding = findings.iter().find(|finding| graph.edges[finding.edge].id == LONE).unwrap();
+    (finding.verdict, finding.reason)
+}
+
+const SESSION: &str = ",\"session\":\"s\"";
+
+#[test]
+fn the_usual_motion_supports_a_lone_edge_beyond_an_interruption() {
+    assert_eq!(lone(&laps(SESSION, 0.0, 1.0)).0, Verdict::Accepted);
+}
+
+#[test]
+fn without_sessions_and_frames_nothing_bridges_an_interruption() {
+    assert_eq!(lone(&laps("", 0.0, 1.0)), (Verdict::Undecided, Reason::Alone));
+}
+
+#[test]
+fn a_lone_edge_that_the_usual_motion_contradicts_is_undecided() {
+    assert_eq!(lone(&laps(SESSION, 60.0, 1.0)).0, Verdict::Undecided);
+}
+
+#[test]
+fn a_lone_edge_of_a_robot_that_was_carried_is_not_rejected() {
+    assert_eq!(lone(&laps(SESSION, 0.0, 60.0)).0, Verdict::Undecided);
+}
