@@ -1,5 +1,7 @@
 //! From evidence to decisions.
 
+use std::collections::BTreeMap;
+
 use nalgebra::SMatrix;
 use petgraph::unionfind::UnionFind;
 use posecut_graph::PoseGraph;
@@ -32,9 +34,44 @@ pub(crate) struct Judged {
     pub(crate) joined: usize,
 }
 
+/// A rival has at least this share of the evidence of what is accepted between the same chains.
+const COMPARABLE: f64 = 0.5;
+
+impl Judged {
+    /// Hypotheses that the map has nothing of, the heaviest first: number 1, 2 and so on.
+    pub(crate) fn others(&self) -> impl Iterator<Item = &Hypothesis> {
+        self.hypotheses.iter().filter(|hypothesis| !self.holds(hypothesis))
+    }
+
+    fn holds(&self, hypothesis: &Hypothesis) -> bool {
+        hypothesis.members.iter().any(|&member| self.accepted[member])
+    }
+
+    /// Those of the others between two chains that have as much evidence as what is accepted there, or nearly: their numbers,
+    /// themselves, and the evidence of what is accepted.
+    pub(crate) fn rivals<G: Motion<DOF>, const DOF: usize>(
+        &self,
+        model: &Model<G, DOF>,
+    ) -> Vec<(usize, &Hypothesis, f64)> {
+        let group = |hypothesis: &Hypothesis| model.closures[hypothesis.members[0]].group;
+        let mut held = BTreeMap::new();
+        for hypothesis in self.hypotheses.iter().filter(|hypothesis| self.holds(hypothesis)) {
+            *held.entry(group(hypothesis)).or_insert(0.0) += hypothesis.evidence;
+        }
+        (1..)
+            .zip(self.others())
+            .filter(|(_, other)| !model.same_chain(other.members[0]))
+            .filter_map(|(number, other)| Some((number, other, *held.get(&group(other))?)))
+            .filter(|(_, other, held)| other.evidence >= COMPARABLE * held)
+            .collect()
+    }
+}
+
+/// Judges all closures. Of the hypotheses that join two parts, the preferred one, named by its members, goes before heavier ones.
 pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     model: &Model<G, DOF>,
+    preferred: Option<&[usize]>,
 ) -> anyhow::Result<Judged> {
     let partners = Partners::of(model);
     let classes = classes(model, &partners);
@@ -74,7 +111,10 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
                 && best[islands.forest.find(closure)] > loose
         })
         .collect();
-    let hypotheses = islands.hypotheses();
+    let mut hypotheses = islands.hypotheses();
+    if let Some(preferred) = preferred {
+        hypotheses.sort_by_key(|hypothesis| hypothesis.members != preferred);
+    }
     let parts = UnionFind::new(chains);
     let drawing = Drawing::of(graph, model)?;
     let mut rounds = Rounds {

@@ -27,4 +27,4 @@ mod verification;
 pub use calibration::Calibration;
 pub use model::Motion;
 pub use stage::{Options, Undecided};
-pub use verification::{Verification, verify};
+pub use verification::{Rival, Verification, verify, verify_by};

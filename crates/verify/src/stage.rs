@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::model::Motion;
 use crate::verdict::{Finding, Verdict};
-use crate::verification::{Verification, verify};
+use crate::verification::{Verification, verify_by};
 
 /// What becomes of edges that nothing decides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
@@ -28,6 +28,10 @@ pub struct Options {
     /// Keep or reject landmark edges that nothing supports and nothing contradicts
     #[arg(long, value_enum, default_value_t = Undecided::Reject)]
     pub undecided: Undecided,
+
+    /// Apply another hypothesis instead of the heaviest one, by its number in `verify_hypothesis`; 0 is the map
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub hypothesis: usize,
 
     /// Print why this landmark edge got its verdict, in five lines on standard error
     #[arg(long, value_name = "EDGE")]
@@ -54,7 +58,7 @@ impl Options {
         graph: &mut PoseGraph,
         context: &mut Context,
     ) -> anyhow::Result<()> {
-        let verification = verify::<G, DOF>(graph)?;
+        let verification = verify_by::<G, DOF>(graph, self.hypothesis)?;
         self.explain(graph, &verification.findings)?;
         let mut rejected = 0;
         for finding in &verification.findings {
@@ -86,7 +90,7 @@ impl Options {
 }
 
 fn report(verification: &Verification) {
-    let Verification { findings, joins_proposed, joins_established, calibration, .. } = verification;
+    let Verification { findings, joins_proposed, joins_established, calibration, rivals, .. } = verification;
     info!(
         "{} judged: {} accepted, {} rejected, {} undecided",
         counted(findings.len(), "landmark edge"),
@@ -102,6 +106,16 @@ fn report(verification: &Verification) {
         warn!(
             "no overlap is established for {} of the {joins_proposed} joins that landmark edges propose",
             joins_proposed - joins_established
+        );
+    }
+    for rival in rivals {
+        warn!(
+            "two hypotheses: hypothesis {} ({}, {:.0} nats) joins the same chains otherwise than what is accepted ({:.0} nats); --hypothesis {} applies it",
+            rival.hypothesis,
+            counted(rival.edges, "edge"),
+            rival.evidence,
+            rival.accepted,
+            rival.hypothesis
         );
     }
     if calibration.on_prior && !findings.is_empty() {
@@ -129,6 +143,7 @@ fn note(verification: &Verification, rejected: usize, context: &mut Context) {
     statistics.note("joins_proposed", verification.joins_proposed);
     statistics.note("joins_established", verification.joins_established);
     statistics.note("hypotheses", verification.hypotheses);
+    statistics.note("rivals", &verification.rivals);
     statistics.note("calibration", &verification.calibration);
     statistics.note("cut_proved", verification.cut_proved);
     statistics.note("rounds", verification.rounds);

@@ -65,11 +65,7 @@ pub(crate) fn findings<G: Motion<DOF>, const DOF: usize>(
 ) -> Vec<Finding> {
     let count = model.closures.len();
     let mut rival = vec![None; count];
-    let others = judged
-        .hypotheses
-        .iter()
-        .filter(|hypothesis| !hypothesis.members.iter().any(|&member| judged.accepted[member]));
-    for (number, hypothesis) in (1..).zip(others) {
+    for (number, hypothesis) in (1..).zip(judged.others()) {
         for &member in &hypothesis.members {
             rival[member] = Some(number);
         }

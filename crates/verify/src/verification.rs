@@ -1,6 +1,8 @@
 //! The whole of it: a graph in, findings out.
 
+use anyhow::ensure;
 use posecut_graph::PoseGraph;
+use serde::Serialize;
 
 use crate::calibration::Calibration;
 use crate::judge::judge;
@@ -22,6 +24,8 @@ pub struct Verification {
     pub joins_established: usize,
     /// Groups of edges that agree with each other, accepted or not.
     pub hypotheses: usize,
+    /// Hypotheses between two chains that have comparable evidence to what is accepted between them.
+    pub rivals: Vec<Rival>,
     /// Factors on covariances.
     pub calibration: Calibration,
     /// Whether the multicut is proved optimal.
@@ -37,11 +41,58 @@ impl Verification {
     }
 }
 
+/// Another way to join two chains.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rival {
+    /// Its number, as findings have it.
+    pub hypothesis: usize,
+    /// How many landmark edges it has.
+    pub edges: usize,
+    /// Its evidence, nats.
+    pub evidence: f64,
+    /// The evidence of what is accepted between the same chains, nats.
+    pub accepted: f64,
+}
+
 /// Judges every landmark edge in use. The truth is not looked at.
 pub fn verify<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Result<Verification> {
+    verify_by::<G, DOF>(graph, 0)
+}
+
+/// The same, with another hypothesis in the place of what joins its two chains, by the number that [`verify`] gives it; 0 is the
+/// map.
+///
+/// # Errors
+///
+/// The graph has no such hypothesis, or it lies within one chain, whose odometry leaves no choice.
+pub fn verify_by<G: Motion<DOF>, const DOF: usize>(
+    graph: &PoseGraph,
+    hypothesis: usize,
+) -> anyhow::Result<Verification> {
     let model = Model::<G, DOF>::of(graph)?;
-    let judged = judge(graph, &model)?;
+    let mut judged = judge(graph, &model, None)?;
+    if hypothesis > 0 {
+        let count = judged.others().count();
+        let chosen = judged.others().nth(hypothesis - 1).cloned();
+        ensure!(
+            chosen.is_some(),
+            "hypothesis {hypothesis}: this graph has {count} beside the map; name one of 0 to {count}"
+        );
+        let members = chosen.map_or_else(Vec::new, |chosen| chosen.members);
+        ensure!(
+            !model.same_chain(members[0]),
+            "hypothesis {hypothesis}: its edges lie within one chain, whose odometry contradicts them; another hypothesis can only replace a join of two chains"
+        );
+        judged = judge(graph, &model, Some(&members))?;
+    }
     let findings = findings(graph, &model, &judged);
+    let rivals = judged.rivals(&model).into_iter().map(|(hypothesis, rival, accepted)| Rival {
+        hypothesis,
+        edges: rival.members.len(),
+        evidence: rival.evidence,
+        accepted,
+    });
+    let rivals = rivals.collect();
     Ok(Verification {
         findings,
         unmeasured: model.unmeasured,
@@ -49,6 +100,7 @@ pub fn verify<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Re
         joins_proposed: judged.joinable,
         joins_established: judged.joined,
         hypotheses: judged.hypotheses.len(),
+        rivals,
         calibration: judged.calibration,
         cut_proved: judged.cut_proved,
         rounds: judged.rounds,

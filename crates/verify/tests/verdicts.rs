@@ -2,11 +2,13 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+use std::collections::HashMap;
+
 use posecut_geometry::{LieGroup, SE2, SE3};
-use posecut_graph::{EdgeKind, PoseGraph};
+use posecut_graph::{EdgeKind, EdgeTruth, PoseGraph};
 use posecut_pcm::generate::{Falsehood, Scenario};
 use posecut_verify::verdict::{Reason, Verdict};
-use posecut_verify::{Motion, verify};
+use posecut_verify::{Motion, Verification, verify, verify_by};
 
 /// False edges accepted, correct edges not accepted.
 fn mistakes<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) -> (usize, usize) {
@@ -125,4 +127,50 @@ fn every_verdict_has_a_reason_a_probability_and_witnesses() {
             Verdict::Rejected | Verdict::Undecided => assert_ne!(finding.reason, Reason::Supported),
         }
     }
+}
+
+/// Two groups that agree within themselves: correct closures, and two in five that see the second session 30 m to the side.
+fn two_alignments() -> PoseGraph {
+    let mut graph = draw::<SE2, 3>(0.0, Falsehood::Uniform, 9);
+    let mut poses = HashMap::from([(0, SE2::identity())]);
+    for edge in graph.edges.iter().filter(|edge| edge.kind == EdgeKind::Odometry) {
+        let motion = SE2::from_components(edge.measurement.as_ref().unwrap()).unwrap();
+        if let Some(before) = poses.get(&edge.from).copied() {
+            poses.insert(edge.to, before.compose(&motion));
+        }
+    }
+    let aside = SE2::new(0.0, 30.0, 0.0);
+    for (turn, edge) in graph.edges.iter_mut().filter(|edge| edge.kind == EdgeKind::Landmark).enumerate() {
+        if turn % 5 >= 3 {
+            let measured = SE2::from_components(edge.measurement.as_ref().unwrap()).unwrap();
+            let from = poses[&edge.from];
+            edge.measurement =
+                Some(from.inverse().compose(&aside).compose(&from).compose(&measured).components());
+            edge.truth = Some(EdgeTruth { correct: Some(false), ..EdgeTruth::default() });
+        }
+    }
+    graph
+}
+
+#[test]
+fn a_second_alignment_of_comparable_evidence_is_named_and_can_be_applied() {
+    let graph = two_alignments();
+    let first = verify::<SE2, 3>(&graph).unwrap();
+    let [rival] = first.rivals.as_slice() else { panic!("one rival, not {:?}", first.rivals) };
+    assert_eq!(rival.hypothesis, 1);
+    assert!(rival.evidence < rival.accepted, "{rival:?}");
+    assert!((60..=80).contains(&rival.edges), "{rival:?}");
+    let accepted = |verification: &Verification, correct: bool| {
+        let of = verification.findings.iter().filter(|finding| {
+            finding.verdict == Verdict::Accepted && graph.edges[finding.edge].truth_correct() == Some(correct)
+        });
+        of.count()
+    };
+    assert_eq!(accepted(&first, false), 0);
+    assert!(accepted(&first, true) >= 115);
+    let second = verify_by::<SE2, 3>(&graph, 1).unwrap();
+    assert_eq!(accepted(&second, true), 0);
+    assert!(accepted(&second, false) >= 75);
+    let beyond = verify_by::<SE2, 3>(&graph, 9).unwrap_err().to_string();
+    assert!(beyond.starts_with("hypothesis 9: this graph has 1 beside the map"), "{beyond}");
 }
