@@ -3,7 +3,7 @@
 use nalgebra::SMatrix;
 use serde::Serialize;
 
-use crate::mixture::{Class, SAMPLE, contrast};
+use crate::mixture::{Class, Contrast, Loops, SAMPLE, contrast};
 use crate::model::{Loop, Model, Motion};
 
 /// Factors on covariances.
@@ -103,22 +103,16 @@ pub(crate) fn calibrate<G: Motion<DOF>, const DOF: usize>(
     // Loops through the same closures are not independent.
     let tempering = (candidates.min(SAMPLE) as f64 / loops as f64).min(1.0);
     let coherent = if with_coherent { COHERENT } else { 1e-12 };
-    let mut best =
-        (f64::NEG_INFINITY, Point { odometry: 0.0, landmark: 0.0, coherent: coherent.ln() }, 0.0, 0.5);
-    for (start_odometry, start_landmark) in [(0.0, 0.0), (-4.0, 0.0), (4.0, 0.0), (0.0, 5.0), (0.0, -3.0)] {
-        let start = Point { odometry: start_odometry, landmark: start_landmark, coherent: coherent.ln() };
-        let found = climb(start, if with_coherent { &[0, 2, 1] } else { &[0, 1] }, |point| {
-            let found = contrast(classes, &uniform(point, chains), tempering);
-            let prior = square(point.odometry / PRIOR)
-                + square(point.landmark / PRIOR)
-                + square((point.coherent - coherent.ln()) / (2.0 * PRIOR));
-            (found.objective - 0.5 * prior, found.evidence, found.correct)
-        });
-        if found.0 > best.0 {
-            best = found;
-        }
-    }
-    let (_, point, evidence, correct) = best;
+    let starts = [(0.0, 0.0), (-4.0, 0.0), (4.0, 0.0), (0.0, 5.0), (0.0, -3.0)]
+        .map(|(odometry, landmark)| Point { odometry, landmark, coherent: coherent.ln() });
+    let best = highest(&starts, if with_coherent { &[0, 2, 1] } else { &[0, 1] }, |point, loops| {
+        let found = contrast(classes, &uniform(point, chains), tempering, loops);
+        let prior = square(point.odometry / PRIOR)
+            + square(point.landmark / PRIOR)
+            + square((point.coherent - coherent.ln()) / (2.0 * PRIOR));
+        Contrast { objective: found.objective - 0.5 * prior, ..found }
+    });
+    let Some((point, Contrast { evidence, correct, .. })) = best else { return calibration };
     calibration.evidence = evidence;
     calibration.correct = correct;
     calibration.on_prior = evidence < LEAST_EVIDENCE;
@@ -150,24 +144,22 @@ fn refine<const DOF: usize>(
             if own.iter().all(|class| class.real.is_empty()) {
                 continue;
             }
-            let mut best: Option<(f64, Point)> = None;
             let now = (calibration.odometry[chain].ln(), calibration.coherent[chain].ln());
-            for start in [now, (common.0 + 4.0, common.1)] {
-                let start = Point { odometry: start.0, landmark: 0.0, coherent: start.1 };
-                let found = climb(start, if with_coherent { &[0, 2] } else { &[0] }, |point| {
-                    let mut factors = calibration.clone();
-                    factors.odometry[chain] = point.odometry.exp();
-                    factors.coherent[chain] = point.coherent.exp();
-                    let found = contrast(&own, &factors, tempering);
-                    let prior = square((point.odometry - common.0) / PRIOR_CHAIN)
-                        + square((point.coherent - common.1) / PRIOR_CHAIN);
-                    (found.objective - 0.5 * prior, found.evidence, found.correct)
-                });
-                if best.is_none_or(|best| found.0 > best.0) {
-                    best = Some((found.0, found.1));
-                }
-            }
-            if let Some((_, point)) = best {
+            let starts = [now, (common.0 + 4.0, common.1)].map(|(odometry, coherent)| Point {
+                odometry,
+                landmark: 0.0,
+                coherent,
+            });
+            let best = highest(&starts, if with_coherent { &[0, 2] } else { &[0] }, |point, loops| {
+                let mut factors = calibration.clone();
+                factors.odometry[chain] = point.odometry.exp();
+                factors.coherent[chain] = point.coherent.exp();
+                let found = contrast(&own, &factors, tempering, loops);
+                let prior = square((point.odometry - common.0) / PRIOR_CHAIN)
+                    + square((point.coherent - common.1) / PRIOR_CHAIN);
+                Contrast { objective: found.objective - 0.5 * prior, ..found }
+            });
+            if let Some((point, _)) = best {
                 calibration.odometry[chain] = point.odometry.exp();
                 calibration.coherent[chain] = point.coherent.exp();
             }
@@ -190,35 +182,55 @@ fn square(value: f64) -> f64 {
     value * value
 }
 
-/// Coordinate ascent by steps that halve. Returns objective, point, evidence, share.
-fn climb(
-    start: Point,
+/// Coordinate ascent by steps that halve: with wide ones from every start over some of the loops, and with fine ones over all from
+/// where these end highest.
+fn highest(
+    starts: &[Point],
     axes: &[usize],
-    objective: impl Fn(Point) -> (f64, f64, f64),
-) -> (f64, Point, f64, f64) {
-    let mut point = start;
-    let mut value = objective(point);
-    let mut step = 2.0;
-    while step > 0.1 {
-        let mut improved = false;
-        for &axis in axes {
-            for direction in [1.0, -1.0] {
-                let mut trial = point;
-                match axis {
-                    0 => trial.odometry += direction * step,
-                    1 => trial.landmark = (trial.landmark + direction * step).max(LANDMARK_LEAST.ln()),
-                    _ => trial.coherent = (trial.coherent + direction * 2.0 * step).min(COHERENT_MOST.ln()),
-                }
-                let trial_value = objective(trial);
-                if trial_value.0 > value.0 + 1e-9 {
-                    (point, value, improved) = (trial, trial_value, true);
-                    break;
+    objective: impl Fn(Point, Loops) -> Contrast,
+) -> Option<(Point, Contrast)> {
+    let (some, all) = (|point| objective(point, Loops::Some), |point| objective(point, Loops::All));
+    let mut best: Option<(Point, Contrast)> = None;
+    for &start in starts {
+        let (point, _) = ascend((start, some(start)), axes, &[2.0, 1.0], some);
+        let found = all(point);
+        if best.is_none_or(|(_, best)| found.objective > best.objective) {
+            best = Some((point, found));
+        }
+    }
+    best.map(|best| ascend(best, axes, &[1.0, 0.5, 0.25, 0.125], all))
+}
+
+fn ascend(
+    start: (Point, Contrast),
+    axes: &[usize],
+    steps: &[f64],
+    objective: impl Fn(Point) -> Contrast,
+) -> (Point, Contrast) {
+    let (mut point, mut value) = start;
+    for step in steps {
+        let mut improved = true;
+        while improved {
+            improved = false;
+            for (&axis, direction) in axes.iter().flat_map(|axis| [(axis, 1.0), (axis, -1.0)]) {
+                let trial = point.moved(axis, direction * step);
+                let found = objective(trial);
+                if found.objective > value.objective + 1e-9 {
+                    (point, value, improved) = (trial, found, true);
                 }
             }
         }
-        if !improved {
-            step *= 0.5;
-        }
     }
-    (value.0, point, value.1, value.2)
+    (point, value)
+}
+
+impl Point {
+    fn moved(mut self, axis: usize, by: f64) -> Self {
+        match axis {
+            0 => self.odometry += by,
+            1 => self.landmark = (self.landmark + by).max(LANDMARK_LEAST.ln()),
+            _ => self.coherent = (self.coherent + 2.0 * by).min(COHERENT_MOST.ln()),
+        }
+        self
+    }
 }

@@ -58,7 +58,7 @@ pub(crate) fn compare<const DOF: usize>(
     let far = Elimination::of(&(correct + apart), error)?;
     let local = Elimination::of(&(correct + local), error)?;
     let ratio = |wide: &Elimination| {
-        0.5 * (wide.log_determinant - near.log_determinant)
+        0.5 * (wide.log_determinant() - near.log_determinant())
             + 0.5
                 * (TAIL + DOF as f64)
                 * ((1.0 + wide.squared / TAIL).ln() - (1.0 + near.squared / TAIL).ln())
@@ -66,10 +66,30 @@ pub(crate) fn compare<const DOF: usize>(
     Some(Evidence {
         chance: ratio(&far),
         local: ratio(&local),
-        most: 0.5 * (far.log_determinant - near.log_determinant),
+        most: 0.5 * (far.log_determinant() - near.log_determinant()),
         squared_distance: near.squared,
         beyond: near.squared > GATE * DOF as f64,
     })
+}
+
+/// How likely the error of a correct loop is, over that of loops whose scale matrices are larger: t(e; S) / t(e; S + W) for each W.
+/// `None` where S is not positive definite.
+pub(crate) fn likelihood_ratios<const DOF: usize, const ALTERNATIVES: usize>(
+    error: &SVector<f64, DOF>,
+    correct: &SMatrix<f64, DOF, DOF>,
+    wider: [SMatrix<f64, DOF, DOF>; ALTERNATIVES],
+) -> Option<[f64; ALTERNATIVES]> {
+    let near = Elimination::of(correct, error)?;
+    let mut ratios = [0.0; ALTERNATIVES];
+    for (ratio, wider) in ratios.iter_mut().zip(wider) {
+        let far = Elimination::of(&(correct + wider), error)?;
+        // The determinants to the power of 1/2, the rest to that of (TAIL + DOF) / 2, without a logarithm.
+        let base = (1.0 + far.squared / TAIL) / (1.0 + near.squared / TAIL);
+        let degrees = TAIL as i32 + DOF as i32;
+        let power = base.powi(degrees / 2) * if degrees % 2 == 1 { base.sqrt() } else { 1.0 };
+        *ratio = far.root_over(&near) * power;
+    }
+    Some(ratios)
 }
 
 /// Determinants whose logarithm is taken once: a product of pivots must neither overflow nor vanish, whatever the units.
@@ -77,7 +97,9 @@ const RANGE: std::ops::Range<f64> = 1e-150..1e150;
 
 /// L D L^T of a covariance, with a right-hand side carried along.
 struct Elimination {
-    log_determinant: f64,
+    determinant: f64,
+    /// The logarithm of what the determinant is to be multiplied by: 0 unless it would be out of range.
+    log_rest: f64,
     squared: f64,
 }
 
@@ -85,14 +107,14 @@ impl Elimination {
     fn of<const DOF: usize>(matrix: &SMatrix<f64, DOF, DOF>, error: &SVector<f64, DOF>) -> Option<Self> {
         let mut remaining = *matrix;
         let mut whitened = *error;
-        let (mut determinant, mut log_determinant, mut squared) = (1.0_f64, 0.0, 0.0);
+        let (mut determinant, mut log_rest, mut squared) = (1.0_f64, 0.0, 0.0);
         for column in 0..DOF {
             let pivot = remaining[(column, column)];
             if !(pivot > 0.0 && pivot.is_finite()) {
                 return None;
             }
             if !RANGE.contains(&(determinant * pivot)) {
-                log_determinant += determinant.ln();
+                log_rest += determinant.ln();
                 determinant = 1.0;
             }
             determinant *= pivot;
@@ -105,7 +127,20 @@ impl Elimination {
                 }
             }
         }
-        log_determinant += determinant.ln();
-        (log_determinant.is_finite() && squared.is_finite()).then_some(Self { log_determinant, squared })
+        let finite = determinant.is_finite() && f64::is_finite(log_rest) && f64::is_finite(squared);
+        finite.then_some(Self { determinant, log_rest, squared })
+    }
+
+    fn log_determinant(&self) -> f64 {
+        self.determinant.ln() + self.log_rest
+    }
+
+    /// The root of the determinant over that of another.
+    fn root_over(&self, other: &Self) -> f64 {
+        if self.log_rest == 0.0 && other.log_rest == 0.0 {
+            (self.determinant / other.determinant).sqrt()
+        } else {
+            (0.5 * (self.log_determinant() - other.log_determinant())).exp()
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Loops as a mixture of correct ones, chance, and errors between the two, against the same loops shuffled.
 
 use crate::calibration::Calibration;
-use crate::evidence::compare;
+use crate::evidence::likelihood_ratios;
 use crate::model::{Loop, Model, Motion};
 use crate::partners::Partners;
 
@@ -39,19 +39,41 @@ pub(crate) struct Contrast {
 /// How likely a loop is as a correct one, as one with a local error, and as a shifted one, each over chance.
 type Likelihoods = [f64; 3];
 
+/// The loops to look at.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Loops {
+    All,
+    /// One in two, which count for the others, where there are many.
+    Some,
+}
+
+impl Loops {
+    fn step(self, count: usize) -> usize {
+        match self {
+            Self::Some if count >= MANY => 2,
+            _ => 1,
+        }
+    }
+}
+
+/// Loops of a class of which a half is enough to compare distant factors.
+const MANY: usize = 400;
+
 /// Loops through the same closures are not independent: `tempering` is what each counts.
 pub(crate) fn contrast<const DOF: usize>(
     classes: &[Class<DOF>],
     factors: &Calibration,
     tempering: f64,
+    loops: Loops,
 ) -> Contrast {
     let (mut sum, mut evidence, mut correct) = (0.0, 0.0, 0.0);
     let mut counted = 0.0;
     for class in classes {
+        let step = loops.step(class.real.len());
         let likelihoods = |loops: &[Loop<DOF>]| -> Vec<Likelihoods> {
-            loops.iter().filter_map(|closed| class.likelihoods(closed, factors)).collect()
+            loops.iter().step_by(step).filter_map(|closed| class.likelihoods(closed, factors)).collect()
         };
-        let (real, shuffled) = (likelihoods(&class.real), likelihoods(&class.shuffled));
+        let (real, shuffled) = rayon::join(|| likelihoods(&class.real), || likelihoods(&class.shuffled));
         let shares = class.shares(&real);
         let gain = |loops: &[Likelihoods]| {
             let over = loops.iter().map(|of| {
@@ -59,12 +81,12 @@ pub(crate) fn contrast<const DOF: usize>(
             });
             over.map(f64::ln_1p).sum::<f64>()
         };
-        let gained = gain(&real) - gain(&shuffled).max(0.0);
+        let gained = step as f64 * (gain(&real) - gain(&shuffled).max(0.0));
         sum += gained;
         if class.counts {
             evidence += gained;
-            correct += shares[0] * real.len() as f64;
-            counted += real.len() as f64;
+            correct += shares[0] * class.real.len() as f64;
+            counted += class.real.len() as f64;
         }
     }
     Contrast {
@@ -90,14 +112,14 @@ impl<const DOF: usize> Class<DOF> {
     fn likelihoods(&self, closed: &Loop<DOF>, factors: &Calibration) -> Option<Likelihoods> {
         let covariance = factors.covariance(closed);
         let local = factors.local(&closed.landmark);
-        let evidence = compare(&closed.error, &covariance, &closed.apart, &local)?;
-        let shifted = if self.shifted {
-            let shift = compare(&closed.error, &covariance, &(closed.apart * SHIFT), &local)?;
-            (evidence.chance - shift.chance).exp()
+        let (error, apart) = (&closed.error, closed.apart);
+        if self.shifted {
+            let [correct, near, wide] = likelihood_ratios(error, &covariance, [apart, local, apart * SHIFT])?;
+            Some([correct, correct / near, correct / wide])
         } else {
-            0.0
-        };
-        Some([evidence.chance.exp(), (evidence.chance - evidence.local).exp(), shifted])
+            let [correct, near] = likelihood_ratios(error, &covariance, [apart, local])?;
+            Some([correct, correct / near, 0.0])
+        }
     }
 
     /// The mixing proportions, by expectation maximisation.

@@ -71,7 +71,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             if placed.is_empty() {
                 return Ok(number);
             }
-            next = self.accepted.clone();
+            next.clone_from(&self.accepted);
             for closure in placed {
                 let span = self.model.span(closure);
                 self.parts.union(span.a, span.b);
