@@ -52,12 +52,14 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
     pub(crate) fn all(&mut self, bridges: &[Bridge<G, DOF>]) -> anyhow::Result<usize> {
         let mut number = 0;
         let mut next = self.accepted.clone();
+        let mut before = self.ratio.clone();
         self.join(&mut next);
         loop {
             let mut settling = 0;
             while settling < ROUNDS && number < ROUNDS_IN_ALL {
                 self.accepted = next;
                 number += 1;
+                before.clone_from(&self.ratio);
                 next = self.round()?;
                 if next == self.accepted {
                     break;
@@ -65,8 +67,15 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
                 let size = |set: &[bool]| set.iter().filter(|member| **member).count() as f64;
                 settling += usize::from(size(&next) < GROWTH * size(&self.accepted));
             }
-            // Where rounds alternate, what both accept.
-            self.accepted.iter_mut().zip(&next).for_each(|(accepted, next)| *accepted &= next);
+            // Where rounds alternate, what both accept; the others have the less evidence of both.
+            for closure in 0..next.len() {
+                if self.accepted[closure] == next[closure] {
+                    continue;
+                }
+                self.accepted[closure] = false;
+                let both = self.ratio[closure].zip(before[closure]);
+                self.ratio[closure] = both.map(|(now, before)| now.min(before)).or(self.ratio[closure]);
+            }
             let placed = self.across(bridges)?;
             if placed.is_empty() {
                 return Ok(number);

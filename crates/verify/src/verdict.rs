@@ -84,8 +84,8 @@ pub(crate) fn findings<G: Motion<DOF>, const DOF: usize>(
                 }
                 Some(ratio) if ratio <= CONTRADICTED => (Verdict::Rejected, Reason::Contradicted),
                 _ if rival[closure].is_some() => (Verdict::Undecided, Reason::OtherHypothesis),
-                Some(ratio) if ratio > 0.0 => (Verdict::Undecided, Reason::Chance),
-                _ => (Verdict::Undecided, Reason::Alone),
+                Some(_) => (Verdict::Undecided, Reason::Chance),
+                None => (Verdict::Undecided, Reason::Alone),
             };
             let id = |other: &usize| graph.edges[model.closures[*other].candidate.edge].id;
             Finding {
