@@ -20,8 +20,8 @@ FAULTS = [
     ("pcm", "crates/pcm/src/gate.rs", "let quantile = chi_square_quantile(probability, degrees_of_freedom)?;",
      "let quantile = 2.0 * chi_square_quantile(probability, degrees_of_freedom)?;"),
     ("multicut", "crates/multicut/src/stage.rs", "(_, 0) => -1.0,", "(_, 0) => 1.0,"),
-    ("construct", "crates/construct/src/landmark.rs", "let truth = viewpoints[from].pose.between(&viewpoints[to].pose);",
-     "let truth = viewpoints[to].pose.between(&viewpoints[from].pose);"),
+    ("construct", "crates/construct/src/landmark.rs", "|&(from, to)| viewpoints[from].pose.between(&viewpoints[to].pose)",
+     "|&(from, to)| viewpoints[to].pose.between(&viewpoints[from].pose)"),
 ]
 
 
@@ -62,11 +62,12 @@ def said(stage: str, program: Path) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--write", action="store_true", help="put what the check says into docs/experiments.md")
-    write = parser.parse_args().write
-    for fault in FAULTS:
+    parser.add_argument("stages", nargs="*", help="plant the faults of these alone: " + ", ".join(fault[0] for fault in FAULTS))
+    arguments = parser.parse_args()
+    for fault in (fault for fault in FAULTS if not arguments.stages or fault[0] in arguments.stages):
         text = said(fault[0], plant(*fault))
         print(text, end="\n\n")
-        if write:
+        if arguments.write:
             splice(DOCUMENT, fault[0], f"```\n{text}\n```\n")
 
 
