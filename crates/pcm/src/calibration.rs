@@ -11,8 +11,8 @@ use crate::spread::Spatial;
 
 /// Landmark edges below which there is no estimate. Loops do not count: one edge closes up to nine of them.
 pub(crate) const FEWEST: usize = 15;
-/// Nats of evidence below which an estimate rests on nothing (drawn sessions without overlap reach 11), and nats an edge: false edges between nearby places agree a
-/// little better than with shuffled ends.
+/// Nats of evidence below which an estimate rests on nothing (drawn sessions without overlap reach 11), and nats an edge:
+/// false edges between nearby places agree a little better than with shuffled ends.
 const EVIDENCE: f64 = 15.0;
 const EVIDENCE_OF_EDGE: f64 = 0.2;
 

@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use nalgebra::{SMatrix, SVector};
-use posecut_graph::PoseGraph;
+use posecut_graph::{Node, PoseGraph};
 use posecut_optimize::{Edge, EdgeKind};
 use posecut_pcm::chain::Chains;
 
@@ -23,7 +23,7 @@ pub(crate) struct Bridge<G, const DOF: usize> {
     pub(crate) chains: [usize; 2],
     pub(crate) edge: Edge<G, DOF>,
     /// Length of the interruption: frames or microseconds.
-    length: f64,
+    length: i64,
 }
 
 /// All bridges, the shortest interruption first.
@@ -42,13 +42,13 @@ pub(crate) fn bridges<G: Motion<DOF>, const DOF: usize>(
         .filter_map(|nodes| in_order(graph, nodes))
         .flat_map(|nodes| of(&nodes, chains))
         .collect();
-    bridges.sort_by(|a, b| a.length.total_cmp(&b.length).then(a.chains.cmp(&b.chains)));
+    bridges.sort_by_key(|bridge| (bridge.length, bridge.chains));
     bridges
 }
 
 /// Nodes with their frames, or with their times where a frame is missing; `None` where neither gives an order.
 fn in_order(graph: &PoseGraph, nodes: &[usize]) -> Option<Vec<(i64, usize)>> {
-    let by = |key: fn(&posecut_graph::Node) -> Option<i64>| {
+    let by = |key: fn(&Node) -> Option<i64>| {
         let keys = nodes.iter().map(|&node| Some((key(&graph.nodes[node])?, node)));
         let mut keys = keys.collect::<Option<Vec<_>>>()?;
         keys.sort_unstable();
@@ -71,12 +71,12 @@ fn of<G: Motion<DOF>, const DOF: usize>(
             continue;
         }
         let length = after.saturating_sub(before);
-        let motion = known.entry(length).or_insert_with(|| usual_motion(nodes, chains, length as f64));
+        let motion = known.entry(length).or_insert_with(|| usual_motion(nodes, chains, length));
         let Some((measurement, information)) = *motion else { continue };
         bridges.push(Bridge {
             chains: [chain(from), chain(to)],
-            edge: Edge { from, to, measurement, information, kind: EdgeKind::Odometry, kernel: None },
-            length: length as f64,
+            edge: Edge::new(from, to, measurement, information, EdgeKind::Odometry),
+            length,
         });
     }
     bridges
@@ -86,22 +86,19 @@ fn of<G: Motion<DOF>, const DOF: usize>(
 fn usual_motion<G: Motion<DOF>, const DOF: usize>(
     nodes: &[(i64, usize)],
     chains: &Chains<G, DOF>,
-    length: f64,
+    length: i64,
 ) -> Option<(G, SMatrix<f64, DOF, DOF>)> {
     let mut motions: Vec<SVector<f64, DOF>> = Vec::new();
     let mut noise = SMatrix::zeros();
     let mut end = 0;
     for &(start, from) in nodes {
-        let far = |end: usize| nodes.get(end).map(|(key, _)| key.saturating_sub(start) as f64);
-        while far(end).is_some_and(|far| far < length) {
+        while nodes.get(end).is_some_and(|(key, _)| key.saturating_sub(start) < length) {
             end += 1;
         }
-        let Some(&(_, to)) = nodes.get(end).filter(|_| far(end).is_some_and(|far| far <= LONGER * length))
-        else {
-            continue;
-        };
+        // No later node is far enough either.
+        let Some(&(key, to)) = nodes.get(end) else { break };
         let ((number, one), (same, other)) = (chains.places[from], chains.places[to]);
-        if number != same {
+        if number != same || key.saturating_sub(start) as f64 > LONGER * length as f64 {
             continue;
         }
         let chain = &chains.chains[number];

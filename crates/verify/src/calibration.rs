@@ -3,6 +3,7 @@
 use nalgebra::SMatrix;
 use serde::Serialize;
 
+use crate::evidence::{Evidence, compare};
 use crate::mixture::{Class, Contrast, Loops, SAMPLE, contrast};
 use crate::model::{Loop, Model, Motion};
 
@@ -42,23 +43,26 @@ impl Calibration {
         }
         sum
     }
-}
 
-impl Calibration {
+    /// What a loop says; `None` where its covariance is not positive definite.
+    pub(crate) fn evidence<const DOF: usize>(&self, closed: &Loop<DOF>) -> Option<Evidence> {
+        compare(&closed.error, &self.covariance(closed), &closed.apart, &self.local(&closed.landmark))
+    }
+
     /// Prior odds that a candidate is correct.
     pub(crate) fn odds(&self) -> f64 {
         self.correct / (1.0 - self.correct)
     }
+}
 
-    /// The same of a candidate of which neither the map nor another candidate says anything. Correct candidates mostly have
-    /// company: one in all accepted ones is taken to be alone, against the share of the others that is.
-    pub(crate) fn odds_alone(&self, ratio: &[Option<f64>], accepted: &[bool]) -> f64 {
-        let silent = ratio.iter().zip(accepted).filter(|(ratio, accepted)| ratio.is_none() && !**accepted);
-        let silent = silent.count() as f64;
-        let agreed = accepted.iter().filter(|accepted| **accepted).count() as f64;
-        let others = accepted.len() as f64 - agreed;
-        self.odds() * (others + 1.0) / (silent + 1.0) / (agreed + 1.0)
-    }
+/// What the odds of a candidate are multiplied by of which neither the map nor another candidate says anything. Correct candidates
+/// mostly have company: one in all accepted ones is taken to be alone, against the share of the others that is.
+pub(crate) fn alone(ratio: &[Option<f64>], accepted: &[bool]) -> f64 {
+    let silent = ratio.iter().zip(accepted).filter(|(ratio, accepted)| ratio.is_none() && !**accepted);
+    let silent = silent.count() as f64;
+    let agreed = accepted.iter().filter(|accepted| **accepted).count() as f64;
+    let others = accepted.len() as f64 - agreed;
+    (others + 1.0) / (silent + 1.0) / (agreed + 1.0)
 }
 
 /// Standard deviation of the logarithm of a factor, a priori.

@@ -144,3 +144,10 @@ impl Elimination {
         }
     }
 }
+
+/// The quantile of chi-square at that of the normal distribution, which is 0 for the median (Wilson and Hilferty 1931).
+pub(crate) fn chi_square_quantile(degrees: usize, normal: f64) -> f64 {
+    let degrees = degrees as f64;
+    let spread = 2.0 / (9.0 * degrees);
+    degrees * (1.0 - spread + normal * spread.sqrt()).powi(3)
+}

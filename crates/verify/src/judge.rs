@@ -1,8 +1,5 @@
 //! From evidence to decisions.
 
-use std::collections::BTreeMap;
-
-use nalgebra::SMatrix;
 use petgraph::unionfind::UnionFind;
 use posecut_graph::PoseGraph;
 use rayon::prelude::*;
@@ -10,13 +7,16 @@ use rayon::prelude::*;
 use crate::bridges::bridges;
 use crate::calibration::{Calibration, calibrate};
 use crate::cut::{COST, Tie, cut};
-use crate::evidence::compare;
+use crate::evidence::chi_square_quantile;
 use crate::islands::{Hypothesis, islands, support};
 use crate::map::Drawing;
 use crate::mixture::classes;
 use crate::model::{Model, Motion};
 use crate::partners::Partners;
 use crate::rounds::Rounds;
+
+/// The normal quantile of 99 %, the share of correct closures whose error is usual.
+const USUAL: f64 = 2.326;
 
 /// What was found.
 pub(crate) struct Judged {
@@ -34,36 +34,15 @@ pub(crate) struct Judged {
     pub(crate) joined: usize,
 }
 
-/// A rival has at least this share of the evidence of what is accepted between the same chains.
-const COMPARABLE: f64 = 0.5;
-
 impl Judged {
     /// Hypotheses that the map has nothing of, the heaviest first: number 1, 2 and so on.
     pub(crate) fn others(&self) -> impl Iterator<Item = &Hypothesis> {
         self.hypotheses.iter().filter(|hypothesis| !self.holds(hypothesis))
     }
 
-    fn holds(&self, hypothesis: &Hypothesis) -> bool {
+    /// Whether the map has any of it.
+    pub(crate) fn holds(&self, hypothesis: &Hypothesis) -> bool {
         hypothesis.members.iter().any(|&member| self.accepted[member])
-    }
-
-    /// Those of the others between two chains that have as much evidence as what is accepted there, or nearly: their numbers,
-    /// themselves, and the evidence of what is accepted.
-    pub(crate) fn rivals<G: Motion<DOF>, const DOF: usize>(
-        &self,
-        model: &Model<G, DOF>,
-    ) -> Vec<(usize, &Hypothesis, f64)> {
-        let group = |hypothesis: &Hypothesis| model.closures[hypothesis.members[0]].group;
-        let mut held = BTreeMap::new();
-        for hypothesis in self.hypotheses.iter().filter(|hypothesis| self.holds(hypothesis)) {
-            *held.entry(group(hypothesis)).or_insert(0.0) += hypothesis.evidence;
-        }
-        (1..)
-            .zip(self.others())
-            .filter(|(_, other)| !model.same_chain(other.members[0]))
-            .filter_map(|(number, other)| Some((number, other, *held.get(&group(other))?)))
-            .filter(|(_, other, held)| other.evidence >= COMPARABLE * held)
-            .collect()
     }
 }
 
@@ -79,14 +58,8 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     let random = calibrate(model, &classes, false);
     let ties = ties(model, &partners, &calibration);
     let count = model.closures.len();
-    let ratio: Vec<Option<f64>> = (0..count)
-        .map(|closure| {
-            let closed = model.single(closure)?;
-            let local = calibration.local(&closed.landmark);
-            let evidence = compare(&closed.error, &calibration.covariance(&closed), &closed.apart, &local);
-            evidence.map(|found| found.distant())
-        })
-        .collect();
+    let ratio: Vec<Option<f64>> =
+        (0..count).map(|closure| Some(calibration.evidence(&model.single(closure)?)?.distant())).collect();
     let threshold = (COST * count as f64 * (1.0 - calibration.correct)).max(1.0).ln();
     let chains = model.chains.chains.len();
     let anchored: Vec<Option<(usize, f64)>> = ratio
@@ -130,7 +103,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         ratio,
         fits: vec![false; count],
         unseen: vec![false; count],
-        usual: usual(DOF),
+        usual: chi_square_quantile(DOF, USUAL),
         poses: None,
     };
     let number = rounds.all(&bridges(graph, &model.chains))?;
@@ -171,18 +144,8 @@ fn ties<G: Motion<DOF>, const DOF: usize>(
     pairs
         .into_par_iter()
         .filter_map(|(one, other)| {
-            let closed = model.pair(one, other);
-            let sigma: SMatrix<f64, DOF, DOF> = calibration.covariance(&closed);
-            let evidence =
-                compare(&closed.error, &sigma, &closed.apart, &calibration.local(&closed.landmark))?;
+            let evidence = calibration.evidence(&model.pair(one, other))?;
             Some(Tie { one, other, ratio: evidence.weight() })
         })
         .collect()
-}
-
-/// The 99 % quantile of chi-square (Wilson and Hilferty 1931).
-fn usual(degrees: usize) -> f64 {
-    let degrees = degrees as f64;
-    let spread = 2.0 / (9.0 * degrees);
-    degrees * (1.0 - spread + 2.326 * spread.sqrt()).powi(3)
 }

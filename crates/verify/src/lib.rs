@@ -7,6 +7,7 @@
 //! - `partners`, `cut`: which pairs are compared, and the multicut of the graph of evidence.
 //! - `judge`, `islands`, `rounds`, `map`: hypotheses, and rounds of optimisation and verdicts.
 //! - `bridges`: where odometry is missing, how far the robot usually moves in such a time.
+//! - `rivals`: other ways to join two chains.
 //! - [`verdict`], [`stage`]: what is said of every edge, on a pose graph.
 
 mod bridges;
@@ -19,6 +20,7 @@ mod map;
 mod mixture;
 mod model;
 mod partners;
+mod rivals;
 mod rounds;
 pub mod stage;
 pub mod verdict;
@@ -26,5 +28,6 @@ mod verification;
 
 pub use calibration::Calibration;
 pub use model::Motion;
+pub use rivals::Rival;
 pub use stage::{Options, Undecided};
-pub use verification::{Rival, Verification, verify, verify_by};
+pub use verification::{Verification, verify, verify_by};

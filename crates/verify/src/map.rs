@@ -5,8 +5,8 @@ use posecut_graph::PoseGraph;
 use posecut_optimize::{Edge, EdgeKind, Initialisation, Marginals, Options, Problem, optimize};
 
 use crate::calibration::Calibration;
-use crate::evidence::{CLIP, Evidence, compare};
-use crate::model::{Model, Motion, spread as spread_of};
+use crate::evidence::{CLIP, Evidence, chi_square_quantile, compare};
+use crate::model::{Model, Motion};
 use crate::partners::Partners;
 use crate::rounds::CONTRADICTED;
 
@@ -204,11 +204,6 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
         evidence.is_none_or(|found| found.weight() > CONTRADICTED && found.weight() <= self.enough)
     }
 
-    /// The second moment of the relative poses of places anywhere in the map.
-    pub(crate) fn extent(&self) -> SMatrix<f64, DOF, DOF> {
-        spread_of(&self.poses)
-    }
-
     fn ends(&self, closure: usize) -> [usize; 2] {
         let edge = &self.drawing.landmarks[closure];
         [edge.from, edge.to]
@@ -277,7 +272,7 @@ fn spread<const DOF: usize>(innovations: impl Iterator<Item = Innovation<DOF>>) 
     distances.sort_by(f64::total_cmp);
     let least = if distances.len() < ENOUGH { 1.0 } else { SCALE_LEAST };
     let median = distances.get(distances.len() / 2);
-    median.map_or(1.0, |median| (median / chi_square_median(DOF)).clamp(least, SCALE_MOST))
+    median.map_or(1.0, |median| (median / chi_square_quantile(DOF, 0.0)).clamp(least, SCALE_MOST))
 }
 
 /// The covariance of Log(Z^-1 X) for that of a right perturbation of X, at an error that need not be small.
@@ -287,10 +282,4 @@ fn carried<G: Motion<DOF>, const DOF: usize>(
 ) -> SMatrix<f64, DOF, DOF> {
     let jacobian = G::right_jacobian_inverse(error);
     jacobian * covariance * jacobian.transpose()
-}
-
-/// The median of chi-square (Wilson and Hilferty 1931).
-fn chi_square_median(degrees: usize) -> f64 {
-    let degrees = degrees as f64;
-    degrees * (1.0 - 2.0 / (9.0 * degrees)).powi(3)
 }

@@ -97,6 +97,12 @@ pub(crate) fn contrast<const DOF: usize>(
 }
 
 impl<const DOF: usize> Class<DOF> {
+    /// Adds the loop through two closures, and its twin with an end of the other one `turn` steps elsewhere.
+    fn add<G: Motion<DOF>>(&mut self, model: &Model<G, DOF>, one: usize, other: usize, turn: usize) {
+        self.real.push(model.pair(one, other));
+        self.shuffled.push(model.pair_shuffled(one, other, Partners::elsewhere(model, other, turn)));
+    }
+
     /// The loops that a chain takes part in.
     pub(crate) fn of(&self, chain: usize) -> Self {
         let (mut real, mut shuffled) = (Vec::new(), Vec::new());
@@ -173,32 +179,17 @@ pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
             for (turn, &other) in
                 partners.near(closure).iter().enumerate().filter(|(turn, _)| [0, 3, 7].contains(turn))
             {
-                short.real.push(model.pair(closure, other));
-                short.shuffled.push(model.pair_shuffled(
-                    closure,
-                    other,
-                    Partners::elsewhere(model, other, turn + 2),
-                ));
+                short.add(model, closure, other, turn + 2);
             }
             continue;
         }
         for (turn, &other) in
             partners.near(closure).iter().enumerate().filter(|(turn, _)| [0, 1, 3, 7].contains(turn))
         {
-            near.real.push(model.pair(closure, other));
-            near.shuffled.push(model.pair_shuffled(
-                closure,
-                other,
-                Partners::elsewhere(model, other, turn + 2),
-            ));
+            near.add(model, closure, other, turn + 2);
         }
         for (turn, &other) in partners.far(closure).iter().take(4).enumerate() {
-            far.real.push(model.pair(closure, other));
-            far.shuffled.push(model.pair_shuffled(
-                closure,
-                other,
-                Partners::elsewhere(model, other, turn + 7),
-            ));
+            far.add(model, closure, other, turn + 7);
         }
     }
     [single, short, near, far].into_iter().filter(|class| !class.real.is_empty()).collect()

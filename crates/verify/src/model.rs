@@ -68,7 +68,7 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         let chains = Chains::with(graph, Covariances::Repaired)?;
         let grouped = group_with(graph, &chains, Covariances::Repaired)?;
         let drifts = chains.chains.iter().map(|chain| drift(chain)).collect();
-        let apart = chains.chains.iter().map(|chain| spread(&chain.poses)).collect();
+        let apart = chains.chains.iter().map(|chain| second_moment(&chain.poses)).collect();
         let (mut spans, mut closures) = (Vec::new(), Vec::new());
         for (number, group) in grouped.groups.iter().enumerate() {
             let first = closures.len();
@@ -279,7 +279,7 @@ fn drift<G: Motion<DOF>, const DOF: usize>(chain: &Chain<G, DOF>) -> Vec<Drift<D
 }
 
 /// Second moment of the logarithm of relative poses of places far from each other in a row of places.
-pub(crate) fn spread<G: Motion<DOF>, const DOF: usize>(poses: &[G]) -> SMatrix<f64, DOF, DOF> {
+pub(crate) fn second_moment<G: Motion<DOF>, const DOF: usize>(poses: &[G]) -> SMatrix<f64, DOF, DOF> {
     let count = poses.len();
     let mut sum = SMatrix::zeros();
     let sample: Vec<usize> = (0..count).step_by(count.div_ceil(PLACES).max(1)).collect();

@@ -3,11 +3,11 @@
 use petgraph::unionfind::UnionFind;
 
 use crate::bridges::Bridge;
-use crate::calibration::Calibration;
+use crate::calibration::{Calibration, alone};
 use crate::cut::COST;
 use crate::islands::Hypothesis;
 use crate::map::Drawing;
-use crate::model::{Model, Motion};
+use crate::model::{Model, Motion, second_moment};
 use crate::partners::Partners;
 
 /// Most rounds that do not mainly add closures.
@@ -69,12 +69,11 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             }
             // Where rounds alternate, what both accept; the others have the less evidence of both.
             for closure in 0..next.len() {
-                if self.accepted[closure] == next[closure] {
-                    continue;
+                if self.accepted[closure] != next[closure] {
+                    self.accepted[closure] = false;
+                    let both = self.ratio[closure].zip(before[closure]);
+                    self.ratio[closure] = both.map(|(now, before)| now.min(before)).or(self.ratio[closure]);
                 }
-                self.accepted[closure] = false;
-                let both = self.ratio[closure].zip(before[closure]);
-                self.ratio[closure] = both.map(|(now, before)| now.min(before)).or(self.ratio[closure]);
             }
             let placed = self.across(bridges)?;
             if placed.is_empty() {
@@ -109,10 +108,10 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             return Ok(Vec::new());
         }
         // Correct closures mostly have company.
-        let alone = self.random.odds_alone(&self.ratio, &self.accepted).ln() - self.random.odds().ln();
+        let alone = alone(&self.ratio, &self.accepted).ln();
         let mut map = self.drawing.map(self.model, &self.random, &self.accepted, &edges, None)?;
         map.enough = self.threshold;
-        map.apart = Some(map.extent());
+        map.apart = Some(second_moment(&map.poses));
         for (&closure, evidence) in asked.iter().zip(map.judge(&self.partners, &asked, &open)) {
             // What the usual motion contradicts may still be right: somebody may have carried the robot.
             if let Some(evidence) = evidence.filter(|evidence| evidence.weight() + alone > 0.0)
@@ -122,8 +121,9 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
                 self.fits[closure] = evidence.squared_distance <= self.usual;
             }
         }
-        let likely = self.likely(&self.accepted);
-        Ok(open.into_iter().filter(|closure| likely.contains(closure)).collect())
+        let mut placed = self.likely(&self.accepted);
+        placed.retain(|closure| open.binary_search(closure).is_ok());
+        Ok(placed)
     }
 
     /// Draws the map of what is accepted, judges every closure within its parts by it, and joins further parts. Returns what

@@ -3,6 +3,7 @@
 use posecut_graph::PoseGraph;
 use serde_json::Value;
 
+use crate::calibration::alone;
 use crate::cut::Tie;
 use crate::evidence::CLIP;
 use crate::judge::Judged;
@@ -72,7 +73,7 @@ pub(crate) fn findings<G: Motion<DOF>, const DOF: usize>(
     }
     let witnesses = witnesses(&judged.ties, &judged.accepted);
     let opposed = opposed(&judged.ties, count);
-    let alone = judged.calibration.odds_alone(&judged.ratio, &judged.accepted);
+    let alone = judged.calibration.odds() * alone(&judged.ratio, &judged.accepted);
     (0..count)
         .map(|closure| {
             let accepted = judged.accepted[closure];

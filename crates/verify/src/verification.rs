@@ -1,12 +1,12 @@
 //! The whole of it: a graph in, findings out.
 
-use anyhow::ensure;
+use anyhow::{Context as _, ensure};
 use posecut_graph::PoseGraph;
-use serde::Serialize;
 
 use crate::calibration::Calibration;
 use crate::judge::judge;
 use crate::model::{Model, Motion};
+use crate::rivals::{Rival, rivals};
 use crate::verdict::{Finding, Verdict, findings};
 
 /// What verification found.
@@ -41,19 +41,6 @@ impl Verification {
     }
 }
 
-/// Another way to join two chains.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Rival {
-    /// Its number, as findings have it.
-    pub hypothesis: usize,
-    /// How many landmark edges it has.
-    pub edges: usize,
-    /// Its evidence, nats.
-    pub evidence: f64,
-    /// The evidence of what is accepted between the same chains, nats.
-    pub accepted: f64,
-}
-
 /// Judges every landmark edge in use. The truth is not looked at.
 pub fn verify<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Result<Verification> {
     verify_by::<G, DOF>(graph, 0)
@@ -72,13 +59,13 @@ pub fn verify_by<G: Motion<DOF>, const DOF: usize>(
     let model = Model::<G, DOF>::of(graph)?;
     let mut judged = judge(graph, &model, None)?;
     if hypothesis > 0 {
-        let count = judged.others().count();
-        let chosen = judged.others().nth(hypothesis - 1).cloned();
-        ensure!(
-            chosen.is_some(),
-            "hypothesis {hypothesis}: this graph has {count} beside the map; name one of 0 to {count}"
-        );
-        let members = chosen.map_or_else(Vec::new, |chosen| chosen.members);
+        let chosen = judged.others().nth(hypothesis - 1).with_context(|| {
+            let count = judged.others().count();
+            format!(
+                "hypothesis {hypothesis}: this graph has {count} beside the map; name one of 0 to {count}"
+            )
+        })?;
+        let members = chosen.members.clone();
         ensure!(
             !model.same_chain(members[0]),
             "hypothesis {hypothesis}: its edges lie within one chain, whose odometry contradicts them; another hypothesis can only replace a join of two chains"
@@ -86,13 +73,6 @@ pub fn verify_by<G: Motion<DOF>, const DOF: usize>(
         judged = judge(graph, &model, Some(&members))?;
     }
     let findings = findings(graph, &model, &judged);
-    let rivals = judged.rivals(&model).into_iter().map(|(hypothesis, rival, accepted)| Rival {
-        hypothesis,
-        edges: rival.members.len(),
-        evidence: rival.evidence,
-        accepted,
-    });
-    let rivals = rivals.collect();
     Ok(Verification {
         findings,
         unmeasured: model.unmeasured,
@@ -100,7 +80,7 @@ pub fn verify_by<G: Motion<DOF>, const DOF: usize>(
         joins_proposed: judged.joinable,
         joins_established: judged.joined,
         hypotheses: judged.hypotheses.len(),
-        rivals,
+        rivals: rivals(&model, &judged),
         calibration: judged.calibration,
         cut_proved: judged.cut_proved,
         rounds: judged.rounds,

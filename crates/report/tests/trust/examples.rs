@@ -56,7 +56,7 @@ fn failed_and_missing_runs_are_in_every_table_and_in_the_figure() {
     let dots: Vec<usize> = shown.panels[0].lanes.iter().map(|lane| lane.dots.len()).collect();
     assert_eq!(dots, [4, 4], "one dot a finished run");
     let marked = shown.panels[0].lanes.iter().flat_map(|lane| &lane.dots).filter(|dot| dot.marked).count();
-    assert_eq!(marked, 2, "runs with a false edge are told apart");
+    assert_eq!(marked, 2, "a ring marks each run with a false edge");
     assert!(position(0.0, 10.0) == 0.0 && (position(10.0, 10.0) - 1.0).abs() < 1e-12);
     for format in ["svg", "png"] {
         assert!(lanes(&shown, 3).unwrap().write(format).unwrap().len() > 1000);
