@@ -16,7 +16,7 @@ trust_of       = $(trust_files) --programs $(BIN) --simulated $(call quoted,$(SI
 trust_figure   = $(if $(DOCUMENT),docs/results/trust-regret.svg,$(trust_results)/regret.svg)
 trust_reliability = $(if $(DOCUMENT),docs/results/trust-reliability.svg,$(trust_results)/reliability.svg)
 
-.PHONY: trust-sample constants pcm-gates
+.PHONY: trust-sample constants ablation pcm-gates
 
 trust: $(if $(DATA),$(EXPERIMENTS) $(REPORT))
 	@test -n $(call quoted,$(DATA)) || { echo 'Name the folder of graphs and sessions: make trust DATA=DIR. It holds'; \
@@ -40,6 +40,18 @@ trust: $(if $(DATA),$(EXPERIMENTS) $(REPORT))
 # A sample that needs no data, for tests of the whole chain: every method on two simulated sessions.
 trust-sample: $(EXPERIMENTS) $(REPORT)
 	@scripts/check-trust.sh $(call quoted,$(trust_results)-sample)
+
+# What each ingredient of verification is worth: docs/results/verify-ablation.md. Shares its results with `make trust`.
+ingredients    = calibration coherent heavy-tails shift far-partners multicut rounds bridges
+ablation_of    = $(trust_files) --programs $(BIN) --simulated $(call quoted,$(SIMULATED)) --data $(call quoted,$(DATA)) \
+                 --results $(call quoted,$(trust_results)) --methods none,verify$(addprefix $(comma)verify-without-,$(ingredients))
+ablation: $(EXPERIMENTS)
+	@test -d $(call quoted,$(or $(DATA),missing)) || { echo 'Name the folder of graphs: make ablation DATA=DIR'; exit 2; }
+	@$(EXPERIMENTS) run $(ablation_of) --threads $(threads)
+	@for half in tuning test; do \
+	  $(EXPERIMENTS) collect $(ablation_of) --half $$half --quiet -o $(call quoted,$(trust_results))/ablation-$$half.jsonl && \
+	  scripts/edges-table.py $(call quoted,$(trust_results))/ablation-$$half.jsonl --rows method --columns family \
+	    --cell kept-lost-rmse -o docs/results/verify-ablation.md --section $$half || exit; done
 
 # PCM's constants on the tuning halves: docs/constants.md.
 constants_of   = pipelines/trust/constants.toml --half tuning --programs $(BIN) --simulated $(call quoted,$(SIMULATED)) \

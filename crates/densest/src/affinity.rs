@@ -8,21 +8,23 @@ const ROWS_PER_TASK: usize = 128;
 /// Weights of consistent pairs; a pair that is not here is inconsistent. Every vertex has weight 1 with itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Affinity {
-    /// For each vertex its neighbours, ascending, with their weights in (0, 1].
-    rows: Vec<Vec<(u32, f64)>>,
+    /// For each vertex its neighbours, ascending, with their weights in (0, 1]. Single precision: products wait for memory.
+    rows: Vec<Vec<(u32, f32)>>,
 }
 
 impl Affinity {
     /// Weighs all pairs of `count` vertices: `weight(a, b)` for `a < b`, `None` if they are inconsistent. Rows in parallel,
-    /// the same at any number of threads. N (N - 1) / 2 calls; 16 bytes for each consistent pair and direction.
+    /// the same at any number of threads. N (N - 1) / 2 calls; 8 bytes for each consistent pair and direction.
     pub fn new(count: usize, weight: impl Fn(usize, usize) -> Option<f64> + Sync) -> Self {
-        let upper: Vec<Vec<(u32, f64)>> = (0..count)
+        let upper: Vec<Vec<(u32, f32)>> = (0..count)
             .into_par_iter()
             .map(|row| {
-                (row + 1..count).filter_map(|column| Some((column as u32, weight(row, column)?))).collect()
+                (row + 1..count)
+                    .filter_map(|column| Some((column as u32, weight(row, column)? as f32)))
+                    .collect()
             })
             .collect();
-        let mut rows: Vec<Vec<(u32, f64)>> = vec![Vec::new(); count];
+        let mut rows: Vec<Vec<(u32, f32)>> = vec![Vec::new(); count];
         // By ascending row, so that every list comes out ascending: first the smaller neighbours, then the larger.
         for (row, pairs) in upper.into_iter().enumerate() {
             for &(column, weight) in &pairs {
@@ -49,14 +51,50 @@ impl Affinity {
     }
 
     /// The neighbours of a vertex, ascending, with their weights.
-    pub fn neighbours(&self, vertex: usize) -> &[(u32, f64)] {
+    pub fn neighbours(&self, vertex: usize) -> &[(u32, f32)] {
         &self.rows[vertex]
     }
 
     /// The weight of a pair; `None` if it is inconsistent. O(log neighbours).
     pub fn weight(&self, a: usize, b: usize) -> Option<f64> {
         let row = &self.rows[a];
-        row.binary_search_by_key(&(b as u32), |&(column, _)| column).ok().map(|place| row[place].1)
+        row.binary_search_by_key(&(b as u32), |&(column, _)| column).ok().map(|place| row[place].1.into())
+    }
+
+    /// The vertices that can be in a clique of so many: each is consistent with as many others of them. O(pairs).
+    pub(crate) fn core(&self, members: usize) -> Vec<usize> {
+        let mut degrees: Vec<usize> = self.rows.iter().map(Vec::len).collect();
+        let mut stays: Vec<bool> = degrees.iter().map(|degree| degree + 1 >= members).collect();
+        let mut leaving: Vec<usize> = (0..self.len()).filter(|&vertex| !stays[vertex]).collect();
+        while let Some(vertex) = leaving.pop() {
+            for &(other, _) in &self.rows[vertex] {
+                let other = other as usize;
+                degrees[other] -= 1;
+                if stays[other] && degrees[other] + 1 < members {
+                    stays[other] = false;
+                    leaving.push(other);
+                }
+            }
+        }
+        (0..self.len()).filter(|&vertex| stays[vertex]).collect()
+    }
+
+    /// The weights among some vertices, which are numbered anew in their order.
+    pub(crate) fn among(&self, vertices: &[usize]) -> Self {
+        let mut numbers = vec![u32::MAX; self.len()];
+        for (number, &vertex) in vertices.iter().enumerate() {
+            numbers[vertex] = number as u32;
+        }
+        let inside = |&(other, weight): &(u32, f32)| {
+            let number = numbers[other as usize];
+            (number != u32::MAX).then_some((number, weight))
+        };
+        Self {
+            rows: vertices
+                .iter()
+                .map(|&vertex| self.rows[vertex].iter().filter_map(inside).collect())
+                .collect(),
+        }
     }
 
     /// M u, and the sum of u over the vertices inconsistent with each. O(consistent pairs of the vertices above zero).
@@ -74,7 +112,7 @@ impl Affinity {
                 continue;
             }
             for &(other, weight) in row {
-                weighted[other as usize] += weight * component;
+                weighted[other as usize] += f64::from(weight) * component;
                 consistent[other as usize] += component;
             }
         }
@@ -90,7 +128,7 @@ impl Affinity {
             .map(|(vertex, row)| {
                 let (mut weighted, mut consistent) = (u[vertex], u[vertex]);
                 for &(other, weight) in row {
-                    weighted += weight * u[other as usize];
+                    weighted += f64::from(weight) * u[other as usize];
                     consistent += u[other as usize];
                 }
                 // Rounding may leave a trace below zero.

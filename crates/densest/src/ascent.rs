@@ -5,7 +5,7 @@ use crate::Affinity;
 /// Steps for one penalty at most.
 const MOST_STEPS: usize = 500;
 /// Ascent for one penalty ends when a step gains less than this share of the value.
-const GAIN_TOLERANCE: f64 = 1e-10;
+const GAIN_TOLERANCE: f64 = 1e-6;
 /// A component below this share of the largest is zero.
 const ZERO: f64 = 1e-7;
 /// Step lengths tried before the ascent counts as finished.

@@ -37,25 +37,40 @@ impl Densest {
 
 /// The densest clique of several local maxima: ascents from the vertices' degrees and from `starts - 1` random vectors. The
 /// first found wins ties. Heuristic: the problem is NP-hard (with weights 1 it is the maximum clique).
+///
+/// A clique of n vertices has at most the density n. After the first ascent only vertices that can be in a clique as large as
+/// the density found are looked at; where these are the clique that was found, it is the densest of all.
 pub fn densest_clique(affinity: &Affinity, starts: usize, random: &mut impl Rng) -> Densest {
-    let count = affinity.len();
-    let mut best = Densest::default();
-    for start in 0..starts.max(1) {
-        let from: Vec<f64> = if start == 0 {
-            affinity.products(&vec![1.0; count]).0
-        } else {
-            (0..count).map(|_| random.random_range(0.0..1.0)).collect()
-        };
-        let ascent = ascend(affinity, &from, start == 0);
-        let steps = best.steps + ascent.steps;
-        let vertices = maximal_clique(affinity, &ascent.solution);
-        let (density, shares) = density(affinity, &vertices);
-        if density > best.density {
-            best = Densest { vertices, shares, density, steps };
+    let mut best = climb_once(affinity, &affinity.products(&vec![1.0; affinity.len()]).0, true);
+    let mut core = affinity.core(best.density.ceil() as usize);
+    let mut among = affinity.among(&core);
+    for _ in 1..starts {
+        if core == best.vertices {
+            break;
+        }
+        let from: Vec<f64> = core.iter().map(|_| random.random_range(0.0..1.0)).collect();
+        let found = climb_once(&among, &from, false);
+        let steps = best.steps + found.steps;
+        if found.density > best.density {
+            let vertices = found.vertices.iter().map(|&vertex| core[vertex]).collect();
+            best = Densest { vertices, ..found };
+            let smaller = affinity.core(best.density.ceil() as usize);
+            if smaller.len() < core.len() {
+                core = smaller;
+                among = affinity.among(&core);
+            }
         }
         best.steps = steps;
     }
     best
+}
+
+/// The clique to which one start leads.
+fn climb_once(affinity: &Affinity, from: &[f64], free: bool) -> Densest {
+    let ascent = ascend(affinity, from, free);
+    let vertices = maximal_clique(affinity, &ascent.solution);
+    let (density, shares) = density(affinity, &vertices);
+    Densest { vertices, shares, density, steps: ascent.steps }
 }
 
 /// The vertices above zero, largest first, as far as they are consistent with those before; then whatever is consistent with
@@ -81,7 +96,7 @@ fn maximal_clique(affinity: &Affinity, solution: &[f64]) -> Vec<usize> {
         clique.push(next);
         for &(other, pair) in affinity.neighbours(next) {
             consistent[other as usize] += 1;
-            weight[other as usize] += pair;
+            weight[other as usize] += f64::from(pair);
         }
     }
     clique.sort_unstable();
@@ -98,9 +113,9 @@ fn density(affinity: &Affinity, clique: &[usize]) -> (f64, Vec<f64>) {
     let rows: Vec<Vec<(usize, f64)>> = clique
         .iter()
         .map(|&vertex| {
-            let inside = |&(other, weight): &(u32, f64)| {
+            let inside = |&(other, weight): &(u32, f32)| {
                 let place = members[other as usize];
-                (place != usize::MAX).then_some((place, weight))
+                (place != usize::MAX).then_some((place, f64::from(weight)))
             };
             affinity.neighbours(vertex).iter().filter_map(inside).collect()
         })

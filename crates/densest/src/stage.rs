@@ -54,7 +54,7 @@ pub struct Options {
     pub select: Select,
 
     /// Local maxima to look for, the first from the degrees, the others from random starts
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..))]
     pub starts: u32,
 
     /// Seed of the random starts

@@ -18,8 +18,8 @@ use crate::residual::squared;
 const RATE: f64 = 1.4;
 /// Share of the cost below which a round ends: only the last one needs the digits.
 const ROUND_TOLERANCE: f64 = 1e-4;
-/// Steps per round at most.
-const ROUND_STEPS: usize = 10;
+/// Steps per round at most: the next surrogate moves the optimum anyway.
+const ROUND_STEPS: usize = 3;
 /// Rounds after which even a residual of 1e9 widths has been graduated.
 const MOST_ROUNDS: usize = 200;
 

@@ -87,6 +87,12 @@ impl<G: LieGroup<DOF>, const DOF: usize> Chains<G, DOF> {
     /// As [`Self::of`], with or without covariances.
     pub fn with(graph: &PoseGraph, covariances: Covariances) -> Result<Self, PcmError> {
         let links = Links::of(graph);
+        if links.left_out > 0 {
+            warn!(
+                "{} odometry edges branch off or close a ring and are left out of the chains",
+                links.left_out
+            );
+        }
         let mut places = vec![(usize::MAX, 0); graph.nodes.len()];
         let mut chains = Vec::new();
         for start in 0..graph.nodes.len() {
@@ -106,6 +112,28 @@ impl<G: LieGroup<DOF>, const DOF: usize> Chains<G, DOF> {
         }
         Ok(Self { chains, places })
     }
+}
+
+/// The nodes of each chain of [`Chains`] from end to end, by their places in the graph. O(edges).
+pub fn paths(graph: &PoseGraph) -> Vec<Vec<usize>> {
+    let links = Links::of(graph);
+    let mut seen = vec![false; graph.nodes.len()];
+    let mut paths = Vec::new();
+    for start in 0..graph.nodes.len() {
+        if seen[start] || links.degree(start) > 1 {
+            continue;
+        }
+        seen[start] = true;
+        let mut path = vec![start];
+        let mut here = start;
+        while let Some((_, next)) = links.next(here, |node| seen[node]) {
+            seen[next] = true;
+            path.push(next);
+            here = next;
+        }
+        paths.push(path);
+    }
+    paths
 }
 
 /// The motion along an odometry edge with its covariance, in the direction walked.
@@ -186,6 +214,8 @@ pub(crate) fn squared_mahalanobis<const DOF: usize>(
 /// At most two odometry edges a node, and no rings: the graph as paths.
 struct Links<'a> {
     links: Vec<[Option<(&'a Edge, usize)>; 2]>,
+    /// Odometry edges that branch off or close a ring.
+    left_out: usize,
 }
 
 impl<'a> Links<'a> {
@@ -207,10 +237,7 @@ impl<'a> Links<'a> {
                 links[here][free] = Some((edge, there));
             }
         }
-        if left_out > 0 {
-            warn!("{left_out} odometry edges branch off or close a ring and are left out of the chains");
-        }
-        Self { links }
+        Self { links, left_out }
     }
 
     fn degree(&self, node: usize) -> usize {

@@ -3,7 +3,8 @@
 use nalgebra::SMatrix;
 use serde::Serialize;
 
-use crate::evidence::{Evidence, compare};
+use crate::evidence::{Evidence, GAUSSIAN, TAIL, compare};
+use crate::ingredients::Ingredient;
 use crate::mixture::{Class, Contrast, Loops, SAMPLE, contrast};
 use crate::model::{Loop, Model, Motion};
 
@@ -22,6 +23,9 @@ pub struct Calibration {
     pub evidence: f64,
     /// Whether this was too little for an estimate.
     pub on_prior: bool,
+    /// Degrees of freedom of errors' t distribution.
+    #[serde(skip)]
+    pub(crate) tail: f64,
 }
 
 /// How much more a local error varies than the noise of landmark edges: thirty standard deviations.
@@ -46,7 +50,8 @@ impl Calibration {
 
     /// What a loop says; `None` where its covariance is not positive definite.
     pub(crate) fn evidence<const DOF: usize>(&self, closed: &Loop<DOF>) -> Option<Evidence> {
-        compare(&closed.error, &self.covariance(closed), &closed.apart, &self.local(&closed.landmark))
+        let local = self.local(&closed.landmark);
+        compare(&closed.error, &self.covariance(closed), &closed.apart, &local, self.tail)
     }
 
     /// Prior odds that a candidate is correct.
@@ -72,6 +77,8 @@ const PRIOR_CHAIN: f64 = 1.0;
 /// Coherent variance that is likely a priori, and the largest.
 const COHERENT: f64 = 1e-6;
 const COHERENT_MOST: f64 = 1e-2;
+/// Coherent variance that has no effect.
+const NEGLIGIBLE: f64 = 1e-12;
 /// The smallest factor of landmark edges: published matrices claim up to a hundred times the variance.
 const LANDMARK_LEAST: f64 = 0.01;
 /// Evidence below which the prior is used, nats.
@@ -93,24 +100,26 @@ pub(crate) fn calibrate<G: Motion<DOF>, const DOF: usize>(
     let chains = model.chains.chains.len();
     let mut calibration = Calibration {
         odometry: vec![1.0; chains],
-        coherent: vec![COHERENT; chains],
+        coherent: vec![if model.without.has(Ingredient::Coherent) { NEGLIGIBLE } else { COHERENT }; chains],
         landmark: 1.0,
         correct: 0.5,
         evidence: 0.0,
         on_prior: true,
+        tail: if model.without.has(Ingredient::HeavyTails) { GAUSSIAN } else { TAIL },
     };
+    let tail = calibration.tail;
     let candidates = model.closures.len();
     let loops: usize = classes.iter().map(|class| class.real.len()).sum();
-    if loops == 0 {
+    if loops == 0 || model.without.has(Ingredient::Calibration) {
         return calibration;
     }
     // Loops through the same closures are not independent.
     let tempering = (candidates.min(SAMPLE) as f64 / loops as f64).min(1.0);
-    let coherent = if with_coherent { COHERENT } else { 1e-12 };
+    let coherent = if with_coherent { COHERENT } else { NEGLIGIBLE };
     let starts = [(0.0, 0.0), (-4.0, 0.0), (4.0, 0.0), (0.0, 5.0), (0.0, -3.0)]
         .map(|(odometry, landmark)| Point { odometry, landmark, coherent: coherent.ln() });
     let best = highest(&starts, if with_coherent { &[0, 2, 1] } else { &[0, 1] }, |point, loops| {
-        let found = contrast(classes, &uniform(point, chains), tempering, loops);
+        let found = contrast(classes, &uniform(point, chains, tail), tempering, loops);
         let prior = square(point.odometry / PRIOR)
             + square(point.landmark / PRIOR)
             + square((point.coherent - coherent.ln()) / (2.0 * PRIOR));
@@ -121,7 +130,7 @@ pub(crate) fn calibrate<G: Motion<DOF>, const DOF: usize>(
     calibration.correct = correct;
     calibration.on_prior = evidence < LEAST_EVIDENCE;
     if !calibration.on_prior {
-        let common = uniform(point, chains);
+        let common = uniform(point, chains, tail);
         calibration.odometry = common.odometry;
         calibration.coherent = common.coherent;
         calibration.landmark = common.landmark;
@@ -171,7 +180,7 @@ fn refine<const DOF: usize>(
     }
 }
 
-fn uniform(point: Point, chains: usize) -> Calibration {
+fn uniform(point: Point, chains: usize, tail: f64) -> Calibration {
     Calibration {
         odometry: vec![point.odometry.exp(); chains],
         coherent: vec![point.coherent.exp(); chains],
@@ -179,6 +188,7 @@ fn uniform(point: Point, chains: usize) -> Calibration {
         correct: 0.5,
         evidence: 0.0,
         on_prior: false,
+        tail,
     }
 }
 

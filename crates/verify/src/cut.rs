@@ -1,5 +1,6 @@
 //! The graph of evidence, and its minimum-cost multicut.
 
+use petgraph::unionfind::UnionFind;
 use posecut_multicut::{Graph, Options, solve};
 
 use crate::evidence::CLIP;
@@ -33,15 +34,7 @@ pub(crate) fn cut(
     anchored: &[Option<(usize, f64)>],
     correct: f64,
 ) -> Clusters {
-    let prior = (COST * (1.0 - correct) / correct).ln();
-    let clipped = |ratio: f64| ratio.clamp(-CLIP, CLIP);
-    // What says nothing neither ties nor parts.
-    let pair = |ratio: f64| if ratio > 0.0 { (ratio - COST.ln()).max(0.0) } else { ratio };
-    let pairs = ties.iter().map(|tie| (tie.one as u64, tie.other as u64, clipped(pair(tie.ratio))));
-    let single = anchored.iter().enumerate().filter_map(|(closure, anchored)| {
-        anchored.map(|(anchor, ratio)| ((closures + anchor) as u64, closure as u64, clipped(ratio - prior)))
-    });
-    let edges: Vec<_> = pairs.chain(single).collect();
+    let edges = costs(closures, ties, anchored, correct);
     let options = Options { time_limit: None, work_limit: Some(WORK), ..Options::default() };
     match Graph::new(closures + anchors, edges) {
         Ok(graph) => {
@@ -51,4 +44,39 @@ pub(crate) fn cut(
         // Costs are clipped and nodes are ours: only more nodes than fit is left, and nothing holds together then.
         Err(_) => Clusters { labels: (0..(closures + anchors) as u32).collect(), optimal: false },
     }
+}
+
+/// Clusters without a cut: whatever evidence in favour ties together, against all that speaks against it.
+pub(crate) fn tied(
+    closures: usize,
+    anchors: usize,
+    ties: &[Tie],
+    anchored: &[Option<(usize, f64)>],
+    correct: f64,
+) -> Clusters {
+    let mut clusters = UnionFind::<u32>::new(closures + anchors);
+    for (one, other, cost) in costs(closures, ties, anchored, correct) {
+        if cost > 0.0 {
+            clusters.union(one as u32, other as u32);
+        }
+    }
+    Clusters { labels: clusters.into_labeling(), optimal: false }
+}
+
+/// What cutting each pair of nodes costs.
+fn costs(
+    closures: usize,
+    ties: &[Tie],
+    anchored: &[Option<(usize, f64)>],
+    correct: f64,
+) -> Vec<(u64, u64, f64)> {
+    let prior = (COST * (1.0 - correct) / correct).ln();
+    let clipped = |ratio: f64| ratio.clamp(-CLIP, CLIP);
+    // What says nothing neither ties nor parts.
+    let pair = |ratio: f64| if ratio > 0.0 { (ratio - COST.ln()).max(0.0) } else { ratio };
+    let pairs = ties.iter().map(|tie| (tie.one as u64, tie.other as u64, clipped(pair(tie.ratio))));
+    let single = anchored.iter().enumerate().filter_map(|(closure, anchored)| {
+        anchored.map(|(anchor, ratio)| ((closures + anchor) as u64, closure as u64, clipped(ratio - prior)))
+    });
+    pairs.chain(single).collect()
 }

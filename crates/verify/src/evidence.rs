@@ -3,7 +3,9 @@
 use nalgebra::{SMatrix, SVector};
 
 /// Degrees of freedom of the t distribution of errors: tails that a few gross errors do not beat.
-const TAIL: f64 = 4.0;
+pub(crate) const TAIL: f64 = 4.0;
+/// The same for errors as good as Gaussian.
+pub(crate) const GAUSSIAN: f64 = 1e6;
 /// Squared distance per degree of freedom beyond which an error contradicts, whatever chance says: without this limit the
 /// heavy tail of a correct error outweighs chance where chance is spread widely.
 const GATE: f64 = 100.0 / 3.0;
@@ -47,12 +49,13 @@ impl Evidence {
 const LOCAL_DOUBT: f64 = -2.0;
 
 /// Compares a correct loop, whose error is multivariate t with scale matrix S, with one that closes by chance, whose
-/// error has the scale matrix S + R. `None` where S is not positive definite.
+/// error has the scale matrix S + R; `tail` degrees of freedom. `None` where S is not positive definite.
 pub(crate) fn compare<const DOF: usize>(
     error: &SVector<f64, DOF>,
     correct: &SMatrix<f64, DOF, DOF>,
     apart: &SMatrix<f64, DOF, DOF>,
     local: &SMatrix<f64, DOF, DOF>,
+    tail: f64,
 ) -> Option<Evidence> {
     let near = Elimination::of(correct, error)?;
     let far = Elimination::of(&(correct + apart), error)?;
@@ -60,8 +63,8 @@ pub(crate) fn compare<const DOF: usize>(
     let ratio = |wide: &Elimination| {
         0.5 * (wide.log_determinant() - near.log_determinant())
             + 0.5
-                * (TAIL + DOF as f64)
-                * ((1.0 + wide.squared / TAIL).ln() - (1.0 + near.squared / TAIL).ln())
+                * (tail + DOF as f64)
+                * ((1.0 + wide.squared / tail).ln() - (1.0 + near.squared / tail).ln())
     };
     Some(Evidence {
         chance: ratio(&far),
@@ -78,14 +81,15 @@ pub(crate) fn likelihood_ratios<const DOF: usize, const ALTERNATIVES: usize>(
     error: &SVector<f64, DOF>,
     correct: &SMatrix<f64, DOF, DOF>,
     wider: [SMatrix<f64, DOF, DOF>; ALTERNATIVES],
+    tail: f64,
 ) -> Option<[f64; ALTERNATIVES]> {
     let near = Elimination::of(correct, error)?;
     let mut ratios = [0.0; ALTERNATIVES];
     for (ratio, wider) in ratios.iter_mut().zip(wider) {
         let far = Elimination::of(&(correct + wider), error)?;
-        // The determinants to the power of 1/2, the rest to that of (TAIL + DOF) / 2, without a logarithm.
-        let base = (1.0 + far.squared / TAIL) / (1.0 + near.squared / TAIL);
-        let degrees = TAIL as i32 + DOF as i32;
+        // The determinants to the power of 1/2, the rest to that of (tail + DOF) / 2, without a logarithm.
+        let base = (1.0 + far.squared / tail) / (1.0 + near.squared / tail);
+        let degrees = tail as i32 + DOF as i32;
         let power = base.powi(degrees / 2) * if degrees % 2 == 1 { base.sqrt() } else { 1.0 };
         *ratio = far.root_over(&near) * power;
     }

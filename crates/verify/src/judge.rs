@@ -6,8 +6,9 @@ use rayon::prelude::*;
 
 use crate::bridges::bridges;
 use crate::calibration::{Calibration, calibrate};
-use crate::cut::{COST, Tie, cut};
+use crate::cut::{COST, Tie, cut, tied};
 use crate::evidence::chi_square_quantile;
+use crate::ingredients::Ingredient;
 use crate::islands::{Hypothesis, islands, support};
 use crate::map::Drawing;
 use crate::mixture::classes;
@@ -52,9 +53,10 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     model: &Model<G, DOF>,
     preferred: Option<&[usize]>,
 ) -> anyhow::Result<Judged> {
+    let without = model.without;
     let partners = Partners::of(model);
     let classes = classes(model, &partners);
-    let calibration = calibrate(model, &classes, true);
+    let calibration = calibrate(model, &classes, !without.has(Ingredient::Coherent));
     let random = calibrate(model, &classes, false);
     let ties = ties(model, &partners, &calibration);
     let count = model.closures.len();
@@ -67,7 +69,8 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         .enumerate()
         .map(|(closure, ratio)| ratio.map(|ratio| (model.span(closure).a, ratio)))
         .collect();
-    let clusters = cut(count, chains, &ties, &anchored, calibration.correct);
+    let together = if without.has(Ingredient::Multicut) { tied } else { cut };
+    let clusters = together(count, chains, &ties, &anchored, calibration.correct);
     let support = support(&clusters, &ties, &anchored);
     // Islands that hang together closely are as many chances to agree by chance, and no more.
     let close = islands(&clusters, &ties, &support, threshold, threshold);
@@ -106,7 +109,8 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         usual: chi_square_quantile(DOF, USUAL),
         poses: None,
     };
-    let number = rounds.all(&bridges(graph, &model.chains))?;
+    let bridges = if without.has(Ingredient::Bridges) { Vec::new() } else { bridges(graph, &model.chains) };
+    let number = rounds.all(&bridges)?;
     let mut all = UnionFind::<usize>::new(chains);
     let joinable = model.spans.iter().filter(|span| all.union(span.a, span.b)).count();
     let mut held = UnionFind::<usize>::new(chains);

@@ -4,9 +4,11 @@
 //! - `model`: chains, candidates, and the loops that they close with their covariances.
 //! - `evidence`: log-likelihood ratios of a loop.
 //! - `calibration`, `mixture`: factors on the covariances, for each chain, against shuffled candidates.
+//! - `renumber`: the order of nodes, whatever their ids.
 //! - `partners`, `cut`: which pairs are compared, and the multicut of the graph of evidence.
 //! - `judge`, `islands`, `rounds`, `map`: hypotheses, and rounds of optimisation and verdicts.
 //! - `bridges`: where odometry is missing, how far the robot usually moves in such a time.
+//! - `ingredients`: what can be left out, to see what it is worth.
 //! - `rivals`: other ways to join two chains.
 //! - [`verdict`], [`stage`]: what is said of every edge, on a pose graph.
 
@@ -14,12 +16,14 @@ mod bridges;
 mod calibration;
 mod cut;
 mod evidence;
+mod ingredients;
 mod islands;
 mod judge;
 mod map;
 mod mixture;
 mod model;
 mod partners;
+mod renumber;
 mod rivals;
 mod rounds;
 pub mod stage;
@@ -27,6 +31,7 @@ pub mod verdict;
 mod verification;
 
 pub use calibration::Calibration;
+pub use ingredients::{Ingredient, Without};
 pub use model::Motion;
 pub use rivals::Rival;
 pub use stage::{Options, Undecided};

@@ -257,6 +257,7 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
             &(innovation.covariance * self.scale),
             &self.apart.unwrap_or_else(|| self.model.apart_local(closure)),
             &local,
+            self.calibration.tail,
         )
     }
 }

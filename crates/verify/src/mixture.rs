@@ -2,6 +2,7 @@
 
 use crate::calibration::Calibration;
 use crate::evidence::likelihood_ratios;
+use crate::ingredients::Ingredient;
 use crate::model::{Loop, Model, Motion};
 use crate::partners::Partners;
 
@@ -120,10 +121,11 @@ impl<const DOF: usize> Class<DOF> {
         let local = factors.local(&closed.landmark);
         let (error, apart) = (&closed.error, closed.apart);
         if self.shifted {
-            let [correct, near, wide] = likelihood_ratios(error, &covariance, [apart, local, apart * SHIFT])?;
+            let [correct, near, wide] =
+                likelihood_ratios(error, &covariance, [apart, local, apart * SHIFT], factors.tail)?;
             Some([correct, correct / near, correct / wide])
         } else {
-            let [correct, near] = likelihood_ratios(error, &covariance, [apart, local])?;
+            let [correct, near] = likelihood_ratios(error, &covariance, [apart, local], factors.tail)?;
             Some([correct, correct / near, 0.0])
         }
     }
@@ -167,7 +169,8 @@ pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
         shuffled: Vec::new(),
     };
     let (mut single, mut short) = (empty(true, 0.0, false), empty(false, 1.25, false));
-    let (mut near, mut far) = (empty(true, 1.25, true), empty(true, 1.25, true));
+    let shifted = !model.without.has(Ingredient::Shift);
+    let (mut near, mut far) = (empty(true, 1.25, shifted), empty(true, 1.25, shifted));
     let count = model.closures.len();
     let step = count.div_ceil(SAMPLE).max(1);
     for closure in (0..count).step_by(step) {

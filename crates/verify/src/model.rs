@@ -1,5 +1,6 @@
 //! Chains, candidates and the loops that they close.
 
+use crate::ingredients::Without;
 use nalgebra::{SMatrix, SVector};
 use posecut_graph::PoseGraph;
 use posecut_optimize::PoseGroup;
@@ -50,6 +51,7 @@ pub(crate) struct Model<G, const DOF: usize> {
     pub(crate) closures: Vec<Closure<G, DOF>>,
     pub(crate) unmeasured: usize,
     pub(crate) rejected_before: usize,
+    pub(crate) without: Without,
 }
 
 /// A loop: its error, and the parts of its covariance, in the frame of chain B.
@@ -64,7 +66,7 @@ pub(crate) struct Loop<const DOF: usize> {
 }
 
 impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
-    pub(crate) fn of(graph: &PoseGraph) -> Result<Self, PcmError> {
+    pub(crate) fn of(graph: &PoseGraph, without: Without) -> Result<Self, PcmError> {
         let chains = Chains::with(graph, Covariances::Repaired)?;
         let grouped = group_with(graph, &chains, Covariances::Repaired)?;
         let drifts = chains.chains.iter().map(|chain| drift(chain)).collect();
@@ -92,6 +94,7 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
             closures,
             unmeasured: grouped.unmeasured,
             rejected_before: grouped.rejected_before,
+            without,
         })
     }
 

@@ -3,6 +3,7 @@
 use posecut_pcm::consistency::Pairs;
 use posecut_pcm::nearest::Nearest;
 
+use crate::ingredients::Ingredient;
 use crate::model::{Model, Motion};
 
 /// Nearest partners, and partners anywhere.
@@ -24,7 +25,8 @@ impl Partners {
             let nearest = Nearest::new(&pairs, &all);
             for candidate in 0..all.len() {
                 let found = nearest.of(pairs.position(candidate), candidate, NEAR);
-                let others = (1..=FAR).map(|turn| elsewhere(candidate, turn, all.len()));
+                let far_ones = if model.without.has(Ingredient::FarPartners) { 0 } else { FAR };
+                let others = (1..=far_ones).map(|turn| elsewhere(candidate, turn, all.len()));
                 let mut others: Vec<usize> =
                     others.filter(|other| *other != candidate && !found.contains(other)).collect();
                 others.sort_unstable();

@@ -5,6 +5,7 @@ use petgraph::unionfind::UnionFind;
 use crate::bridges::Bridge;
 use crate::calibration::{Calibration, alone};
 use crate::cut::COST;
+use crate::ingredients::Ingredient;
 use crate::islands::Hypothesis;
 use crate::map::Drawing;
 use crate::model::{Model, Motion, second_moment};
@@ -54,6 +55,10 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         let mut next = self.accepted.clone();
         let mut before = self.ratio.clone();
         self.join(&mut next);
+        if self.model.without.has(Ingredient::Rounds) {
+            self.accepted = next;
+            return Ok(number);
+        }
         loop {
             let mut settling = 0;
             while settling < ROUNDS && number < ROUNDS_IN_ALL {

@@ -8,6 +8,7 @@ use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 use posecut_stage::{Context, GraphStage, counted, info, warn};
 use serde::Serialize;
 
+use crate::ingredients::{Ingredient, Without};
 use crate::model::Motion;
 use crate::verdict::{Finding, Verdict};
 use crate::verification::{Verification, verify_by};
@@ -32,6 +33,11 @@ pub struct Options {
     /// Apply another hypothesis instead of the heaviest one, by its number in `verify_hypothesis`; 0 is the map
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub hypothesis: usize,
+
+    /// Leave an ingredient of the method out, to see what it is worth; may be given several times
+    #[arg(long, value_enum, value_name = "INGREDIENT")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub without: Vec<Ingredient>,
 
     /// Print why this landmark edge got its verdict, in five lines on standard error
     #[arg(long, value_name = "EDGE")]
@@ -58,7 +64,7 @@ impl Options {
         graph: &mut PoseGraph,
         context: &mut Context,
     ) -> anyhow::Result<()> {
-        let verification = verify_by::<G, DOF>(graph, self.hypothesis)?;
+        let verification = verify_by::<G, DOF>(graph, self.hypothesis, Without::these(&self.without))?;
         self.explain(graph, &verification.findings)?;
         let mut rejected = 0;
         for finding in &verification.findings {

@@ -4,8 +4,10 @@ use anyhow::{Context as _, ensure};
 use posecut_graph::PoseGraph;
 
 use crate::calibration::Calibration;
+use crate::ingredients::Without;
 use crate::judge::judge;
 use crate::model::{Model, Motion};
+use crate::renumber::renumbered;
 use crate::rivals::{Rival, rivals};
 use crate::verdict::{Finding, Verdict, findings};
 
@@ -43,11 +45,11 @@ impl Verification {
 
 /// Judges every landmark edge in use. The truth is not looked at.
 pub fn verify<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Result<Verification> {
-    verify_by::<G, DOF>(graph, 0)
+    verify_by::<G, DOF>(graph, 0, Without::default())
 }
 
 /// The same, with another hypothesis in the place of what joins its two chains, by the number that [`verify`] gives it; 0 is the
-/// map.
+/// map; and without some ingredients of the method, to see what they are worth.
 ///
 /// # Errors
 ///
@@ -55,8 +57,10 @@ pub fn verify<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Re
 pub fn verify_by<G: Motion<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     hypothesis: usize,
+    without: Without,
 ) -> anyhow::Result<Verification> {
-    let model = Model::<G, DOF>::of(graph)?;
+    let graph = &*renumbered::<G, DOF>(graph);
+    let model = Model::<G, DOF>::of(graph, without)?;
     let mut judged = judge(graph, &model, None)?;
     if hypothesis > 0 {
         let chosen = judged.others().nth(hypothesis - 1).with_context(|| {

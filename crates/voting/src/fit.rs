@@ -12,6 +12,9 @@ use crate::chains::Odometry;
 /// Share of the cost that a step must promise: chi-square tests need few digits.
 const COST_TOLERANCE: f64 = 1e-6;
 
+/// [`Parts::steps`] of the published code.
+const STEPS: usize = 4;
+
 /// Change of chi2, as a share of it, below which chains are not linearised again.
 const CHAIN_TOLERANCE: f64 = 1e-3;
 
@@ -29,6 +32,8 @@ pub struct Parts<G, const DOF: usize> {
     landmarks: Vec<Edge<G, DOF>>,
     /// Their places among the graph's edges.
     pub places: Vec<usize>,
+    /// Steps of an optimisation at most. Edges that so few do not bring below the quantile are taken to disagree.
+    pub steps: usize,
 }
 
 impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
@@ -43,8 +48,14 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
                     .ok_or_else(|| anyhow::anyhow!("node {}: its pose cannot be used", node.id))
             })
             .collect::<anyhow::Result<_>>()?;
-        let mut parts =
-            Self { poses, odometry: Vec::new(), chains: None, landmarks: Vec::new(), places: Vec::new() };
+        let mut parts = Self {
+            poses,
+            odometry: Vec::new(),
+            chains: None,
+            landmarks: Vec::new(),
+            places: Vec::new(),
+            steps: STEPS,
+        };
         for (edge, place) in measured.edges.into_iter().zip(measured.places) {
             match edge.kind {
                 EdgeKind::Odometry => parts.odometry.push(edge),
@@ -68,8 +79,8 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
     /// The optimum over the odometry and some landmark edges, by their places in [`Parts::places`].
     ///
     /// Its redundancy is DOF (edges - nodes + connected parts): each part has one node that nothing fixes. Nodes that no chosen
-    /// edge touches are eliminated first: the time grows with the chosen edges, and little with the graph. The result is that of
-    /// [`Self::fit_whole`] up to a thousandth of chi2.
+    /// edge touches are eliminated first: the time grows with the chosen edges, and little with the graph. With steps
+    /// enough the result is that of [`Self::fit_whole`] up to a thousandth of chi2.
     pub fn fit(&self, landmarks: &[usize]) -> Fit {
         let condensed = self.chains.as_ref().and_then(|odometry| self.fit_condensed(odometry, landmarks));
         condensed.unwrap_or_else(|| self.fit_whole(landmarks))
@@ -78,7 +89,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
     /// [`Self::fit`] over all nodes together.
     pub fn fit_whole(&self, landmarks: &[usize]) -> Fit {
         let problem = self.problem(landmarks).expect("all edges were checked together in `of`");
-        let solution = optimize(&problem, &options(Initialisation::Best));
+        let solution = optimize(&problem, &self.options(Initialisation::Best));
         self.result(landmarks, &solution, |node| node)
     }
 
@@ -105,7 +116,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
             let edges = condensed.iter().map(|chain| chain.edge);
             let chosen = landmarks.iter().map(|&landmark| self.landmarks[landmark]);
             let problem = Problem::new(poses, edges.chain(chosen).map(renumber).collect()).ok()?;
-            let solution = optimize(&problem, &options(start));
+            let solution = optimize(&problem, &self.options(start));
             if (solution.chi2 - before).abs() <= CHAIN_TOLERANCE * solution.chi2.max(CHAIN_TOLERANCE) {
                 return Some(self.result(landmarks, &solution, |node| numbers[node]));
             }
@@ -132,8 +143,13 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
         });
         Fit { chi2: solution.chi2, redundancy, residuals: residuals.collect() }
     }
-}
 
-fn options(initialisation: Initialisation) -> Options {
-    Options { initialisation, cost_tolerance: COST_TOLERANCE, ..Options::default() }
+    fn options(&self, initialisation: Initialisation) -> Options {
+        Options {
+            initialisation,
+            max_iterations: self.steps,
+            cost_tolerance: COST_TOLERANCE,
+            ..Options::default()
+        }
+    }
 }

@@ -1,0 +1,40 @@
+//! What verification is made of, and can be done without to see what it is worth.
+
+use serde::Serialize;
+
+/// A part of the method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ingredient {
+    /// Factors on covariances, from the graph's loops; without them covariances are used as claimed
+    Calibration,
+    /// Errors of odometry that accumulate, such as that of the wheels' scale
+    Coherent,
+    /// A t distribution of errors; without it they are Gaussian
+    HeavyTails,
+    /// Groups of false edges beside the correct ones as an alternative in the calibration
+    Shift,
+    /// Comparison with edges far away; without it only near ones are compared
+    FarPartners,
+    /// The minimum-cost multicut; without it edges that any evidence ties together are one cluster
+    Multicut,
+    /// Rounds of map and verdicts; without them what the cut accepts is final
+    Rounds,
+    /// The usual motion of a session where its odometry is interrupted
+    Bridges,
+}
+
+/// The ingredients that are left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Without(u16);
+
+impl Without {
+    /// Leaves these out.
+    pub fn these(ingredients: &[Ingredient]) -> Self {
+        Self(ingredients.iter().fold(0, |set, ingredient| set | 1 << *ingredient as u16))
+    }
+
+    pub(crate) fn has(self, ingredient: Ingredient) -> bool {
+        self.0 >> ingredient as u16 & 1 == 1
+    }
+}

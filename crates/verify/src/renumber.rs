@@ -1,0 +1,80 @@
+//! Nodes in an order that their ids have no part in.
+
+use std::borrow::Cow;
+
+use posecut_graph::{EdgeKind, PoseGraph};
+use posecut_pcm::chain::paths;
+
+use crate::model::Motion;
+
+/// The graph with its nodes numbered along its chains of odometry. Which end of a chain comes first, and which chain, decides
+/// between optima of the calibration that are nearly equal, and must not depend on what nodes are called.
+///
+/// A chain begins where most of its odometry edges point away from. Chains come by session, first frame, number of nodes and
+/// distance travelled; only where all of these are equal do ids decide. Edges keep their places. O(n log n).
+pub(crate) fn renumbered<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) -> Cow<'_, PoseGraph> {
+    let mut chains: Vec<Chain> = paths(graph).into_iter().map(Chain::new).collect();
+    let mut places = vec![(0, 0); graph.nodes.len()];
+    for (number, chain) in chains.iter().enumerate() {
+        for (place, &node) in chain.nodes.iter().enumerate() {
+            places[node] = (number, place);
+        }
+    }
+    for edge in graph.edges_of(EdgeKind::Odometry) {
+        let place = |id| graph.node_index(id).map(|node| places[node]);
+        if let (Some((chain, from)), Some((other, to))) = (place(edge.from), place(edge.to))
+            && chain == other
+        {
+            chains[chain].forward += if from < to { 1 } else { -1 };
+            let motion = edge.measurement.as_deref().and_then(G::from_components);
+            chains[chain].travelled += motion.map_or(0.0, |motion| {
+                motion.translation().iter().map(|step| step * step).sum::<f64>().sqrt()
+            });
+        }
+    }
+    for chain in chains.iter_mut().filter(|chain| chain.forward < 0) {
+        chain.nodes.reverse();
+    }
+    chains.sort_by(|one, other| {
+        let key = |chain: &Chain| {
+            let first = &graph.nodes[chain.nodes[0]];
+            (first.session.clone(), first.frame, chain.nodes.len())
+        };
+        key(one).cmp(&key(other)).then(one.travelled.total_cmp(&other.travelled))
+    });
+    let nodes: Vec<usize> = chains.into_iter().flat_map(|chain| chain.nodes).collect();
+    if nodes.is_sorted() { Cow::Borrowed(graph) } else { Cow::Owned(in_order(graph, &nodes)) }
+}
+
+/// The nodes of a chain of odometry.
+struct Chain {
+    nodes: Vec<usize>,
+    /// How many more of its edges point from the first node to the last than back.
+    forward: i64,
+    /// The lengths of its edges.
+    travelled: f64,
+}
+
+impl Chain {
+    fn new(nodes: Vec<usize>) -> Self {
+        Self { nodes, forward: 0, travelled: 0.0 }
+    }
+}
+
+/// The graph with these nodes as 0, 1, 2 and so on.
+fn in_order(graph: &PoseGraph, nodes: &[usize]) -> PoseGraph {
+    let mut number = vec![0; nodes.len()];
+    let mut renamed = graph.clone();
+    renamed.nodes.clear();
+    for (&node, id) in nodes.iter().zip(0..) {
+        number[node] = id;
+        renamed.nodes.push(posecut_graph::Node { id, ..graph.nodes[node].clone() });
+    }
+    for edge in &mut renamed.edges {
+        for end in [&mut edge.from, &mut edge.to] {
+            // An end that does not exist stays one that does not.
+            *end = graph.node_index(*end).map_or(u64::MAX, |node| number[node]);
+        }
+    }
+    renamed
+}
