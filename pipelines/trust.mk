@@ -44,7 +44,7 @@ trust-sample: $(EXPERIMENTS) $(REPORT)
 # What each ingredient of verification is worth: docs/results/verify-ablation.md. Shares its results with `make trust`.
 ingredients    = calibration coherent heavy-tails shift far-partners multicut rounds bridges
 ablation_of    = $(trust_files) --programs $(BIN) --simulated $(call quoted,$(SIMULATED)) --data $(call quoted,$(DATA)) \
-                 --results $(call quoted,$(trust_results)) --methods none,verify$(addprefix $(comma)verify-without-,$(ingredients))
+                 --results $(call quoted,$(trust_results)) --methods $(call listed,none verify $(addprefix verify-without-,$(ingredients)))
 ablation: $(EXPERIMENTS)
 	@test -d $(call quoted,$(or $(DATA),missing)) || { echo 'Name the folder of graphs: make ablation DATA=DIR'; exit 2; }
 	@$(EXPERIMENTS) run $(ablation_of) --threads $(threads)

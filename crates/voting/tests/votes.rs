@@ -56,7 +56,8 @@ fn clusters_stand_in_groups_that_grow_with_success_and_none_is_refused_with_its_
     assert!(verdict.fits < 200, "{}", verdict.fits);
     let all_true = vote(&clusters, quantiles(), Election::LargestFirst, fit_of_means(&[0.0; 100]));
     assert_eq!(all_true.kept.len(), 100);
-    assert!(all_true.fits < 100 + 20, "{}", all_true.fits);
+    // Groups grow by a quarter: 4 alone, then ln(100 / 4) / ln(1.25), and some for rounding down.
+    assert!(all_true.fits < 100 + 25, "{}", all_true.fits);
 }
 
 #[test]
