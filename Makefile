@@ -34,6 +34,7 @@ help:
 	@echo '  make trust DATA=DIR            every method on every kind of graph: docs/trust.md (under an hour; resumes)'
 	@echo '       FAMILIES="clean kitti"    which families      HALF=test       one half'
 	@echo '  make trust-sample              every method on two simulated sessions, without data (half a minute)'
+	@echo '  make ablation DATA=DIR         what each part of posecut-verify is worth: docs/results/verify-ablation.md'
 	@echo '  make constants DATA=DIR        PCM'"'"'s constants on the tuning halves: docs/constants.md'
 	@echo '  make pcm-gates DATA=DIR        PCM'"'"'s options on graphs with false closures: docs/pcm-results.md'
 	@echo '  make figures [NCLT=DIR]        trajectories, graphs, consistency, components, errors, regimes; SVG and PNG'

@@ -10,8 +10,9 @@ trust_results  = $(RESULTS)/trust
 trust_files    = $(wildcard $(foreach family,$(FAMILIES),$(foreach part,$(family) $(family)-real $(family)-simulated,\
                  pipelines/trust/$(part).toml)))
 trust_unknown  = $(strip $(foreach family,$(FAMILIES),$(if $(wildcard pipelines/trust/$(family).toml pipelines/trust/$(family)-*.toml),,$(family))))
-trust_of       = $(trust_files) --programs $(BIN) --simulated $(call quoted,$(SIMULATED)) --data $(call quoted,$(DATA)) \
-                 --results $(call quoted,$(trust_results)) $(swapped) $(if $(HALF),--half $(HALF)) \
+trust_places   = --programs $(BIN) --simulated $(call quoted,$(SIMULATED)) --data $(call quoted,$(DATA)) \
+                 --results $(call quoted,$(trust_results))
+trust_of       = $(trust_files) $(trust_places) $(swapped) $(if $(HALF),--half $(HALF)) \
                  $(call given,SEEDS,--seeds $(SEEDS)) $(call given,METHODS,--methods $(call listed,$(METHODS)))
 trust_figure   = $(if $(DOCUMENT),docs/results/trust-regret.svg,$(trust_results)/regret.svg)
 trust_reliability = $(if $(DOCUMENT),docs/results/trust-reliability.svg,$(trust_results)/reliability.svg)
@@ -43,8 +44,7 @@ trust-sample: $(EXPERIMENTS) $(REPORT)
 
 # What each ingredient of verification is worth: docs/results/verify-ablation.md. Shares its results with `make trust`.
 ingredients    = calibration coherent heavy-tails shift far-partners multicut rounds bridges
-ablation_of    = $(trust_files) --programs $(BIN) --simulated $(call quoted,$(SIMULATED)) --data $(call quoted,$(DATA)) \
-                 --results $(call quoted,$(trust_results)) --methods $(call listed,none verify $(addprefix verify-without-,$(ingredients)))
+ablation_of    = $(trust_files) $(trust_places) --methods $(call listed,none verify $(addprefix verify-without-,$(ingredients)))
 ablation: $(EXPERIMENTS)
 	@test -d $(call quoted,$(or $(DATA),missing)) || { echo 'Name the folder of graphs: make ablation DATA=DIR'; exit 2; }
 	@$(EXPERIMENTS) run $(ablation_of) --threads $(threads)
@@ -54,8 +54,7 @@ ablation: $(EXPERIMENTS)
 	    --cell kept-lost-rmse -o docs/results/verify-ablation.md --section $$half || exit; done
 
 # PCM's constants on the tuning halves: docs/constants.md.
-constants_of   = pipelines/trust/constants.toml --half tuning --programs $(BIN) --simulated $(call quoted,$(SIMULATED)) \
-                 --data $(call quoted,$(DATA)) --results $(call quoted,$(trust_results))
+constants_of   = pipelines/trust/constants.toml --half tuning $(trust_places)
 constants: $(EXPERIMENTS)
 	@test -d $(call quoted,$(or $(DATA),missing)) || { echo 'Name the folder of graphs: make constants DATA=DIR'; exit 2; }
 	@$(EXPERIMENTS) run $(constants_of) --threads $(threads)

@@ -1,5 +1,7 @@
 //! How well pairs of candidates agree: a sparse symmetric matrix.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 
 /// Rows that one thread takes at least: below, starting threads costs more than the sums.
@@ -79,8 +81,12 @@ impl Affinity {
         (0..self.len()).filter(|&vertex| stays[vertex]).collect()
     }
 
-    /// The weights among some vertices, which are numbered anew in their order.
-    pub(crate) fn among(&self, vertices: &[usize]) -> Self {
+    /// The weights among some vertices, ascending, which are numbered anew in their order. O(their pairs), and nothing where they
+    /// are all.
+    pub(crate) fn among(&self, vertices: &[usize]) -> Cow<'_, Self> {
+        if vertices.len() == self.len() {
+            return Cow::Borrowed(self);
+        }
         let mut numbers = vec![u32::MAX; self.len()];
         for (number, &vertex) in vertices.iter().enumerate() {
             numbers[vertex] = number as u32;
@@ -89,12 +95,8 @@ impl Affinity {
             let number = numbers[other as usize];
             (number != u32::MAX).then_some((number, weight))
         };
-        Self {
-            rows: vertices
-                .iter()
-                .map(|&vertex| self.rows[vertex].iter().filter_map(inside).collect())
-                .collect(),
-        }
+        let row = |&vertex: &usize| self.rows[vertex].iter().filter_map(inside).collect();
+        Cow::Owned(Self { rows: vertices.iter().map(row).collect() })
     }
 
     /// M u, and the sum of u over the vertices inconsistent with each. O(consistent pairs of the vertices above zero).

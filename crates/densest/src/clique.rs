@@ -43,22 +43,20 @@ impl Densest {
 pub fn densest_clique(affinity: &Affinity, starts: usize, random: &mut impl Rng) -> Densest {
     let mut best = climb_once(affinity, &affinity.products(&vec![1.0; affinity.len()]).0, true);
     let mut core = affinity.core(best.density.ceil() as usize);
-    let mut among = affinity.among(&core);
+    let mut inside = None;
     for _ in 1..starts {
         if core == best.vertices {
             break;
         }
+        let among = inside.get_or_insert_with(|| affinity.among(&core));
         let from: Vec<f64> = core.iter().map(|_| random.random_range(0.0..1.0)).collect();
-        let found = climb_once(&among, &from, false);
+        let found = climb_once(among, &from, false);
         let steps = best.steps + found.steps;
         if found.density > best.density {
             let vertices = found.vertices.iter().map(|&vertex| core[vertex]).collect();
             best = Densest { vertices, ..found };
-            let smaller = affinity.core(best.density.ceil() as usize);
-            if smaller.len() < core.len() {
-                core = smaller;
-                among = affinity.among(&core);
-            }
+            core = affinity.core(best.density.ceil() as usize);
+            inside = None;
         }
         best.steps = steps;
     }
@@ -106,28 +104,14 @@ fn maximal_clique(affinity: &Affinity, solution: &[f64]) -> Vec<usize> {
 /// The largest eigenvalue of a clique's weights and its eigenvector, by power iteration: all entries are positive, so that it
 /// converges from any positive start.
 fn density(affinity: &Affinity, clique: &[usize]) -> (f64, Vec<f64>) {
-    let mut members = vec![usize::MAX; affinity.len()];
-    for (place, &vertex) in clique.iter().enumerate() {
-        members[vertex] = place;
-    }
-    let rows: Vec<Vec<(usize, f64)>> = clique
-        .iter()
-        .map(|&vertex| {
-            let inside = |&(other, weight): &(u32, f32)| {
-                let place = members[other as usize];
-                (place != usize::MAX).then_some((place, f64::from(weight)))
-            };
-            affinity.neighbours(vertex).iter().filter_map(inside).collect()
-        })
-        .collect();
+    let inside = affinity.among(clique);
     let mut shares = vec![1.0; clique.len()];
     normalise(&mut shares);
     let mut value = 0.0;
     for _ in 0..MOST_POWERS {
-        let mut next: Vec<f64> = rows
-            .iter()
-            .zip(&shares)
-            .map(|(row, own)| own + row.iter().map(|&(place, weight)| weight * shares[place]).sum::<f64>())
+        let weigh = |&(other, weight): &(u32, f32)| f64::from(weight) * shares[other as usize];
+        let mut next: Vec<f64> = (0..clique.len())
+            .map(|vertex| shares[vertex] + inside.neighbours(vertex).iter().map(weigh).sum::<f64>())
             .collect();
         let next_value = dot(&shares, &next);
         normalise(&mut next);

@@ -95,18 +95,14 @@ impl<G: LieGroup<DOF>, const DOF: usize> Chains<G, DOF> {
         }
         let mut places = vec![(usize::MAX, 0); graph.nodes.len()];
         let mut chains = Vec::new();
-        for start in 0..graph.nodes.len() {
-            if places[start].0 != usize::MAX || links.degree(start) > 1 {
-                continue;
-            }
+        for Path { nodes, edges } in links.paths() {
             let mut chain = Chain::default();
-            places[start] = (chains.len(), 0);
-            let mut here = start;
-            while let Some((edge, next)) = links.next(here, |node| places[node].0 != usize::MAX) {
-                let (motion, covariance) = step(graph, edge, graph.nodes[here].id == edge.from, covariances)?;
+            for (edge, &node) in edges.into_iter().zip(&nodes) {
+                let (motion, covariance) = step(graph, edge, graph.nodes[node].id == edge.from, covariances)?;
                 chain.push(&motion, &covariance);
-                places[next] = (chains.len(), chain.poses.len() - 1);
-                here = next;
+            }
+            for (place, node) in nodes.into_iter().enumerate() {
+                places[node] = (chains.len(), place);
             }
             chains.push(chain);
         }
@@ -116,24 +112,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Chains<G, DOF> {
 
 /// The nodes of each chain of [`Chains`] from end to end, by their places in the graph. O(edges).
 pub fn paths(graph: &PoseGraph) -> Vec<Vec<usize>> {
-    let links = Links::of(graph);
-    let mut seen = vec![false; graph.nodes.len()];
-    let mut paths = Vec::new();
-    for start in 0..graph.nodes.len() {
-        if seen[start] || links.degree(start) > 1 {
-            continue;
-        }
-        seen[start] = true;
-        let mut path = vec![start];
-        let mut here = start;
-        while let Some((_, next)) = links.next(here, |node| seen[node]) {
-            seen[next] = true;
-            path.push(next);
-            here = next;
-        }
-        paths.push(path);
-    }
-    paths
+    Links::of(graph).paths().into_iter().map(|path| path.nodes).collect()
 }
 
 /// The motion along an odometry edge with its covariance, in the direction walked.
@@ -211,6 +190,12 @@ pub(crate) fn squared_mahalanobis<const DOF: usize>(
     sum.is_finite().then_some(sum)
 }
 
+/// Nodes in a row, and the edges between them.
+struct Path<'a> {
+    nodes: Vec<usize>,
+    edges: Vec<&'a Edge>,
+}
+
 /// At most two odometry edges a node, and no rings: the graph as paths.
 struct Links<'a> {
     links: Vec<[Option<(&'a Edge, usize)>; 2]>,
@@ -242,6 +227,28 @@ impl<'a> Links<'a> {
 
     fn degree(&self, node: usize) -> usize {
         self.links[node].iter().flatten().count()
+    }
+
+    /// Every node in one path, each from its end of lowest id.
+    fn paths(&self) -> Vec<Path<'a>> {
+        let mut seen = vec![false; self.links.len()];
+        let mut paths = Vec::new();
+        for start in 0..self.links.len() {
+            if seen[start] || self.degree(start) > 1 {
+                continue;
+            }
+            seen[start] = true;
+            let mut path = Path { nodes: vec![start], edges: Vec::new() };
+            let mut here = start;
+            while let Some((edge, next)) = self.next(here, |node| seen[node]) {
+                seen[next] = true;
+                path.nodes.push(next);
+                path.edges.push(edge);
+                here = next;
+            }
+            paths.push(path);
+        }
+        paths
     }
 
     fn next(&self, node: usize, seen: impl Fn(usize) -> bool) -> Option<(&'a Edge, usize)> {

@@ -54,6 +54,17 @@ impl Calibration {
         compare(&closed.error, &self.covariance(closed), &closed.apart, &local, self.tail)
     }
 
+    /// The same with these factors for all chains.
+    fn with(&self, point: Point) -> Self {
+        let chains = self.odometry.len();
+        Self {
+            odometry: vec![point.odometry.exp(); chains],
+            coherent: vec![point.coherent.exp(); chains],
+            landmark: point.landmark.exp(),
+            ..*self
+        }
+    }
+
     /// Prior odds that a candidate is correct.
     pub(crate) fn odds(&self) -> f64 {
         self.correct / (1.0 - self.correct)
@@ -98,28 +109,27 @@ pub(crate) fn calibrate<G: Motion<DOF>, const DOF: usize>(
     with_coherent: bool,
 ) -> Calibration {
     let chains = model.chains.chains.len();
+    let coherent = if with_coherent { COHERENT } else { NEGLIGIBLE };
     let mut calibration = Calibration {
         odometry: vec![1.0; chains],
-        coherent: vec![if model.without.has(Ingredient::Coherent) { NEGLIGIBLE } else { COHERENT }; chains],
+        coherent: vec![coherent; chains],
         landmark: 1.0,
         correct: 0.5,
         evidence: 0.0,
         on_prior: true,
-        tail: if model.without.has(Ingredient::HeavyTails) { GAUSSIAN } else { TAIL },
+        tail: if model.without(Ingredient::HeavyTails) { GAUSSIAN } else { TAIL },
     };
-    let tail = calibration.tail;
     let candidates = model.closures.len();
     let loops: usize = classes.iter().map(|class| class.real.len()).sum();
-    if loops == 0 || model.without.has(Ingredient::Calibration) {
+    if loops == 0 || model.without(Ingredient::Calibration) {
         return calibration;
     }
     // Loops through the same closures are not independent.
     let tempering = (candidates.min(SAMPLE) as f64 / loops as f64).min(1.0);
-    let coherent = if with_coherent { COHERENT } else { NEGLIGIBLE };
     let starts = [(0.0, 0.0), (-4.0, 0.0), (4.0, 0.0), (0.0, 5.0), (0.0, -3.0)]
         .map(|(odometry, landmark)| Point { odometry, landmark, coherent: coherent.ln() });
     let best = highest(&starts, if with_coherent { &[0, 2, 1] } else { &[0, 1] }, |point, loops| {
-        let found = contrast(classes, &uniform(point, chains, tail), tempering, loops);
+        let found = contrast(classes, &calibration.with(point), tempering, loops);
         let prior = square(point.odometry / PRIOR)
             + square(point.landmark / PRIOR)
             + square((point.coherent - coherent.ln()) / (2.0 * PRIOR));
@@ -130,10 +140,7 @@ pub(crate) fn calibrate<G: Motion<DOF>, const DOF: usize>(
     calibration.correct = correct;
     calibration.on_prior = evidence < LEAST_EVIDENCE;
     if !calibration.on_prior {
-        let common = uniform(point, chains, tail);
-        calibration.odometry = common.odometry;
-        calibration.coherent = common.coherent;
-        calibration.landmark = common.landmark;
+        calibration = calibration.with(point);
         refine(&mut calibration, classes, tempering, with_coherent);
     }
     calibration
@@ -177,18 +184,6 @@ fn refine<const DOF: usize>(
                 calibration.coherent[chain] = point.coherent.exp();
             }
         }
-    }
-}
-
-fn uniform(point: Point, chains: usize, tail: f64) -> Calibration {
-    Calibration {
-        odometry: vec![point.odometry.exp(); chains],
-        coherent: vec![point.coherent.exp(); chains],
-        landmark: point.landmark.exp(),
-        correct: 0.5,
-        evidence: 0.0,
-        on_prior: false,
-        tail,
     }
 }
 

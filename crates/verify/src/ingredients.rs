@@ -23,18 +23,3 @@ pub enum Ingredient {
     /// The usual motion of a session where its odometry is interrupted
     Bridges,
 }
-
-/// The ingredients that are left out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Without(u16);
-
-impl Without {
-    /// Leaves these out.
-    pub fn these(ingredients: &[Ingredient]) -> Self {
-        Self(ingredients.iter().fold(0, |set, ingredient| set | 1 << *ingredient as u16))
-    }
-
-    pub(crate) fn has(self, ingredient: Ingredient) -> bool {
-        self.0 >> ingredient as u16 & 1 == 1
-    }
-}

@@ -53,10 +53,9 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     model: &Model<G, DOF>,
     preferred: Option<&[usize]>,
 ) -> anyhow::Result<Judged> {
-    let without = model.without;
     let partners = Partners::of(model);
     let classes = classes(model, &partners);
-    let calibration = calibrate(model, &classes, !without.has(Ingredient::Coherent));
+    let calibration = calibrate(model, &classes, !model.without(Ingredient::Coherent));
     let random = calibrate(model, &classes, false);
     let ties = ties(model, &partners, &calibration);
     let count = model.closures.len();
@@ -69,7 +68,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         .enumerate()
         .map(|(closure, ratio)| ratio.map(|ratio| (model.span(closure).a, ratio)))
         .collect();
-    let together = if without.has(Ingredient::Multicut) { tied } else { cut };
+    let together = if model.without(Ingredient::Multicut) { tied } else { cut };
     let clusters = together(count, chains, &ties, &anchored, calibration.correct);
     let support = support(&clusters, &ties, &anchored);
     // Islands that hang together closely are as many chances to agree by chance, and no more.
@@ -109,7 +108,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         usual: chi_square_quantile(DOF, USUAL),
         poses: None,
     };
-    let bridges = if without.has(Ingredient::Bridges) { Vec::new() } else { bridges(graph, &model.chains) };
+    let bridges = if model.without(Ingredient::Bridges) { Vec::new() } else { bridges(graph, &model.chains) };
     let number = rounds.all(&bridges)?;
     let mut all = UnionFind::<usize>::new(chains);
     let joinable = model.spans.iter().filter(|span| all.union(span.a, span.b)).count();

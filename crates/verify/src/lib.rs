@@ -31,7 +31,7 @@ pub mod verdict;
 mod verification;
 
 pub use calibration::Calibration;
-pub use ingredients::{Ingredient, Without};
+pub use ingredients::Ingredient;
 pub use model::Motion;
 pub use rivals::Rival;
 pub use stage::{Options, Undecided};

@@ -169,7 +169,7 @@ pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
         shuffled: Vec::new(),
     };
     let (mut single, mut short) = (empty(true, 0.0, false), empty(false, 1.25, false));
-    let shifted = !model.without.has(Ingredient::Shift);
+    let shifted = !model.without(Ingredient::Shift);
     let (mut near, mut far) = (empty(true, 1.25, shifted), empty(true, 1.25, shifted));
     let count = model.closures.len();
     let step = count.div_ceil(SAMPLE).max(1);

@@ -1,6 +1,6 @@
 //! Chains, candidates and the loops that they close.
 
-use crate::ingredients::Without;
+use crate::ingredients::Ingredient;
 use nalgebra::{SMatrix, SVector};
 use posecut_graph::PoseGraph;
 use posecut_optimize::PoseGroup;
@@ -51,7 +51,7 @@ pub(crate) struct Model<G, const DOF: usize> {
     pub(crate) closures: Vec<Closure<G, DOF>>,
     pub(crate) unmeasured: usize,
     pub(crate) rejected_before: usize,
-    pub(crate) without: Without,
+    without: Vec<Ingredient>,
 }
 
 /// A loop: its error, and the parts of its covariance, in the frame of chain B.
@@ -66,7 +66,7 @@ pub(crate) struct Loop<const DOF: usize> {
 }
 
 impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
-    pub(crate) fn of(graph: &PoseGraph, without: Without) -> Result<Self, PcmError> {
+    pub(crate) fn of(graph: &PoseGraph, without: &[Ingredient]) -> Result<Self, PcmError> {
         let chains = Chains::with(graph, Covariances::Repaired)?;
         let grouped = group_with(graph, &chains, Covariances::Repaired)?;
         let drifts = chains.chains.iter().map(|chain| drift(chain)).collect();
@@ -94,8 +94,13 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
             closures,
             unmeasured: grouped.unmeasured,
             rejected_before: grouped.rejected_before,
-            without,
+            without: without.to_vec(),
         })
+    }
+
+    /// Whether the method is to do without an ingredient.
+    pub(crate) fn without(&self, ingredient: Ingredient) -> bool {
+        self.without.contains(&ingredient)
     }
 
     /// The covariance of a closure's measurement, of a right perturbation at the node that its edge leads to.

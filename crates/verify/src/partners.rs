@@ -18,6 +18,7 @@ pub(crate) struct Partners {
 
 impl Partners {
     pub(crate) fn of<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>) -> Self {
+        let far_ones = if model.without(Ingredient::FarPartners) { 0 } else { FAR };
         let (mut near, mut far) = (Vec::new(), Vec::new());
         for (group, span) in model.groups.iter().zip(&model.spans) {
             let pairs = Pairs::new(&model.chains, group);
@@ -25,7 +26,6 @@ impl Partners {
             let nearest = Nearest::new(&pairs, &all);
             for candidate in 0..all.len() {
                 let found = nearest.of(pairs.position(candidate), candidate, NEAR);
-                let far_ones = if model.without.has(Ingredient::FarPartners) { 0 } else { FAR };
                 let others = (1..=far_ones).map(|turn| elsewhere(candidate, turn, all.len()));
                 let mut others: Vec<usize> =
                     others.filter(|other| *other != candidate && !found.contains(other)).collect();

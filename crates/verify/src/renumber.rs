@@ -28,7 +28,7 @@ pub(crate) fn renumbered<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) ->
             chains[chain].forward += if from < to { 1 } else { -1 };
             let motion = edge.measurement.as_deref().and_then(G::from_components);
             chains[chain].travelled += motion.map_or(0.0, |motion| {
-                motion.translation().iter().map(|step| step * step).sum::<f64>().sqrt()
+                motion.translation().iter().fold(0.0, |length: f64, step| length.hypot(*step))
             });
         }
     }
@@ -38,7 +38,7 @@ pub(crate) fn renumbered<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) ->
     chains.sort_by(|one, other| {
         let key = |chain: &Chain| {
             let first = &graph.nodes[chain.nodes[0]];
-            (first.session.clone(), first.frame, chain.nodes.len())
+            (first.session.as_deref(), first.frame, chain.nodes.len())
         };
         key(one).cmp(&key(other)).then(one.travelled.total_cmp(&other.travelled))
     });

@@ -55,7 +55,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         let mut next = self.accepted.clone();
         let mut before = self.ratio.clone();
         self.join(&mut next);
-        if self.model.without.has(Ingredient::Rounds) {
+        if self.model.without(Ingredient::Rounds) {
             self.accepted = next;
             return Ok(number);
         }

@@ -8,7 +8,7 @@ use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 use posecut_stage::{Context, GraphStage, counted, info, warn};
 use serde::Serialize;
 
-use crate::ingredients::{Ingredient, Without};
+use crate::ingredients::Ingredient;
 use crate::model::Motion;
 use crate::verdict::{Finding, Verdict};
 use crate::verification::{Verification, verify_by};
@@ -64,7 +64,7 @@ impl Options {
         graph: &mut PoseGraph,
         context: &mut Context,
     ) -> anyhow::Result<()> {
-        let verification = verify_by::<G, DOF>(graph, self.hypothesis, Without::these(&self.without))?;
+        let verification = verify_by::<G, DOF>(graph, self.hypothesis, &self.without)?;
         self.explain(graph, &verification.findings)?;
         let mut rejected = 0;
         for finding in &verification.findings {

@@ -4,7 +4,7 @@ use anyhow::{Context as _, ensure};
 use posecut_graph::PoseGraph;
 
 use crate::calibration::Calibration;
-use crate::ingredients::Without;
+use crate::ingredients::Ingredient;
 use crate::judge::judge;
 use crate::model::{Model, Motion};
 use crate::renumber::renumbered;
@@ -45,7 +45,7 @@ impl Verification {
 
 /// Judges every landmark edge in use. The truth is not looked at.
 pub fn verify<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Result<Verification> {
-    verify_by::<G, DOF>(graph, 0, Without::default())
+    verify_by::<G, DOF>(graph, 0, &[])
 }
 
 /// The same, with another hypothesis in the place of what joins its two chains, by the number that [`verify`] gives it; 0 is the
@@ -57,7 +57,7 @@ pub fn verify<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Re
 pub fn verify_by<G: Motion<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     hypothesis: usize,
-    without: Without,
+    without: &[Ingredient],
 ) -> anyhow::Result<Verification> {
     let graph = &*renumbered::<G, DOF>(graph);
     let model = Model::<G, DOF>::of(graph, without)?;
