@@ -178,6 +178,9 @@ pub(crate) fn set_landmark_kernels<G, const DOF: usize>(edges: &mut [Edge<G, DOF
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::SMatrix;
+    use posecut_geometry::SE2;
+
     use super::*;
 
     #[test]
@@ -195,5 +198,28 @@ mod tests {
         }
         assert!(Graduated::TruncatedLeastSquares(2.0).surrogates(1.9).is_empty());
         assert!(Graduated::GemanMcClure(2.0).surrogates(1.9).is_empty());
+    }
+
+    /// Poses 0 to 3, a metre apart, and a landmark edge that is off by some standard deviations.
+    fn rounds_left(error: f64) -> usize {
+        let step = SE2::new(1.0, 0.0, 0.0);
+        let unit = SMatrix::<f64, 3, 3>::identity();
+        let odometry: Vec<_> =
+            (0..3).map(|node| Edge::new(node, node + 1, step, unit, EdgeKind::Odometry)).collect();
+        let other = Edge::new(0, 3, SE2::new(3.0 + error, 0.0, 0.0), unit, EdgeKind::Landmark);
+        let surrogates = [1.0, 2.0, 4.0].map(|convexity| Kernel::Truncated { width: 2.0, convexity });
+        let pattern = Pattern::of(4, 1, &odometry);
+        let options = Options::default();
+        let mut rounds = Rounds { left: &surrogates, options, iterations: 0, rejected: 0, factorizations: 0 };
+        let mut poses: Vec<SE2> = (0..4).map(|node| SE2::new(f64::from(node), 0.0, 0.0)).collect();
+        rounds.run(&mut Workspace::new(&pattern), odometry, &[other], &mut poses);
+        rounds.left.len()
+    }
+
+    #[test]
+    fn rounds_go_on_without_an_edge_until_it_has_to_be_believed() {
+        // The surrogates give no weight from 2.83, 2.45 and 2.24 standard deviations on.
+        assert_eq!(rounds_left(9.0), 0);
+        assert_eq!(rounds_left(2.3), 2);
     }
 }

@@ -7,12 +7,12 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use pulp::Simd;
 
 /// Lanes that are stored together: the widest register of any machine.
-pub(crate) const WIDTH: usize = 8;
+pub const WIDTH: usize = 8;
 
 /// Eight numbers on one line of the cache.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
-pub(crate) struct Wide(pub(crate) [f64; WIDTH]);
+pub struct Wide(pub [f64; WIDTH]);
 
 impl Default for Wide {
     fn default() -> Self {
@@ -23,32 +23,33 @@ impl Default for Wide {
 /// As many numbers as a register holds. No operation is fused with another, so that lanes round as single numbers do,
 /// on every machine.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Lanes<S: Simd> {
+pub struct Lanes<S: Simd> {
     simd: S,
     values: S::f64s,
 }
 
 impl<S: Simd> Lanes<S> {
+    /// The same number in every lane.
     #[inline(always)]
-    pub(crate) fn splat(simd: S, value: f64) -> Self {
+    pub fn splat(simd: S, value: f64) -> Self {
         Self { simd, values: simd.splat_f64s(value) }
     }
 
     /// The lanes from `first` on, a multiple of the register's.
     #[inline(always)]
-    pub(crate) fn load(simd: S, wide: &Wide, first: usize) -> Self {
+    pub fn load(simd: S, wide: &Wide, first: usize) -> Self {
         Self { simd, values: S::as_simd_f64s(&wide.0[first..]).0[0] }
     }
 
     /// Three vectors at once. Written out: an array's `map` is a call, compiled for the least of all machines.
     #[inline(always)]
-    pub(crate) fn load_three(simd: S, [x, y, z]: &[Wide; 3], first: usize) -> [Self; 3] {
+    pub fn load_three(simd: S, [x, y, z]: &[Wide; 3], first: usize) -> [Self; 3] {
         [Self::load(simd, x, first), Self::load(simd, y, first), Self::load(simd, z, first)]
     }
 
     /// Four at once.
     #[inline(always)]
-    pub(crate) fn load_four(simd: S, [w, x, y, z]: &[Wide; 4], first: usize) -> [Self; 4] {
+    pub fn load_four(simd: S, [w, x, y, z]: &[Wide; 4], first: usize) -> [Self; 4] {
         [
             Self::load(simd, w, first),
             Self::load(simd, x, first),
@@ -57,29 +58,33 @@ impl<S: Simd> Lanes<S> {
         ]
     }
 
+    /// Writes the lanes from `first` on.
     #[inline(always)]
-    pub(crate) fn store(self, wide: &mut Wide, first: usize) {
+    pub fn store(self, wide: &mut Wide, first: usize) {
         S::as_mut_simd_f64s(&mut wide.0[first..]).0[0] = self.values;
     }
 
+    /// Magnitudes.
     #[inline(always)]
-    pub(crate) fn abs(self) -> Self {
+    pub fn abs(self) -> Self {
         Self { values: self.simd.abs_f64s(self.values), ..self }
     }
 
+    /// Square roots.
     #[inline(always)]
-    pub(crate) fn sqrt(self) -> Self {
+    pub fn sqrt(self) -> Self {
         Self { values: self.simd.sqrt_f64s(self.values), ..self }
     }
 
+    /// Where these are less than others.
     #[inline(always)]
-    pub(crate) fn less_than(self, other: Self) -> Mask<S> {
+    pub fn less_than(self, other: Self) -> Mask<S> {
         Mask { simd: self.simd, lanes: self.simd.less_than_f64s(self.values, other.values) }
     }
 
     /// c_0 + c_1 x + c_2 x^2 + … by Horner's rule.
     #[inline(always)]
-    pub(crate) fn polynomial(self, coefficients: &[f64]) -> Self {
+    pub fn polynomial(self, coefficients: &[f64]) -> Self {
         let mut sum = Self::splat(self.simd, 0.0);
         for &coefficient in coefficients.iter().rev() {
             sum = sum * self + Self::splat(self.simd, coefficient);
@@ -90,25 +95,27 @@ impl<S: Simd> Lanes<S> {
 
 /// A truth value a lane.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Mask<S: Simd> {
+pub struct Mask<S: Simd> {
     simd: S,
     lanes: S::m64s,
 }
 
 impl<S: Simd> Mask<S> {
+    /// Where both hold.
     #[inline(always)]
-    pub(crate) fn and(self, other: Self) -> Self {
+    pub fn and(self, other: Self) -> Self {
         Self { lanes: self.simd.and_m64s(self.lanes, other.lanes), ..self }
     }
 
+    /// One number or the other.
     #[inline(always)]
-    pub(crate) fn select(self, if_true: Lanes<S>, if_false: Lanes<S>) -> Lanes<S> {
+    pub fn select(self, if_true: Lanes<S>, if_false: Lanes<S>) -> Lanes<S> {
         Lanes { simd: self.simd, values: self.simd.select_f64s(self.lanes, if_true.values, if_false.values) }
     }
 
     /// One bit a lane.
     #[inline(always)]
-    pub(crate) fn bits(self) -> u64 {
+    pub fn bits(self) -> u64 {
         let one = Lanes::splat(self.simd, 1.0);
         let mut flags = Wide::default();
         self.select(one, Lanes::splat(self.simd, 0.0)).store(&mut flags, 0);

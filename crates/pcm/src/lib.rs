@@ -33,7 +33,7 @@ pub mod growth;
 pub mod incremental;
 mod islands;
 mod judgement;
-mod lanes;
+pub mod lanes;
 mod logarithm;
 pub mod nearest;
 mod options;

@@ -1,6 +1,7 @@
 //! How far covariances are off, for each chain, against what shuffled closures would say.
 
 use nalgebra::SMatrix;
+use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::evidence::{Evidence, GAUSSIAN, TAIL, compare};
@@ -29,7 +30,7 @@ pub struct Calibration {
 }
 
 /// How much more a local error varies than the noise of landmark edges: thirty standard deviations.
-const LOCAL: f64 = 900.0;
+pub(crate) const LOCAL: f64 = 900.0;
 
 impl Calibration {
     /// The covariance of a local error of a loop's landmark edges.
@@ -158,19 +159,20 @@ fn refine<const DOF: usize>(
         return;
     }
     let common = (calibration.odometry[0].ln(), calibration.coherent[0].ln());
-    for _ in 0..2 {
+    // Then again, since the others have changed, from where each chain is.
+    for starts in [2, 1] {
         for chain in 0..chains {
             let own: Vec<Class<DOF>> = classes.iter().map(|class| class.of(chain)).collect();
             if own.iter().all(|class| class.real.is_empty()) {
                 continue;
             }
             let now = (calibration.odometry[chain].ln(), calibration.coherent[chain].ln());
-            let starts = [now, (common.0 + 4.0, common.1)].map(|(odometry, coherent)| Point {
+            let all = [now, (common.0 + 4.0, common.1)].map(|(odometry, coherent)| Point {
                 odometry,
                 landmark: 0.0,
                 coherent,
             });
-            let best = highest(&starts, if with_coherent { &[0, 2] } else { &[0] }, |point, loops| {
+            let best = highest(&all[..starts], if with_coherent { &[0, 2] } else { &[0] }, |point, loops| {
                 let mut factors = calibration.clone();
                 factors.odometry[chain] = point.odometry.exp();
                 factors.coherent[chain] = point.coherent.exp();
@@ -196,17 +198,18 @@ fn square(value: f64) -> f64 {
 fn highest(
     starts: &[Point],
     axes: &[usize],
-    objective: impl Fn(Point, Loops) -> Contrast,
+    objective: impl Fn(Point, Loops) -> Contrast + Sync,
 ) -> Option<(Point, Contrast)> {
     let (some, all) = (|point| objective(point, Loops::Some), |point| objective(point, Loops::All));
-    let mut best: Option<(Point, Contrast)> = None;
-    for &start in starts {
+    let ascended = starts.par_iter().map(|&start| {
         let (point, _) = ascend((start, some(start)), axes, &[2.0, 1.0], some);
-        let found = all(point);
-        if best.is_none_or(|(_, best)| found.objective > best.objective) {
-            best = Some((point, found));
-        }
-    }
+        (point, all(point))
+    });
+    // The first of the highest, whichever thread is done first.
+    let best = ascended
+        .collect::<Vec<_>>()
+        .into_iter()
+        .reduce(|best, found| if found.1.objective > best.1.objective { found } else { best });
     best.map(|best| ascend(best, axes, &[1.0, 0.5, 0.25, 0.125], all))
 }
 
@@ -217,12 +220,18 @@ fn ascend(
     objective: impl Fn(Point) -> Contrast,
 ) -> (Point, Contrast) {
     let (mut point, mut value) = start;
+    // Where it has been it was not higher.
+    let mut seen = vec![point];
     for step in steps {
         let mut improved = true;
         while improved {
             improved = false;
             for (&axis, direction) in axes.iter().flat_map(|axis| [(axis, 1.0), (axis, -1.0)]) {
                 let trial = point.moved(axis, direction * step);
+                if seen.iter().any(|seen| seen.is(&trial)) {
+                    continue;
+                }
+                seen.push(trial);
                 let found = objective(trial);
                 if found.objective > value.objective + 1e-9 {
                     (point, value, improved) = (trial, found, true);
@@ -234,6 +243,13 @@ fn ascend(
 }
 
 impl Point {
+    /// Whether it is another but for rounding.
+    fn is(&self, other: &Self) -> bool {
+        let apart =
+            [self.odometry - other.odometry, self.landmark - other.landmark, self.coherent - other.coherent];
+        apart.iter().all(|apart| apart.abs() < 1e-9)
+    }
+
     fn moved(mut self, axis: usize, by: f64) -> Self {
         match axis {
             0 => self.odometry += by,

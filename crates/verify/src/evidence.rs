@@ -75,27 +75,6 @@ pub(crate) fn compare<const DOF: usize>(
     })
 }
 
-/// How likely the error of a correct loop is, over that of loops whose scale matrices are larger: t(e; S) / t(e; S + W) for each W.
-/// `None` where S is not positive definite.
-pub(crate) fn likelihood_ratios<const DOF: usize, const ALTERNATIVES: usize>(
-    error: &SVector<f64, DOF>,
-    correct: &SMatrix<f64, DOF, DOF>,
-    wider: [SMatrix<f64, DOF, DOF>; ALTERNATIVES],
-    tail: f64,
-) -> Option<[f64; ALTERNATIVES]> {
-    let near = Elimination::of(correct, error)?;
-    let mut ratios = [0.0; ALTERNATIVES];
-    for (ratio, wider) in ratios.iter_mut().zip(wider) {
-        let far = Elimination::of(&(correct + wider), error)?;
-        // The determinants to the power of 1/2, the rest to that of (tail + DOF) / 2, without a logarithm.
-        let base = (1.0 + far.squared / tail) / (1.0 + near.squared / tail);
-        let degrees = tail as i32 + DOF as i32;
-        let power = base.powi(degrees / 2) * if degrees % 2 == 1 { base.sqrt() } else { 1.0 };
-        *ratio = far.root_over(&near) * power;
-    }
-    Some(ratios)
-}
-
 /// Determinants whose logarithm is taken once: a product of pivots must neither overflow nor vanish, whatever the units.
 const RANGE: std::ops::Range<f64> = 1e-150..1e150;
 
@@ -137,15 +116,6 @@ impl Elimination {
 
     fn log_determinant(&self) -> f64 {
         self.determinant.ln() + self.log_rest
-    }
-
-    /// The root of the determinant over that of another.
-    fn root_over(&self, other: &Self) -> f64 {
-        if self.log_rest == 0.0 && other.log_rest == 0.0 {
-            (self.determinant / other.determinant).sqrt()
-        } else {
-            (0.5 * (self.log_determinant() - other.log_determinant())).exp()
-        }
     }
 }
 

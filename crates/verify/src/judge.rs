@@ -55,8 +55,10 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
 ) -> anyhow::Result<Judged> {
     let partners = Partners::of(model);
     let classes = classes(model, &partners);
-    let calibration = calibrate(model, &classes, !model.without(Ingredient::Coherent));
-    let random = calibrate(model, &classes, false);
+    let (calibration, random) = rayon::join(
+        || calibrate(model, &classes, !model.without(Ingredient::Coherent)),
+        || calibrate(model, &classes, false),
+    );
     let ties = ties(model, &partners, &calibration);
     let count = model.closures.len();
     let ratio: Vec<Option<f64>> =

@@ -1,15 +1,14 @@
 //! Loops as a mixture of correct ones, chance, and errors between the two, against the same loops shuffled.
 
 use crate::calibration::Calibration;
-use crate::evidence::likelihood_ratios;
 use crate::ingredients::Ingredient;
-use crate::model::{Loop, Model, Motion};
+use crate::likelihoods::{Likelihoods, Shares, counts, gain};
+use crate::model::{Model, Motion};
+use crate::packs::Sample;
 use crate::partners::Partners;
 
 /// Closures whose loops are looked at.
 pub(crate) const SAMPLE: usize = 400;
-/// The second moment of a shift, as a share of that of chance: a tenth of the way.
-const SHIFT: f64 = 0.01;
 /// Rounds of expectation maximisation.
 const ROUNDS: usize = 12;
 
@@ -22,8 +21,8 @@ pub(crate) struct Class<const DOF: usize> {
     /// Whether loops may be shifted: false closures between chains come in groups that agree within themselves, and lie a
     /// corridor's or a crossing's width beside the correct ones.
     shifted: bool,
-    pub(crate) real: Vec<Loop<DOF>>,
-    shuffled: Vec<Loop<DOF>>,
+    pub(crate) real: Sample<DOF>,
+    shuffled: Sample<DOF>,
 }
 
 /// What loops gain over their shuffled twins.
@@ -37,27 +36,24 @@ pub(crate) struct Contrast {
     pub(crate) correct: f64,
 }
 
-/// How likely a loop is as a correct one, as one with a local error, and as a shifted one, each over chance.
-type Likelihoods = [f64; 3];
-
 /// The loops to look at.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Loops {
     All,
-    /// One in two, which count for the others, where there are many.
+    /// One in four, which count for the others, where there are many.
     Some,
 }
 
 impl Loops {
     fn step(self, count: usize) -> usize {
         match self {
-            Self::Some if count >= MANY => 2,
+            Self::Some if count >= MANY => 4,
             _ => 1,
         }
     }
 }
 
-/// Loops of a class of which a half is enough to compare distant factors.
+/// Loops of a class of which a quarter is enough to compare distant factors.
 const MANY: usize = 400;
 
 /// Loops through the same closures are not independent: `tempering` is what each counts.
@@ -71,18 +67,10 @@ pub(crate) fn contrast<const DOF: usize>(
     let mut counted = 0.0;
     for class in classes {
         let step = loops.step(class.real.len());
-        let likelihoods = |loops: &[Loop<DOF>]| -> Vec<Likelihoods> {
-            loops.iter().step_by(step).filter_map(|closed| class.likelihoods(closed, factors)).collect()
-        };
-        let (real, shuffled) = rayon::join(|| likelihoods(&class.real), || likelihoods(&class.shuffled));
+        let likelihoods = |sample: &Sample<DOF>| sample.likelihoods(factors, class.shifted, step);
+        let (real, shuffled) = (likelihoods(&class.real), likelihoods(&class.shuffled));
         let shares = class.shares(&real);
-        let gain = |loops: &[Likelihoods]| {
-            let over = loops.iter().map(|of| {
-                of.iter().zip(&shares).map(|(likelihood, share)| share * (likelihood - 1.0)).sum::<f64>()
-            });
-            over.map(f64::ln_1p).sum::<f64>()
-        };
-        let gained = step as f64 * (gain(&real) - gain(&shuffled).max(0.0));
+        let gained = step as f64 * (gain(&real, &shares) - gain(&shuffled, &shares).max(0.0));
         sum += gained;
         if class.counts {
             evidence += gained;
@@ -106,8 +94,8 @@ impl<const DOF: usize> Class<DOF> {
 
     /// The loops that a chain takes part in.
     pub(crate) fn of(&self, chain: usize) -> Self {
-        let (mut real, mut shuffled) = (Vec::new(), Vec::new());
-        for (closed, twin) in self.real.iter().zip(&self.shuffled) {
+        let (mut real, mut shuffled) = (Sample::default(), Sample::default());
+        for (closed, twin) in self.real.loops().iter().zip(self.shuffled.loops()) {
             if closed.odometry.iter().any(|(of, ..)| *of == chain) {
                 real.push(closed.clone());
                 shuffled.push(twin.clone());
@@ -116,34 +104,16 @@ impl<const DOF: usize> Class<DOF> {
         Self { real, shuffled, ..*self }
     }
 
-    fn likelihoods(&self, closed: &Loop<DOF>, factors: &Calibration) -> Option<Likelihoods> {
-        let covariance = factors.covariance(closed);
-        let local = factors.local(&closed.landmark);
-        let (error, apart) = (&closed.error, closed.apart);
-        if self.shifted {
-            let [correct, near, wide] =
-                likelihood_ratios(error, &covariance, [apart, local, apart * SHIFT], factors.tail)?;
-            Some([correct, correct / near, correct / wide])
-        } else {
-            let [correct, near] = likelihood_ratios(error, &covariance, [apart, local], factors.tail)?;
-            Some([correct, correct / near, 0.0])
-        }
-    }
-
     /// The mixing proportions, by expectation maximisation.
-    fn shares(&self, loops: &[Likelihoods]) -> Likelihoods {
+    fn shares(&self, loops: &[Likelihoods]) -> Shares {
         // A wrong and a correct loop more than seen: never certain.
         let unseen = [1.0, 0.5, if self.shifted { 0.5 } else { 0.0 }];
-        let all = loops.len() as f64 + unseen.iter().sum::<f64>() + 1.0;
+        let used: f64 = loops.iter().flat_map(|pack| pack.used.0).sum();
+        let all = used + unseen.iter().sum::<f64>() + 1.0;
         let mut shares = [0.5, 0.05, if self.shifted { 0.05 } else { 0.0 }];
         for _ in 0..ROUNDS {
-            let mut counts = unseen;
-            for likelihoods in loops {
-                let parts = [0, 1, 2].map(|part| shares[part] * likelihoods[part]);
-                let total = 1.0 - shares.iter().sum::<f64>() + parts.iter().sum::<f64>();
-                counts.iter_mut().zip(parts).for_each(|(count, part)| *count += part / total);
-            }
-            shares = counts.map(|count| count / all);
+            let counts = counts(loops, &shares);
+            shares = [0, 1, 2].map(|part| (unseen[part] + counts[part]) / all);
             let wrong = shares[1] + shares[2];
             if wrong > self.wrong_most * shares[0] {
                 let sum = shares[0] + wrong;
@@ -165,8 +135,8 @@ pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
         counts,
         wrong_most,
         shifted,
-        real: Vec::new(),
-        shuffled: Vec::new(),
+        real: Sample::default(),
+        shuffled: Sample::default(),
     };
     let (mut single, mut short) = (empty(true, 0.0, false), empty(false, 1.25, false));
     let shifted = !model.without(Ingredient::Shift);
@@ -177,7 +147,9 @@ pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
         let donor = Partners::elsewhere(model, closure, 3);
         if let Some(closed) = model.single(closure) {
             single.real.push(closed);
-            single.shuffled.extend(model.single_shuffled(closure, donor));
+            if let Some(twin) = model.single_shuffled(closure, donor) {
+                single.shuffled.push(twin);
+            }
             // Neighbours tell of the landmark edges alone: aliased runs agree with each other, too.
             for (turn, &other) in
                 partners.near(closure).iter().enumerate().filter(|(turn, _)| [0, 3, 7].contains(turn))

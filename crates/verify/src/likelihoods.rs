@@ -1,0 +1,101 @@
+//! What likelihoods of many loops say of a mixture.
+
+#![allow(
+    clippy::inline_always,
+    reason = "loops take the vector instructions of the caller they are inlined into"
+)]
+use std::ops::Range;
+
+use posecut_pcm::lanes::{Lanes, WIDTH, Wide};
+use pulp::{Arch, Simd, WithSimd};
+
+/// How likely each of a few loops is as a correct one, as one with a local error, and as a shifted one, each over chance.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Likelihoods {
+    pub(crate) parts: [Wide; 3],
+    /// 1 for a loop, 0 where there is none or its covariance is not positive definite.
+    pub(crate) used: Wide,
+}
+
+/// Mixing proportions in the order of [`Likelihoods::parts`]; chance has the rest.
+pub(crate) type Shares = [f64; 3];
+
+/// Products whose logarithm need not be taken yet.
+const RANGE: Range<f64> = 1e-100..1e100;
+
+/// How many loops are correct, wrong nearby and shifted, each counted by its posterior probabilities.
+pub(crate) fn counts(packs: &[Likelihoods], shares: &Shares) -> Shares {
+    Arch::new().dispatch(Counts { packs, shares })
+}
+
+/// Log-likelihood of the mixture over that of chance alone.
+pub(crate) fn gain(packs: &[Likelihoods], shares: &Shares) -> f64 {
+    Arch::new().dispatch(Gain { packs, shares })
+}
+
+struct Counts<'a> {
+    packs: &'a [Likelihoods],
+    shares: &'a Shares,
+}
+
+impl WithSimd for Counts<'_> {
+    type Output = Shares;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Shares {
+        let [correct, local, shifted] = *self.shares;
+        let chance = Lanes::splat(simd, 1.0 - (correct + local + shifted));
+        let (correct, local, shifted) =
+            (Lanes::splat(simd, correct), Lanes::splat(simd, local), Lanes::splat(simd, shifted));
+        let mut counts = [Wide::default(); 3];
+        for Likelihoods { parts, used } in self.packs {
+            for lane in (0..WIDTH).step_by(S::F64_LANES) {
+                let [first, second, third] = Lanes::load_three(simd, parts, lane);
+                let (first, second, third) = (first * correct, second * local, third * shifted);
+                let share = Lanes::load(simd, used, lane) / (chance + first + second + third);
+                let [one, two, three] = Lanes::load_three(simd, &counts, lane);
+                (one + first * share).store(&mut counts[0], lane);
+                (two + second * share).store(&mut counts[1], lane);
+                (three + third * share).store(&mut counts[2], lane);
+            }
+        }
+        counts.map(|lanes| lanes.0.iter().sum())
+    }
+}
+
+struct Gain<'a> {
+    packs: &'a [Likelihoods],
+    shares: &'a Shares,
+}
+
+impl WithSimd for Gain<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let [correct, local, shifted] = *self.shares;
+        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        let chance = Lanes::splat(simd, 1.0 - (correct + local + shifted));
+        let (correct, local, shifted) =
+            (Lanes::splat(simd, correct), Lanes::splat(simd, local), Lanes::splat(simd, shifted));
+        // The logarithm of products: one of each loop would cost more than all else.
+        let (mut sum, mut product) = (0.0, Wide([1.0; WIDTH]));
+        for Likelihoods { parts, used } in self.packs {
+            for lane in (0..WIDTH).step_by(S::F64_LANES) {
+                let [first, second, third] = Lanes::load_three(simd, parts, lane);
+                let likelihood = chance + first * correct + second * local + third * shifted;
+                let counted = zero.less_than(Lanes::load(simd, used, lane)).select(likelihood, one);
+                (Lanes::load(simd, &product, lane) * counted).store(&mut product, lane);
+            }
+            if product.0.iter().any(|value| !RANGE.contains(value)) {
+                sum += logarithm(&product);
+                product = Wide([1.0; WIDTH]);
+            }
+        }
+        sum + logarithm(&product)
+    }
+}
+
+fn logarithm(product: &Wide) -> f64 {
+    product.0.iter().map(|value| value.ln()).sum()
+}
