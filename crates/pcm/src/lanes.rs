@@ -65,12 +65,14 @@ impl<S: Simd> Lanes<S> {
     }
 
     /// Magnitudes.
+    #[must_use]
     #[inline(always)]
     pub fn abs(self) -> Self {
         Self { values: self.simd.abs_f64s(self.values), ..self }
     }
 
     /// Square roots.
+    #[must_use]
     #[inline(always)]
     pub fn sqrt(self) -> Self {
         Self { values: self.simd.sqrt_f64s(self.values), ..self }
@@ -83,6 +85,7 @@ impl<S: Simd> Lanes<S> {
     }
 
     /// c_0 + c_1 x + c_2 x^2 + … by Horner's rule.
+    #[must_use]
     #[inline(always)]
     pub fn polynomial(self, coefficients: &[f64]) -> Self {
         let mut sum = Self::splat(self.simd, 0.0);
@@ -102,6 +105,7 @@ pub struct Mask<S: Simd> {
 
 impl<S: Simd> Mask<S> {
     /// Where both hold.
+    #[must_use]
     #[inline(always)]
     pub fn and(self, other: Self) -> Self {
         Self { lanes: self.simd.and_m64s(self.lanes, other.lanes), ..self }
