@@ -18,9 +18,8 @@ const ROUNDS_IN_ALL: usize = 60;
 const GROWTH: f64 = 1.02;
 /// Log-likelihood ratio at which a closure contradicts the map.
 pub(crate) const CONTRADICTED: f64 = -3.0;
-/// Largest probability of being wrong at which a closure is accepted, and at which it stays: it may not come and go.
-const DOUBT_MOST: f64 = 0.05;
-const DOUBT_KEPT: f64 = 0.1;
+/// Largest probability of being wrong at which a closure is accepted.
+const DOUBT: f64 = 0.1;
 
 /// Everything that rounds need.
 pub(crate) struct Rounds<'a, G, const DOF: usize> {
@@ -232,7 +231,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         let mut doubts: Vec<(f64, usize)> = (0..next.len())
             .filter(|&closure| !next[closure] && self.fits[closure])
             .filter_map(|closure| Some((1.0 / (1.0 + odds * self.ratio[closure]?.exp()), closure)))
-            .filter(|&(doubt, closure)| doubt < if self.accepted[closure] { DOUBT_KEPT } else { DOUBT_MOST })
+            .filter(|&(doubt, _)| doubt < DOUBT)
             .collect();
         doubts.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut expected = 0.0;
