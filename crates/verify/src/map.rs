@@ -12,11 +12,9 @@ use crate::rounds::CONTRADICTED;
 
 /// Closures without an accepted neighbour whose covariance is computed exactly, a round. Each costs a triangular solve.
 const EXACT: usize = 400;
-/// Bounds on the scale of the map's own errors.
-const SCALE_LEAST: f64 = 0.05;
+/// The largest scale of the map's own errors. The least is one: innovations may be better than their covariances in the middle, and
+/// have the longer tails for it.
 const SCALE_MOST: f64 = 30.0;
-/// Accepted closures from which a scale below one is believed.
-const ENOUGH: usize = 20;
 /// Share of its own variance that a measurement must have left beside the rest of the map to be judged by it.
 const SHARE_LEFT: f64 = 1e-8;
 
@@ -271,9 +269,8 @@ fn spread<const DOF: usize>(innovations: impl Iterator<Item = Innovation<DOF>>) 
         })
         .collect();
     distances.sort_by(f64::total_cmp);
-    let least = if distances.len() < ENOUGH { 1.0 } else { SCALE_LEAST };
     let median = distances.get(distances.len() / 2);
-    median.map_or(1.0, |median| (median / chi_square_quantile(DOF, 0.0)).clamp(least, SCALE_MOST))
+    median.map_or(1.0, |median| (median / chi_square_quantile(DOF, 0.0)).clamp(1.0, SCALE_MOST))
 }
 
 /// The covariance of Log(Z^-1 X) for that of a right perturbation of X, at an error that need not be small.
