@@ -20,6 +20,8 @@ pub struct Calibration {
     pub landmark: f64,
     /// Share of candidates taken for correct.
     pub correct: f64,
+    /// Loops with an error of a landmark edge in the right neighbourhood, as a share of the correct loops.
+    pub local: f64,
     /// Nats that the closures have over shuffled ones.
     pub evidence: f64,
     /// Whether this was too little for an estimate.
@@ -116,6 +118,7 @@ pub(crate) fn calibrate<G: Motion<DOF>, const DOF: usize>(
         coherent: vec![coherent; chains],
         landmark: 1.0,
         correct: 0.5,
+        local: 0.0,
         evidence: 0.0,
         on_prior: true,
         tail: if model.without(Ingredient::HeavyTails) { GAUSSIAN } else { TAIL },
@@ -136,9 +139,10 @@ pub(crate) fn calibrate<G: Motion<DOF>, const DOF: usize>(
             + square((point.coherent - coherent.ln()) / (2.0 * PRIOR));
         Contrast { objective: found.objective - 0.5 * prior, ..found }
     });
-    let Some((point, Contrast { evidence, correct, .. })) = best else { return calibration };
+    let Some((point, Contrast { evidence, correct, local, .. })) = best else { return calibration };
     calibration.evidence = evidence;
     calibration.correct = correct;
+    calibration.local = local;
     calibration.on_prior = evidence < LEAST_EVIDENCE;
     if !calibration.on_prior {
         calibration = calibration.with(point);

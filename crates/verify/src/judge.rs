@@ -24,6 +24,8 @@ pub(crate) struct Judged {
     pub(crate) accepted: Vec<bool>,
     /// Log-likelihood ratio of each closure in the last round, where there is one.
     pub(crate) ratio: Vec<Option<f64>>,
+    /// The same against a local error, times the odds of one: how likely this is over a correct closure.
+    pub(crate) local: Vec<f64>,
     pub(crate) calibration: Calibration,
     pub(crate) rounds: usize,
     pub(crate) hypotheses: Vec<Hypothesis>,
@@ -106,6 +108,8 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         accepted,
         ratio,
         fits: vec![false; count],
+        local: vec![None; count],
+        strict: false,
         unseen: vec![false; count],
         usual: chi_square_quantile(DOF, USUAL),
         poses: None,
@@ -117,11 +121,13 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     let mut held = UnionFind::<usize>::new(chains);
     let spans = (0..count).filter(|&closure| rounds.accepted[closure]).map(|closure| model.span(closure));
     let joined = spans.filter(|span| held.union(span.a, span.b)).count();
-    let Rounds { accepted, ratio, hypotheses, .. } = rounds;
+    let Rounds { accepted, ratio, local, hypotheses, random, .. } = rounds;
+    let local = local.iter().map(|ratio| ratio.map_or(0.0, |ratio| random.local * (-ratio).exp())).collect();
     let cut_proved = clusters.optimal;
     Ok(Judged {
         accepted,
         ratio,
+        local,
         calibration,
         rounds: number,
         hypotheses,

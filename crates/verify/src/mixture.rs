@@ -34,6 +34,8 @@ pub(crate) struct Contrast {
     pub(crate) evidence: f64,
     /// Share of correct loops in these.
     pub(crate) correct: f64,
+    /// Local errors in these, as a share of the correct ones.
+    pub(crate) local: f64,
 }
 
 /// The loops to look at.
@@ -63,7 +65,7 @@ pub(crate) fn contrast<const DOF: usize>(
     tempering: f64,
     loops: Loops,
 ) -> Contrast {
-    let (mut sum, mut evidence, mut correct) = (0.0, 0.0, 0.0);
+    let (mut sum, mut evidence, mut correct, mut local) = (0.0, 0.0, 0.0, 0.0);
     let mut counted = 0.0;
     for class in classes {
         let step = loops.step(class.real.len());
@@ -75,6 +77,7 @@ pub(crate) fn contrast<const DOF: usize>(
         if class.counts {
             evidence += gained;
             correct += shares[0] * class.real.len() as f64;
+            local += shares[1] * class.real.len() as f64;
             counted += class.real.len() as f64;
         }
     }
@@ -82,6 +85,7 @@ pub(crate) fn contrast<const DOF: usize>(
         objective: sum * tempering,
         evidence: evidence * tempering,
         correct: if counted > 0.0 { correct / counted } else { 0.5 },
+        local: if correct > 0.0 { local / correct } else { 0.0 },
     }
 }
 

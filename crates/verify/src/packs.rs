@@ -292,6 +292,7 @@ mod tests {
             coherent: vec![coherent; 3],
             landmark,
             correct: 0.5,
+            local: 0.0,
             evidence: 0.0,
             on_prior: false,
             tail,

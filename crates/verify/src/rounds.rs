@@ -19,7 +19,7 @@ const GROWTH: f64 = 1.02;
 /// Log-likelihood ratio at which a closure contradicts the map.
 pub(crate) const CONTRADICTED: f64 = -3.0;
 /// Largest probability of being wrong at which a closure is accepted.
-const DOUBT: f64 = 0.1;
+pub(crate) const DOUBT: f64 = 0.1;
 
 /// Everything that rounds need.
 pub(crate) struct Rounds<'a, G, const DOF: usize> {
@@ -38,6 +38,11 @@ pub(crate) struct Rounds<'a, G, const DOF: usize> {
     pub(crate) ratio: Vec<Option<f64>>,
     /// Whether the error is as small as that of 99 % of correct closures.
     pub(crate) fits: Vec<bool>,
+    /// Log-likelihood ratio of each closure, correct against a local error, where there is one.
+    pub(crate) local: Vec<Option<f64>>,
+    /// Whether closures are left out that may as well have a local error. Only in the end: they lead to others that leave no doubt
+    /// of them.
+    pub(crate) strict: bool,
     /// Whether a closure without any error would have too little evidence, since the map says too little about its ends.
     pub(crate) unseen: Vec<bool>,
     /// Squared distance that 99 % of correct closures stay below.
@@ -78,6 +83,12 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
                     let both = self.ratio[closure].zip(before[closure]);
                     self.ratio[closure] = both.map(|(now, before)| now.min(before)).or(self.ratio[closure]);
                 }
+            }
+            if !self.strict {
+                self.strict = true;
+                next =
+                    (0..next.len()).map(|closure| self.accepted[closure] && self.precise(closure)).collect();
+                continue;
             }
             let placed = self.across(bridges)?;
             if placed.is_empty() {
@@ -123,6 +134,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             {
                 self.ratio[closure] = Some(evidence.weight() + alone);
                 self.fits[closure] = evidence.squared_distance <= self.usual;
+                self.local[closure] = Some(evidence.local);
             }
         }
         let mut placed = self.likely(&self.accepted);
@@ -169,12 +181,17 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
                     self.ratio[closure] = Some(evidence.weight());
                     self.unseen[closure] = evidence.most <= self.loose;
                     self.fits[closure] = evidence.squared_distance <= self.usual;
+                    self.local[closure] = Some(evidence.local);
                 }
                 _ => {}
             }
         }
         let mut next: Vec<bool> = (0..self.accepted.len())
-            .map(|closure| within(closure) && self.ratio[closure].is_some_and(|ratio| ratio > self.threshold))
+            .map(|closure| {
+                within(closure)
+                    && self.precise(closure)
+                    && self.ratio[closure].is_some_and(|ratio| ratio > self.threshold)
+            })
             .collect();
         for closure in self.likely(&next) {
             next[closure] = within(closure);
@@ -215,6 +232,12 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         Ok(next)
     }
 
+    /// Whether the map says enough about a closure's ends to tell a correct one from one with a local error.
+    fn precise(&self, closure: usize) -> bool {
+        let wrong = self.local[closure].map_or(0.0, |local| self.random.local * (-local).exp());
+        !self.strict || wrong / (1.0 + wrong) <= DOUBT
+    }
+
     /// Whether the map could hardly support most members of a hypothesis if they were correct, and does not contradict them.
     fn unplaced(&self, hypothesis: &Hypothesis) -> bool {
         let witnesses = hypothesis.witnesses();
@@ -229,7 +252,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
     fn likely(&self, next: &[bool]) -> Vec<usize> {
         let odds = self.random.odds();
         let mut doubts: Vec<(f64, usize)> = (0..next.len())
-            .filter(|&closure| !next[closure] && self.fits[closure])
+            .filter(|&closure| !next[closure] && self.fits[closure] && self.precise(closure))
             .filter_map(|closure| Some((1.0 / (1.0 + odds * self.ratio[closure]?.exp()), closure)))
             .filter(|&(doubt, _)| doubt < DOUBT)
             .collect();

@@ -8,7 +8,7 @@ use crate::cut::Tie;
 use crate::evidence::CLIP;
 use crate::judge::Judged;
 use crate::model::{Model, Motion};
-use crate::rounds::CONTRADICTED;
+use crate::rounds::{CONTRADICTED, DOUBT};
 
 /// Edges named as witnesses, at most.
 const WITNESSES: usize = 3;
@@ -33,6 +33,8 @@ pub enum Reason {
     Contradicted,
     /// It agrees with the map, and so would a random edge in its place.
     Chance,
+    /// It agrees with the map, which is too loose there to tell whether it is measured somewhat wrongly.
+    Vague,
     /// No other closure is near enough to say anything.
     Alone,
     /// It belongs to a group of closures that agree with each other and not with the map.
@@ -85,6 +87,9 @@ pub(crate) fn findings<G: Motion<DOF>, const DOF: usize>(
                 }
                 Some(ratio) if ratio <= CONTRADICTED => (Verdict::Rejected, Reason::Contradicted),
                 _ if rival[closure].is_some() => (Verdict::Undecided, Reason::OtherHypothesis),
+                Some(_) if judged.local[closure] * (1.0 - DOUBT) > DOUBT => {
+                    (Verdict::Undecided, Reason::Vague)
+                }
                 Some(_) => (Verdict::Undecided, Reason::Chance),
                 None => (Verdict::Undecided, Reason::Alone),
             };
@@ -93,7 +98,7 @@ pub(crate) fn findings<G: Motion<DOF>, const DOF: usize>(
                 edge: model.closures[closure].candidate.edge,
                 verdict,
                 reason,
-                probability: probability(ratio, accepted, judged, alone / (1.0 + opposed[closure])),
+                probability: probability(closure, judged, alone / (1.0 + opposed[closure])),
                 ratio,
                 witnesses: witnesses[closure].iter().map(id).collect(),
                 hypothesis: if accepted { Some(0) } else { rival[closure] },
@@ -104,14 +109,14 @@ pub(crate) fn findings<G: Motion<DOF>, const DOF: usize>(
 
 /// The posterior probability of a mixture. The prior odds are those of the estimated share of correct candidates where the
 /// map reaches, and `alone` where nothing does.
-fn probability(ratio: Option<f64>, accepted: bool, judged: &Judged, alone: f64) -> f64 {
-    let odds = match ratio {
+fn probability(closure: usize, judged: &Judged, alone: f64) -> f64 {
+    let odds = match judged.ratio[closure] {
         Some(ratio) => ratio.clamp(-CLIP, CLIP).exp() * judged.calibration.odds(),
         // Accepted with a hypothesis that nothing else holds.
-        None if accepted => CLIP.exp() * judged.calibration.odds(),
+        None if judged.accepted[closure] => CLIP.exp() * judged.calibration.odds(),
         None => alone,
     };
-    odds / (1.0 + odds)
+    1.0 / (1.0 + 1.0 / odds + judged.local[closure])
 }
 
 /// For each candidate how many others contradict it: at most one of these can be correct.
@@ -210,6 +215,7 @@ impl Reason {
             Self::Supported => "supported",
             Self::Contradicted => "contradicted",
             Self::Chance => "chance",
+            Self::Vague => "vague",
             Self::Alone => "alone",
             Self::OtherHypothesis => "other-hypothesis",
         }
@@ -221,6 +227,9 @@ impl Reason {
             Self::Contradicted => "contradicted: what it measures lies far from what the map predicts",
             Self::Chance => {
                 "chance: it agrees with the map no better than a random edge would; a second closure within a few metres of it would decide"
+            }
+            Self::Vague => {
+                "vague: the map is too loose there to tell whether it is measured somewhat wrongly; a second closure within a few metres of it would decide"
             }
             Self::Alone => {
                 "alone: nothing else joins its two places; a second closure within a few metres of it would decide"
