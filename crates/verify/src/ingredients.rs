@@ -20,6 +20,8 @@ pub enum Ingredient {
     Multicut,
     /// Rounds of map and verdicts; without them what the cut accepts is final
     Rounds,
+    /// Doubt of lone edges where others are measured somewhat wrongly
+    Local,
     /// The usual motion of a session where its odometry is interrupted
     Bridges,
 }

@@ -76,19 +76,16 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
                 let size = |set: &[bool]| set.iter().filter(|member| **member).count() as f64;
                 settling += usize::from(size(&next) < GROWTH * size(&self.accepted));
             }
-            // Where rounds alternate, what both accept; the others have the less evidence of both.
-            for closure in 0..next.len() {
-                if self.accepted[closure] != next[closure] {
-                    self.accepted[closure] = false;
-                    let both = self.ratio[closure].zip(before[closure]);
-                    self.ratio[closure] = both.map(|(now, before)| now.min(before)).or(self.ratio[closure]);
-                }
-            }
-            if !self.strict {
+            self.agree(&next, &before);
+            if !self.strict && !self.model.without(Ingredient::Local) {
                 self.strict = true;
-                next =
-                    (0..next.len()).map(|closure| self.accepted[closure] && self.precise(closure)).collect();
-                continue;
+                next = self.accepted.clone();
+                for (closure, stays) in next.iter_mut().enumerate() {
+                    *stays &= self.precise(closure);
+                }
+                if next != self.accepted {
+                    continue;
+                }
             }
             let placed = self.across(bridges)?;
             if placed.is_empty() {
@@ -101,6 +98,17 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
                 next[closure] = true;
             }
             self.poses = None;
+        }
+    }
+
+    /// Where rounds alternate, what both accept; the others have the less evidence of both.
+    fn agree(&mut self, next: &[bool], before: &[Option<f64>]) {
+        for closure in 0..next.len() {
+            if self.accepted[closure] != next[closure] {
+                self.accepted[closure] = false;
+                let both = self.ratio[closure].zip(before[closure]);
+                self.ratio[closure] = both.map(|(now, before)| now.min(before)).or(self.ratio[closure]);
+            }
         }
     }
 

@@ -10,6 +10,7 @@ use posecut_graph::{EdgeKind, EdgeTruth, PoseGraph};
 use posecut_pcm::generate::{Falsehood, Scenario};
 use posecut_verify::verdict::{Reason, Verdict};
 use posecut_verify::{Calibration, Ingredient, Motion, Verification, verify, verify_by};
+use rand::RngExt as _;
 
 /// False edges accepted, correct edges not accepted.
 fn mistakes<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) -> (usize, usize) {
@@ -72,6 +73,53 @@ fn without_correct_edges_no_overlap_is_established() {
             }
         }
     }
+}
+
+/// Two sessions, and beyond the first 120 nodes of each poor odometry and one correct landmark edge alone; its place in the graph.
+/// Of five others some are measured a metre and twenty degrees off, to either side.
+fn with_a_lone_edge(wrong_of_five: usize, seed: u64) -> (PoseGraph, usize) {
+    let mut graph =
+        Scenario { candidates: 400, outliers: 0.0, falsehood: Falsehood::Uniform, seed }.draw::<SE2, 3>();
+    let sigma = [0.3, 0.3, 0.03];
+    let mut random = posecut_stage::random(seed, "poor odometry");
+    for edge in &mut graph.edges {
+        if edge.kind == EdgeKind::Odometry && edge.from % 200 >= 120 {
+            let motion = SE2::from_components(edge.measurement.as_ref().unwrap()).unwrap();
+            let noise = sigma.map(|sigma: f64| sigma * 3.0_f64.sqrt() * random.random_range(-1.0..1.0));
+            edge.measurement = Some(motion.compose(&SE2::exp(&noise.into())).components());
+            let [x, y, heading] = sigma.map(|sigma| sigma.powi(-2));
+            edge.information = Some(vec![x, 0.0, 0.0, y, 0.0, heading]);
+        }
+    }
+    let early = |edge: &&mut posecut_graph::Edge| edge.kind == EdgeKind::Landmark && edge.from < 120;
+    for (number, edge) in graph.edges.iter_mut().filter(early).enumerate() {
+        if number % 5 < wrong_of_five {
+            let side = if number % 2 == 0 { 1.0 } else { -1.0 };
+            let measured = SE2::from_components(edge.measurement.as_ref().unwrap()).unwrap();
+            let off = SE2::exp(&[0.8 * side, 0.6, -0.35 * side].into());
+            edge.measurement = Some(measured.compose(&off).components());
+        }
+    }
+    let lone = graph.edges.iter().rfind(|edge| edge.truth_correct() == Some(true)).unwrap().id;
+    graph.edges.retain(|edge| edge.kind == EdgeKind::Odometry || edge.from < 120 || edge.id == lone);
+    let place = graph.edges.iter().position(|edge| edge.id == lone).unwrap();
+    (graph, place)
+}
+
+#[test]
+fn a_lone_edge_is_believed_as_far_as_others_are_not_measured_somewhat_wrongly() {
+    let verdicts = |wrong_of_five: usize, without: &[Ingredient]| -> Vec<(Verdict, Reason)> {
+        let of = |seed| {
+            let (graph, lone) = with_a_lone_edge(wrong_of_five, seed);
+            let findings = verify_by::<SE2, 3>(&graph, 0, without).unwrap().findings;
+            let found = findings.iter().find(|finding| finding.edge == lone).unwrap();
+            (found.verdict, found.reason)
+        };
+        (2..=4).map(of).collect()
+    };
+    assert_eq!(verdicts(0, &[]), [(Verdict::Accepted, Reason::Supported); 3]);
+    assert_eq!(verdicts(1, &[]), [(Verdict::Undecided, Reason::Vague); 3]);
+    assert_eq!(verdicts(1, &[Ingredient::Local]), [(Verdict::Accepted, Reason::Supported); 3]);
 }
 
 #[test]
@@ -192,7 +240,7 @@ fn every_ingredient_can_be_left_out() {
             Ingredient::HeavyTails | Ingredient::Shift => assert_ne!(rest.calibration, whole.calibration),
             Ingredient::Rounds => assert_eq!(rest.rounds, 0),
             // No candidate of this graph needs them, or other evidence makes up for them.
-            Ingredient::FarPartners | Ingredient::Multicut | Ingredient::Bridges => {}
+            Ingredient::FarPartners | Ingredient::Multicut | Ingredient::Local | Ingredient::Bridges => {}
         }
     }
 }
