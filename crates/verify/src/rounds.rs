@@ -56,7 +56,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
     /// of rounds.
     pub(crate) fn all(&mut self, bridges: &[Bridge<G, DOF>]) -> anyhow::Result<usize> {
         let mut number = 0;
-        let mut next = self.accepted.clone();
+        let mut next.clone_from(&self.accepted);
         let mut before = self.ratio.clone();
         self.join(&mut next);
         if self.model.without(Ingredient::Rounds) {
@@ -79,7 +79,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             self.agree(&next, &before);
             if !self.strict && !self.model.without(Ingredient::Local) {
                 self.strict = true;
-                next = self.accepted.clone();
+                next.clone_from(&self.accepted);
                 for (closure, stays) in next.iter_mut().enumerate() {
                     *stays &= self.precise(closure);
                 }
