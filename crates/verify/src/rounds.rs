@@ -56,7 +56,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
     /// of rounds.
     pub(crate) fn all(&mut self, bridges: &[Bridge<G, DOF>]) -> anyhow::Result<usize> {
         let mut number = 0;
-        let mut next.clone_from(&self.accepted);
+        let mut next = self.accepted.clone();
         let mut before = self.ratio.clone();
         self.join(&mut next);
         if self.model.without(Ingredient::Rounds) {
