@@ -7,7 +7,7 @@ use posecut_geometry::{LieGroup, SE2, SE3};
 use crate::certificate::{self, Certificate};
 use crate::cholesky::Factor;
 use crate::components::{Component, connected_components};
-use crate::graduated::{Graduated, ROUND_TOLERANCE, set_landmark_kernels};
+use crate::graduated::{Graduated, set_landmark_kernels};
 use crate::initialisation::chordal;
 use crate::initialisation::tree::spanning_tree_from;
 use crate::kernel::charge;
@@ -244,9 +244,7 @@ fn graduate_component<G: PoseGroup<DOF>, const DOF: usize>(
     let mut plain = edges.to_vec();
     set_landmark_kernels(&mut plain, None);
     let plain = Problem::from_checked(part.poses().to_vec(), plain, part.held().to_vec());
-    // Only the place to graduate from.
-    let rough = Options { cost_tolerance: options.cost_tolerance.max(ROUND_TOLERANCE), ..*options };
-    let (start, solved, mut report) = solve_component(&plain, held, &rough);
+    let (start, solved, mut report) = solve_component(&plain, held, options);
     let mut starts = vec![(report.start, start, solved)];
     if options.initialisation == Initialisation::Best {
         let tree = spanning_tree_from(held, part.poses(), edges);

@@ -77,7 +77,10 @@ pub(crate) fn contrast<const DOF: usize>(
         if class.counts {
             evidence += gained;
             correct += shares[0] * class.real.len() as f64;
-            local += shares[1] * class.real.len() as f64;
+            // Some loops of chance look like local errors, as some of the shuffled ones do.
+            let chance = 1.0 - shares.iter().sum::<f64>();
+            let seen = step as f64 * (counts(&real, &shares)[1] - chance * counts(&shuffled, &shares)[1]);
+            local += seen.max(0.0);
             counted += class.real.len() as f64;
         }
     }
