@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::evidence::{Evidence, GAUSSIAN, TAIL, compare};
 use crate::ingredients::Ingredient;
-use crate::mixture::{Class, Contrast, Loops, SAMPLE, contrast};
+use crate::mixture::{Class, Contrast, Loops, SAMPLE, contrast, local_share};
 use crate::model::{Loop, Model, Motion};
 
 /// Factors on covariances.
@@ -20,7 +20,7 @@ pub struct Calibration {
     pub landmark: f64,
     /// Share of candidates taken for correct.
     pub correct: f64,
-    /// Loops with an error of a landmark edge in the right neighbourhood, as a share of the correct loops.
+    /// Local errors (a landmark edge that is wrong by up to thirty standard deviations) over correct loops, as counted.
     pub local: f64,
     /// Nats that the closures have over shuffled ones.
     pub evidence: f64,
@@ -66,6 +66,11 @@ impl Calibration {
             landmark: point.landmark.exp(),
             ..*self
         }
+    }
+
+    /// How likely a local error is over a correct closure, by the log-likelihood ratio of the closure against one.
+    pub(crate) fn wrong(&self, against_local: f64) -> f64 {
+        self.local * (-against_local).exp()
     }
 
     /// Prior odds that a candidate is correct.
@@ -139,10 +144,10 @@ pub(crate) fn calibrate<G: Motion<DOF>, const DOF: usize>(
             + square((point.coherent - coherent.ln()) / (2.0 * PRIOR));
         Contrast { objective: found.objective - 0.5 * prior, ..found }
     });
-    let Some((point, Contrast { evidence, correct, local, .. })) = best else { return calibration };
+    let Some((point, Contrast { evidence, correct, .. })) = best else { return calibration };
     calibration.evidence = evidence;
     calibration.correct = correct;
-    calibration.local = local;
+    calibration.local = local_share(classes, &calibration.with(point));
     calibration.on_prior = evidence < LEAST_EVIDENCE;
     if !calibration.on_prior {
         calibration = calibration.with(point);

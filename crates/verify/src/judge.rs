@@ -122,7 +122,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     let spans = (0..count).filter(|&closure| rounds.accepted[closure]).map(|closure| model.span(closure));
     let joined = spans.filter(|span| held.union(span.a, span.b)).count();
     let Rounds { accepted, ratio, local, hypotheses, random, .. } = rounds;
-    let local = local.iter().map(|ratio| ratio.map_or(0.0, |ratio| random.local * (-ratio).exp())).collect();
+    let local = local.iter().map(|ratio| ratio.map_or(0.0, |ratio| random.wrong(ratio))).collect();
     let cut_proved = clusters.optimal;
     Ok(Judged {
         accepted,

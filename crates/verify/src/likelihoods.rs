@@ -4,6 +4,7 @@
     clippy::inline_always,
     reason = "loops take the vector instructions of the caller they are inlined into"
 )]
+
 use std::ops::Range;
 
 use posecut_pcm::lanes::{Lanes, WIDTH, Wide};
@@ -33,6 +34,30 @@ pub(crate) fn gain(packs: &[Likelihoods], shares: &Shares) -> f64 {
     Arch::new().dispatch(Gain { packs, shares })
 }
 
+/// Mixing proportions in registers.
+struct Mixture<S: Simd> {
+    shares: [Lanes<S>; 3],
+    chance: Lanes<S>,
+}
+
+impl<S: Simd> Mixture<S> {
+    #[inline(always)]
+    fn of(simd: S, shares: &Shares) -> Self {
+        let [correct, local, shifted] = *shares;
+        let chance = Lanes::splat(simd, 1.0 - (correct + local + shifted));
+        Self { shares: shares.map(|share| Lanes::splat(simd, share)), chance }
+    }
+
+    /// What each part contributes to the likelihood of a few loops, and the likelihood.
+    #[inline(always)]
+    fn weigh(&self, simd: S, parts: &[Wide; 3], lane: usize) -> ([Lanes<S>; 3], Lanes<S>) {
+        let [first, second, third] = Lanes::load_three(simd, parts, lane);
+        let [correct, local, shifted] = self.shares;
+        let (first, second, third) = (first * correct, second * local, third * shifted);
+        ([first, second, third], self.chance + first + second + third)
+    }
+}
+
 struct Counts<'a> {
     packs: &'a [Likelihoods],
     shares: &'a Shares,
@@ -43,16 +68,12 @@ impl WithSimd for Counts<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Shares {
-        let [correct, local, shifted] = *self.shares;
-        let chance = Lanes::splat(simd, 1.0 - (correct + local + shifted));
-        let (correct, local, shifted) =
-            (Lanes::splat(simd, correct), Lanes::splat(simd, local), Lanes::splat(simd, shifted));
+        let mixture = Mixture::of(simd, self.shares);
         let mut counts = [Wide::default(); 3];
         for Likelihoods { parts, used } in self.packs {
             for lane in (0..WIDTH).step_by(S::F64_LANES) {
-                let [first, second, third] = Lanes::load_three(simd, parts, lane);
-                let (first, second, third) = (first * correct, second * local, third * shifted);
-                let share = Lanes::load(simd, used, lane) / (chance + first + second + third);
+                let ([first, second, third], likelihood) = mixture.weigh(simd, parts, lane);
+                let share = Lanes::load(simd, used, lane) / likelihood;
                 let [one, two, three] = Lanes::load_three(simd, &counts, lane);
                 (one + first * share).store(&mut counts[0], lane);
                 (two + second * share).store(&mut counts[1], lane);
@@ -73,17 +94,13 @@ impl WithSimd for Gain<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let [correct, local, shifted] = *self.shares;
+        let mixture = Mixture::of(simd, self.shares);
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-        let chance = Lanes::splat(simd, 1.0 - (correct + local + shifted));
-        let (correct, local, shifted) =
-            (Lanes::splat(simd, correct), Lanes::splat(simd, local), Lanes::splat(simd, shifted));
         // The logarithm of products: one of each loop would cost more than all else.
         let (mut sum, mut product) = (0.0, Wide([1.0; WIDTH]));
         for Likelihoods { parts, used } in self.packs {
             for lane in (0..WIDTH).step_by(S::F64_LANES) {
-                let [first, second, third] = Lanes::load_three(simd, parts, lane);
-                let likelihood = chance + first * correct + second * local + third * shifted;
+                let (_, likelihood) = mixture.weigh(simd, parts, lane);
                 let counted = zero.less_than(Lanes::load(simd, used, lane)).select(likelihood, one);
                 (Lanes::load(simd, &product, lane) * counted).store(&mut product, lane);
             }

@@ -34,8 +34,6 @@ pub(crate) struct Contrast {
     pub(crate) evidence: f64,
     /// Share of correct loops in these.
     pub(crate) correct: f64,
-    /// Local errors in these, as a share of the correct ones.
-    pub(crate) local: f64,
 }
 
 /// The loops to look at.
@@ -65,22 +63,17 @@ pub(crate) fn contrast<const DOF: usize>(
     tempering: f64,
     loops: Loops,
 ) -> Contrast {
-    let (mut sum, mut evidence, mut correct, mut local) = (0.0, 0.0, 0.0, 0.0);
+    let (mut sum, mut evidence, mut correct) = (0.0, 0.0, 0.0);
     let mut counted = 0.0;
     for class in classes {
         let step = loops.step(class.real.len());
-        let likelihoods = |sample: &Sample<DOF>| sample.likelihoods(factors, class.shifted, step);
-        let (real, shuffled) = (likelihoods(&class.real), likelihoods(&class.shuffled));
+        let [real, shuffled] = class.likelihoods(factors, step);
         let shares = class.shares(&real);
         let gained = step as f64 * (gain(&real, &shares) - gain(&shuffled, &shares).max(0.0));
         sum += gained;
         if class.counts {
             evidence += gained;
             correct += shares[0] * class.real.len() as f64;
-            // Some loops of chance look like local errors, as some of the shuffled ones do.
-            let chance = 1.0 - shares.iter().sum::<f64>();
-            let seen = step as f64 * (counts(&real, &shares)[1] - chance * counts(&shuffled, &shares)[1]);
-            local += seen.max(0.0);
             counted += class.real.len() as f64;
         }
     }
@@ -88,8 +81,21 @@ pub(crate) fn contrast<const DOF: usize>(
         objective: sum * tempering,
         evidence: evidence * tempering,
         correct: if counted > 0.0 { correct / counted } else { 0.5 },
-        local: if correct > 0.0 { local / correct } else { 0.0 },
     }
+}
+
+/// Local errors in classes that tell how many candidates are correct, as a share of the correct loops.
+pub(crate) fn local_share<const DOF: usize>(classes: &[Class<DOF>], factors: &Calibration) -> f64 {
+    let (mut correct, mut local) = (0.0, 0.0);
+    for class in classes.iter().filter(|class| class.counts) {
+        let [real, shuffled] = class.likelihoods(factors, 1);
+        let shares = class.shares(&real);
+        correct += shares[0] * class.real.len() as f64;
+        // Some loops of chance look like local errors, as some of the shuffled ones do.
+        let chance = 1.0 - shares.iter().sum::<f64>();
+        local += (counts(&real, &shares)[1] - chance * counts(&shuffled, &shares)[1]).max(0.0);
+    }
+    if correct > 0.0 { local / correct } else { 0.0 }
 }
 
 impl<const DOF: usize> Class<DOF> {
@@ -109,6 +115,11 @@ impl<const DOF: usize> Class<DOF> {
             }
         }
         Self { real, shuffled, ..*self }
+    }
+
+    /// Those of every `step`-th pack of loops, and of their twins.
+    fn likelihoods(&self, factors: &Calibration, step: usize) -> [Vec<Likelihoods>; 2] {
+        [&self.real, &self.shuffled].map(|sample| sample.likelihoods(factors, self.shifted, step))
     }
 
     /// The mixing proportions, by expectation maximisation.

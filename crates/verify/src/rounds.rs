@@ -19,7 +19,12 @@ const GROWTH: f64 = 1.02;
 /// Log-likelihood ratio at which a closure contradicts the map.
 pub(crate) const CONTRADICTED: f64 = -3.0;
 /// Largest probability of being wrong at which a closure is accepted.
-pub(crate) const DOUBT: f64 = 0.1;
+const DOUBT: f64 = 0.1;
+
+/// Whether a local error is too likely, by its odds against a correct closure.
+pub(crate) fn is_vague(wrong: f64) -> bool {
+    wrong / (1.0 + wrong) > DOUBT
+}
 
 /// Everything that rounds need.
 pub(crate) struct Rounds<'a, G, const DOF: usize> {
@@ -242,8 +247,8 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
 
     /// Whether the map says enough about a closure's ends to tell a correct one from one with a local error.
     fn precise(&self, closure: usize) -> bool {
-        let wrong = self.local[closure].map_or(0.0, |local| self.random.local * (-local).exp());
-        !self.strict || wrong / (1.0 + wrong) <= DOUBT
+        let vague = self.local[closure].is_some_and(|local| is_vague(self.random.wrong(local)));
+        !self.strict || !vague
     }
 
     /// Whether the map could hardly support most members of a hypothesis if they were correct, and does not contradict them.

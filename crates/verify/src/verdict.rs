@@ -8,7 +8,7 @@ use crate::cut::Tie;
 use crate::evidence::CLIP;
 use crate::judge::Judged;
 use crate::model::{Model, Motion};
-use crate::rounds::{CONTRADICTED, DOUBT};
+use crate::rounds::{CONTRADICTED, is_vague};
 
 /// Edges named as witnesses, at most.
 const WITNESSES: usize = 3;
@@ -87,9 +87,7 @@ pub(crate) fn findings<G: Motion<DOF>, const DOF: usize>(
                 }
                 Some(ratio) if ratio <= CONTRADICTED => (Verdict::Rejected, Reason::Contradicted),
                 _ if rival[closure].is_some() => (Verdict::Undecided, Reason::OtherHypothesis),
-                Some(_) if judged.local[closure] * (1.0 - DOUBT) > DOUBT => {
-                    (Verdict::Undecided, Reason::Vague)
-                }
+                Some(_) if is_vague(judged.local[closure]) => (Verdict::Undecided, Reason::Vague),
                 Some(_) => (Verdict::Undecided, Reason::Chance),
                 None => (Verdict::Undecided, Reason::Alone),
             };
