@@ -1,8 +1,10 @@
 //! In which order clusters that pass by themselves are put together, and which of them stay.
 
 use std::cmp::Reverse;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
+use crate::forecast::Forecast;
+use crate::vote::Optimiser;
 use crate::{Fit, Quantiles};
 
 /// In which order clusters stand for election.
@@ -19,15 +21,23 @@ pub enum Election {
 }
 
 /// Clusters, and the tests that they must pass together.
-pub(crate) struct Ballot<'a, F> {
+pub(crate) struct Ballot<'a, O> {
     pub clusters: &'a [Vec<usize>],
     pub quantiles: Quantiles,
-    pub fit: F,
+    pub optimiser: &'a O,
     /// Optimisations done so far.
     pub fits: usize,
+    /// Clusters refused without one so far.
+    pub foreseen: usize,
 }
 
-impl<F: Fn(&[usize]) -> Fit> Ballot<'_, F> {
+/// Refusals after which it pays to ask what the optimum says of all clusters that wait.
+const REFUSALS: usize = 8;
+
+/// How far beyond a quantile a forecast must be to refuse a cluster: forecasts are of first order.
+const BEYOND: f64 = 2.0;
+
+impl<O: Optimiser> Ballot<'_, O> {
     /// The clusters that are elected.
     pub(crate) fn hold(&mut self, election: Election) -> BTreeSet<usize> {
         match election {
@@ -36,11 +46,21 @@ impl<F: Fn(&[usize]) -> Fit> Ballot<'_, F> {
         }
     }
 
+    fn edges<'c>(&self, clusters: impl IntoIterator<Item = &'c usize>) -> Vec<usize> {
+        clusters.into_iter().flat_map(|&cluster| self.clusters[cluster].clone()).collect()
+    }
+
     /// Optimises over clusters; returns also the residuals of each cluster, in their order.
     fn fit(&mut self, chosen: &BTreeSet<usize>) -> (Fit, Vec<Vec<f64>>) {
-        let edges: Vec<usize> = chosen.iter().flat_map(|&cluster| self.clusters[cluster].clone()).collect();
+        let edges = self.edges(chosen);
         self.fits += 1;
-        let fit = (self.fit)(&edges);
+        let fit = self.optimiser.fit(&edges);
+        let residuals = self.by_cluster(chosen, &fit);
+        (fit, residuals)
+    }
+
+    /// The residuals of each cluster.
+    fn by_cluster(&self, chosen: &BTreeSet<usize>, fit: &Fit) -> Vec<Vec<f64>> {
         let mut rest = fit.residuals.as_slice();
         let mut by_cluster = Vec::with_capacity(chosen.len());
         for &cluster in chosen {
@@ -48,7 +68,7 @@ impl<F: Fn(&[usize]) -> Fit> Ballot<'_, F> {
             by_cluster.push(own.to_vec());
             rest = others;
         }
-        (fit, by_cluster)
+        by_cluster
     }
 
     /// How far the residuals of a cluster exceed its quantile: the paper's consistency index.
@@ -71,22 +91,66 @@ impl<F: Fn(&[usize]) -> Fit> Ballot<'_, F> {
         let mut order: Vec<usize> = (0..self.clusters.len()).collect();
         // A stable sort: among equals the first in the graph speaks first.
         order.sort_by_key(|&cluster| Reverse(self.clusters[cluster].len()));
-        let mut waiting = order.as_slice();
+        let mut waiting = VecDeque::from(order);
         let mut accepted = BTreeSet::new();
-        let mut streak = 0;
+        let mut state = self.optimiser.state(&self.edges(&waiting));
+        let mut optimum = Fit { chi2: 0.0, redundancy: 0, residuals: Vec::new() };
+        let mut forecasts = BTreeMap::new();
+        let (mut streak, mut refusals) = (0, 0);
         while !waiting.is_empty() {
-            let (group, others) = waiting.split_at((streak / 4).clamp(1, waiting.len()));
-            let chosen = accepted.iter().chain(group).copied().collect();
-            let (fit, residuals) = self.fit(&chosen);
-            if self.passes(&fit, &residuals) {
-                (accepted, waiting, streak) = (chosen, others, streak + group.len());
-            } else if let [_] = group {
-                (waiting, streak) = (others, 0);
+            if refusals == REFUSALS {
+                forecasts = self.forecasts(&state, &accepted, &waiting);
+                refusals = 0;
+            }
+            let mut group = Vec::new();
+            while group.len() < (streak / 4).max(1)
+                && let Some(cluster) = waiting.pop_front()
+            {
+                if self.hopeless(cluster, &optimum, &forecasts) {
+                    self.foreseen += 1;
+                } else {
+                    group.push(cluster);
+                }
+            }
+            if group.is_empty() {
+                break;
+            }
+            let chosen = accepted.iter().chain(&group).copied().collect();
+            self.fits += 1;
+            let (fit, next) = self.optimiser.refit(&state, &self.edges(&chosen));
+            if self.passes(&fit, &self.by_cluster(&chosen, &fit)) {
+                (accepted, optimum, state, streak) = (chosen, fit, next, streak + group.len());
+            } else if let [_] = group[..] {
+                (streak, refusals) = (0, refusals + 1);
             } else {
                 streak = 2 * group.len();
+                group.into_iter().rev().for_each(|cluster| waiting.push_front(cluster));
             }
         }
         accepted
+    }
+
+    /// What each waiting edge would do to the optimum over the accepted clusters.
+    fn forecasts(
+        &self,
+        state: &O::State,
+        accepted: &BTreeSet<usize>,
+        waiting: &VecDeque<usize>,
+    ) -> BTreeMap<usize, Forecast> {
+        let waiting = self.edges(waiting);
+        let forecasts = self.optimiser.forecast(state, &self.edges(accepted), &waiting);
+        waiting.into_iter().zip(forecasts).filter_map(|(edge, forecast)| Some((edge, forecast?))).collect()
+    }
+
+    /// Whether one edge of a cluster alone would take chi2 far beyond its quantile, or is a cluster alone and would be left with a
+    /// residual far beyond its own.
+    fn hopeless(&self, cluster: usize, optimum: &Fit, forecasts: &BTreeMap<usize, Forecast>) -> bool {
+        let edges = &self.clusters[cluster];
+        let slack = self.quantiles.slack(optimum, edges.len());
+        edges.iter().filter_map(|edge| forecasts.get(edge)).any(|forecast| {
+            forecast.increase > BEYOND * slack
+                || edges.len() == 1 && forecast.residual > BEYOND * self.quantiles.edges(1)
+        })
     }
 
     /// Algorithms 2 and 3 of the paper: rounds of [`Self::candidates`] and [`Self::joint`] until nothing new is accepted.

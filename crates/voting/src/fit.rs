@@ -1,13 +1,15 @@
 //! Optimising a pose graph over its odometry and some of its landmark edges.
 
 use posecut_graph::PoseGraph;
+use posecut_optimize::components::connected_components;
 use posecut_optimize::{
-    Edge, EdgeKind, Initialisation, Options, PoseGroup, Problem, ProblemError, Solution, optimize, residual,
-    stage,
+    Edge, EdgeKind, Initialisation, Marginals, Options, PoseGroup, Problem, ProblemError, Solution, optimize,
+    residual, stage,
 };
 
-use crate::Fit;
-use crate::chains::Odometry;
+use crate::chains::{Chain, Condensed, Odometry};
+use crate::forecast::{Forecast, forecast};
+use crate::vote::{Fit, Optimiser};
 
 /// Share of the cost that a step must promise: chi-square tests need few digits.
 const COST_TOLERANCE: f64 = 1e-6;
@@ -20,6 +22,9 @@ const CHAIN_TOLERANCE: f64 = 1e-3;
 
 /// Most linearisations of the chains.
 const ROUNDS: usize = 8;
+
+/// A problem over the ends of chains, and the chains.
+type Condensation<G, const DOF: usize> = (Result<Problem<G, DOF>, ProblemError>, Vec<Condensed<G, DOF>>);
 
 /// A pose graph taken apart into odometry and landmark edges.
 #[derive(Clone, Debug)]
@@ -34,6 +39,51 @@ pub struct Parts<G, const DOF: usize> {
     pub places: Vec<usize>,
     /// Steps of an optimisation at most. Edges that so few do not bring below the quantile are taken to disagree.
     pub steps: usize,
+}
+
+/// Where an optimisation over the nodes that landmark edges touch has come to.
+#[derive(Clone, Debug)]
+pub struct State<G> {
+    poses: Vec<G>,
+    chains: Vec<Chain<G>>,
+    /// The number among these poses of each node of the graph that is one of them.
+    numbers: Vec<usize>,
+    /// The connected component of each pose; `None` before the first optimisation.
+    components: Option<Vec<usize>>,
+}
+
+impl<G: PoseGroup<DOF>, const DOF: usize> Optimiser for Parts<G, DOF> {
+    type State = Option<State<G>>;
+
+    fn fit(&self, landmarks: &[usize]) -> Fit {
+        self.fit(landmarks)
+    }
+
+    fn state(&self, landmarks: &[usize]) -> Self::State {
+        self.state(landmarks)
+    }
+
+    fn refit(&self, state: &Self::State, landmarks: &[usize]) -> (Fit, Self::State) {
+        let mut next = state.clone();
+        let settled = next.as_mut().and_then(|next| self.settle(next, landmarks));
+        settled.map_or_else(|| (self.fit_whole(landmarks), state.clone()), |fit| (fit, next))
+    }
+
+    /// One factorisation, and a few triangular solves for each edge that waits.
+    fn forecast(&self, state: &Self::State, accepted: &[usize], waiting: &[usize]) -> Vec<Option<Forecast>> {
+        let problem = state.as_ref().and_then(|state| self.condensed(state, accepted)?.0.ok());
+        let Some((State { poses, numbers, .. }, problem)) = state.as_ref().zip(problem) else {
+            return vec![None; waiting.len()];
+        };
+        let edges = waiting.iter().map(|&landmark| &self.landmarks[landmark]);
+        let pairs: Vec<_> = edges.clone().map(|edge| (numbers[edge.from], numbers[edge.to])).collect();
+        let covariances = Marginals::new(&problem, poses, &[]).relative(&pairs);
+        let forecasts = edges.zip(pairs).zip(covariances).map(|((edge, (from, to)), covariance)| {
+            let error = residual(&edge.measurement, &poses[from], &poses[to]);
+            forecast(&error, &edge.information, &G::right_jacobian_inverse(&error), &covariance?)
+        });
+        forecasts.collect()
+    }
 }
 
 impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
@@ -82,62 +132,98 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
     /// edge touches are eliminated first: the time grows with the chosen edges, and little with the graph. With steps
     /// enough the result is that of [`Self::fit_whole`] up to a thousandth of chi2.
     pub fn fit(&self, landmarks: &[usize]) -> Fit {
-        let condensed = self.chains.as_ref().and_then(|odometry| self.fit_condensed(odometry, landmarks));
-        condensed.unwrap_or_else(|| self.fit_whole(landmarks))
+        let settled = self.state(landmarks).and_then(|mut state| self.settle(&mut state, landmarks));
+        settled.unwrap_or_else(|| self.fit_whole(landmarks))
     }
 
     /// [`Self::fit`] over all nodes together.
     pub fn fit_whole(&self, landmarks: &[usize]) -> Fit {
         let problem = self.problem(landmarks).expect("all edges were checked together in `of`");
         let solution = optimize(&problem, &self.options(Initialisation::Best));
-        self.result(landmarks, &solution, |node| node)
+        let nodes: Vec<usize> = (0..self.poses.len()).collect();
+        self.result(landmarks, &solution, &nodes)
     }
 
-    /// Optimises the ends of chains and then linearises the chains again, until chi2 stays. `None` if it does not.
-    fn fit_condensed(&self, odometry: &Odometry<G, DOF>, landmarks: &[usize]) -> Option<Fit> {
+    /// The nodes that these landmark edges touch, and chains between them; `None` where chains cannot be condensed.
+    fn state(&self, landmarks: &[usize]) -> Option<State<G>> {
         let mut stays = vec![false; self.poses.len()];
         for &landmark in landmarks {
             stays[self.landmarks[landmark].from] = true;
             stays[self.landmarks[landmark].to] = true;
         }
-        let mut chains = odometry.chains(&mut stays);
+        let chains = self.chains.as_ref()?.chains(&mut stays);
         let mut numbers = vec![0; stays.len()];
         let mut poses = Vec::new();
         for node in (0..stays.len()).filter(|&node| stays[node]) {
             numbers[node] = poses.len();
             poses.push(self.poses[node]);
         }
-        let renumber = |edge: Edge<G, DOF>| Edge { from: numbers[edge.from], to: numbers[edge.to], ..edge };
-        let mut start = Initialisation::Best;
+        Some(State { poses, chains, numbers, components: None })
+    }
+
+    /// The problem over the ends of chains, and the chains as edges; `None` where a chain has no information matrix.
+    fn condensed(&self, state: &State<G>, landmarks: &[usize]) -> Option<Condensation<G, DOF>> {
+        let odometry = self.chains.as_ref()?;
+        let condensed: Vec<_> =
+            state.chains.iter().map(|chain| chain.condense(odometry)).collect::<Option<_>>()?;
+        let chosen = landmarks.iter().map(|&landmark| self.landmarks[landmark]);
+        let edges = condensed.iter().map(|chain| chain.edge).chain(chosen).map(|edge| Edge {
+            from: state.numbers[edge.from],
+            to: state.numbers[edge.to],
+            ..edge
+        });
+        Some((Problem::new(state.poses.clone(), edges.collect()), condensed))
+    }
+
+    /// Optimises the ends of chains and then linearises the chains again, until chi2 stays. `None` if it does not.
+    ///
+    /// Starts from where the state is, unless a landmark edge joins what was apart.
+    fn settle(&self, state: &mut State<G>, landmarks: &[usize]) -> Option<Fit> {
+        let odometry = self.chains.as_ref()?;
+        let joined = |components: &Vec<usize>| {
+            landmarks
+                .iter()
+                .map(|&landmark| &self.landmarks[landmark])
+                .all(|edge| components[state.numbers[edge.from]] == components[state.numbers[edge.to]])
+        };
+        let mut start = match &state.components {
+            Some(components) if joined(components) => Initialisation::Given,
+            _ => Initialisation::Best,
+        };
         let mut before = f64::INFINITY;
         for _ in 0..ROUNDS {
-            let condensed: Vec<_> =
-                chains.iter().map(|chain| chain.condense(odometry)).collect::<Option<_>>()?;
-            let edges = condensed.iter().map(|chain| chain.edge);
-            let chosen = landmarks.iter().map(|&landmark| self.landmarks[landmark]);
-            let problem = Problem::new(poses, edges.chain(chosen).map(renumber).collect()).ok()?;
+            let (problem, condensed) = self.condensed(state, landmarks)?;
+            let problem = problem.ok()?;
             let solution = optimize(&problem, &self.options(start));
-            if (solution.chi2 - before).abs() <= CHAIN_TOLERANCE * solution.chi2.max(CHAIN_TOLERANCE) {
-                return Some(self.result(landmarks, &solution, |node| numbers[node]));
+            for (chain, condensed) in state.chains.iter_mut().zip(&condensed) {
+                let [from, to] = [chain.from, chain.to].map(|node| solution.poses[state.numbers[node]]);
+                chain.bend(odometry, condensed, &from.between(&to));
             }
-            for (chain, condensed) in chains.iter_mut().zip(&condensed) {
-                let ends = solution.poses[numbers[chain.from]].between(&solution.poses[numbers[chain.to]]);
-                chain.bend(odometry, condensed, &ends);
+            if (solution.chi2 - before).abs() <= CHAIN_TOLERANCE * solution.chi2.max(CHAIN_TOLERANCE) {
+                let fit = self.result(landmarks, &solution, &state.numbers);
+                let mut components = vec![0; solution.poses.len()];
+                let ends = problem.edges().iter().map(|edge| (edge.from, edge.to));
+                for (number, component) in connected_components(components.len(), ends).iter().enumerate() {
+                    component.nodes.iter().for_each(|&node| components[node] = number);
+                }
+                state.components = Some(components);
+                state.poses = solution.poses;
+                return Some(fit);
             }
             start = Initialisation::Given;
             before = solution.chi2;
-            poses = solution.poses;
+            state.poses = solution.poses;
         }
         None
     }
 
-    /// What the tests need of a solution; `number` is that of a node in it.
-    fn result(&self, landmarks: &[usize], solution: &Solution<G>, number: impl Fn(usize) -> usize) -> Fit {
+    /// What the tests need of a solution; `numbers` are those of the nodes in it.
+    fn result(&self, landmarks: &[usize], solution: &Solution<G>, numbers: &[usize]) -> Fit {
         let redundancy =
             solution.components.iter().map(|part| DOF * (part.edges + 1).saturating_sub(part.nodes)).sum();
         let residuals = landmarks.iter().map(|&landmark| {
             let edge = &self.landmarks[landmark];
-            let (from, to) = (&solution.poses[number(edge.from)], &solution.poses[number(edge.to)]);
+            let [from, to] = [edge.from, edge.to].map(|node| &solution.poses[numbers[node]]);
             let error = residual(&edge.measurement, from, to);
             error.dot(&(edge.information * error))
         });

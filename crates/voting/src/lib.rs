@@ -12,9 +12,11 @@
 mod chains;
 pub mod election;
 pub mod fit;
+pub mod forecast;
 pub mod stage;
 pub mod vote;
 
 pub use election::Election;
+pub use forecast::Forecast;
 pub use stage::Options;
-pub use vote::{Fit, Quantiles, Verdict, vote};
+pub use vote::{Fit, Optimiser, Quantiles, Verdict, vote};

@@ -57,7 +57,7 @@ impl Options {
             .into_iter()
             .map(|cluster| cluster.into_iter().map(|point| measured[&points[point].edge]).collect())
             .collect();
-        let verdict = vote(&clusters, quantiles, self.election, |landmarks| parts.fit(landmarks));
+        let verdict = vote(&clusters, quantiles, self.election, &parts);
         for (landmark, &place) in parts.places.iter().enumerate() {
             if verdict.kept.binary_search(&landmark).is_err() {
                 graph.edges[place].reject(Self::NAME);
@@ -84,6 +84,7 @@ impl Options {
         statistics.note("clusters_consistent", verdict.clusters_consistent);
         statistics.note("clusters_kept", verdict.clusters_kept);
         statistics.note("optimisations", verdict.fits);
+        statistics.note("foreseen", verdict.foreseen);
         statistics.note("rejected", candidates - kept);
         Ok(())
     }

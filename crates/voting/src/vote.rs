@@ -4,6 +4,7 @@ use posecut_pcm::{Gate, PcmError, Test};
 use rayon::prelude::*;
 
 use crate::election::{Ballot, Election};
+use crate::forecast::Forecast;
 
 /// The optimum over the odometry and some landmark edges.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +15,42 @@ pub struct Fit {
     pub redundancy: usize,
     /// Squared Mahalanobis residual of each landmark edge asked for, in that order.
     pub residuals: Vec<f64>,
+}
+
+/// What can be optimised over a choice of landmark edges.
+pub trait Optimiser: Sync {
+    /// Where an optimisation starts.
+    type State: Clone;
+
+    /// The optimum over the odometry and these landmark edges.
+    fn fit(&self, landmarks: &[usize]) -> Fit;
+
+    /// Where optimisations over any choice of these landmark edges may start.
+    fn state(&self, landmarks: &[usize]) -> Self::State;
+
+    /// The optimum over these landmark edges from that over fewer of them, and where it is.
+    fn refit(&self, state: &Self::State, landmarks: &[usize]) -> (Fit, Self::State);
+
+    /// What each waiting edge would do to the optimum over the accepted ones; `None` where that is not known.
+    fn forecast(&self, state: &Self::State, accepted: &[usize], waiting: &[usize]) -> Vec<Option<Forecast>>;
+}
+
+impl<F: Fn(&[usize]) -> Fit + Sync> Optimiser for F {
+    type State = ();
+
+    fn fit(&self, landmarks: &[usize]) -> Fit {
+        self(landmarks)
+    }
+
+    fn state(&self, _landmarks: &[usize]) {}
+
+    fn refit(&self, _state: &(), landmarks: &[usize]) -> (Fit, ()) {
+        (self(landmarks), ())
+    }
+
+    fn forecast(&self, _state: &(), _accepted: &[usize], waiting: &[usize]) -> Vec<Option<Forecast>> {
+        vec![None; waiting.len()]
+    }
 }
 
 /// Chi-square quantiles at one probability.
@@ -44,6 +81,11 @@ impl Quantiles {
     pub(crate) fn passes(self, fit: &Fit) -> bool {
         fit.redundancy == 0 || fit.chi2 < self.at(fit.redundancy)
     }
+
+    /// By how much chi2 may grow with so many more edges.
+    pub(crate) fn slack(self, fit: &Fit, edges: usize) -> f64 {
+        self.at(fit.redundancy + edges * self.edge_degrees) - fit.chi2
+    }
 }
 
 /// The outcome of a vote.
@@ -57,12 +99,14 @@ pub struct Verdict {
     pub clusters_kept: usize,
     /// Optimisations done.
     pub fits: usize,
+    /// Clusters refused without one, by what the optimum before says of them.
+    pub foreseen: usize,
 }
 
-/// Votes on clusters of landmark edges. `fit` optimises over the odometry and the edges that it is given.
+/// Votes on clusters of landmark edges.
 ///
 /// First each cluster alone (algorithm 1 of the paper): while chi2 of its optimum fails, the edge of the largest residual is
-/// taken out, until none is left; then those edges whose own residual fails. Then the [`Election`] of what is left.
+/// removed, until none remains; then those edges whose own residual fails. Then the [`Election`] of the remaining clusters.
 ///
 /// Two things differ from the published code. The test of the whole takes the redundancy of the graph as degrees of freedom,
 /// not the number of all edges: with the latter, thousands of odometry edges, whose residuals are zero without loops, would
@@ -74,30 +118,38 @@ pub fn vote(
     clusters: &[Vec<usize>],
     quantiles: Quantiles,
     election: Election,
-    fit: impl Fn(&[usize]) -> Fit + Sync,
+    optimiser: &impl Optimiser,
 ) -> Verdict {
     let parts: Vec<(Vec<usize>, usize)> =
-        clusters.par_iter().map(|cluster| consistent_part(cluster, quantiles, &fit)).collect();
+        clusters.par_iter().map(|cluster| consistent_part(cluster, quantiles, optimiser)).collect();
     let fits = parts.iter().map(|(_, fits)| fits).sum();
     let consistent: Vec<Vec<usize>> =
         parts.into_iter().map(|(cluster, _)| cluster).filter(|cluster| !cluster.is_empty()).collect();
-    let mut ballot = Ballot { clusters: &consistent, quantiles, fit, fits };
+    let mut ballot = Ballot { clusters: &consistent, quantiles, optimiser, fits, foreseen: 0 };
     let accepted = ballot.hold(election);
     let mut kept: Vec<usize> = accepted.iter().flat_map(|&cluster| consistent[cluster].clone()).collect();
     kept.sort_unstable();
-    Verdict { kept, clusters_consistent: consistent.len(), clusters_kept: accepted.len(), fits: ballot.fits }
+    Verdict {
+        kept,
+        clusters_consistent: consistent.len(),
+        clusters_kept: accepted.len(),
+        fits: ballot.fits,
+        foreseen: ballot.foreseen,
+    }
 }
 
 /// The edges of a cluster that pass by themselves, and the optimisations that it took to know.
 fn consistent_part(
     cluster: &[usize],
     quantiles: Quantiles,
-    fit: impl Fn(&[usize]) -> Fit,
+    optimiser: &impl Optimiser,
 ) -> (Vec<usize>, usize) {
     let mut members = cluster.to_vec();
+    let mut state = optimiser.state(&members);
     let mut fits = 0;
     while !members.is_empty() {
-        let found = fit(&members);
+        let (found, next) = optimiser.refit(&state, &members);
+        state = next;
         fits += 1;
         if quantiles.passes(&found) {
             let bound = quantiles.edges(1);
@@ -105,9 +157,22 @@ fn consistent_part(
             members.retain(|_| residuals.next().is_some_and(|&residual| residual < bound));
             break;
         }
-        let residuals = found.residuals.iter().enumerate();
-        let worst = residuals.max_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(place, _)| place);
-        members.remove(worst);
+        members = without_worst(&members, &found.residuals, quantiles.edges(1));
     }
     (members, fits)
 }
+
+/// A cluster without its edge of the largest residual; a large cluster loses up to a sixty-fourth, of edges whose own residual
+/// fails.
+fn without_worst(members: &[usize], residuals: &[f64], bound: f64) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..members.len()).collect();
+    order.sort_by(|&a, &b| residuals[b].total_cmp(&residuals[a]));
+    let failing = order.iter().filter(|&&place| residuals[place] >= bound).count();
+    let out = &mut order[..failing.min(members.len() / AT_ONCE).max(1)];
+    out.sort_unstable();
+    let stays = |(place, &member)| out.binary_search(&place).is_err().then_some(member);
+    members.iter().enumerate().filter_map(stays).collect()
+}
+
+/// Edges of a cluster for one that is taken out at a time.
+const AT_ONCE: usize = 64;

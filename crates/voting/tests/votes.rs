@@ -5,7 +5,7 @@
 use posecut_geometry::{LieGroup as _, SE2};
 use posecut_graph::PoseGraph;
 use posecut_voting::fit::Parts;
-use posecut_voting::{Election, Fit, Quantiles, vote};
+use posecut_voting::{Election, Fit, Optimiser, Quantiles, vote};
 use proptest::prelude::*;
 
 /// The simplest graph there is: every edge measures one number of three components, and the optimum is the mean. True
@@ -27,7 +27,7 @@ fn clusters_that_contradict_the_majority_go() {
     // The mean of all is 1.7: next to it each true edge still passes, and so becomes a candidate.
     let values = [0.1, -0.1, 0.2, 6.0, 6.1, 0.0, -0.2];
     let clusters = [vec![0, 1], vec![2], vec![3, 4], vec![5, 6]];
-    let verdict = vote(&clusters, quantiles(), Election::Joint, fit_of_means(&values));
+    let verdict = vote(&clusters, quantiles(), Election::Joint, &fit_of_means(&values));
     assert_eq!(verdict.kept, [0, 1, 2, 5, 6]);
     assert_eq!((verdict.clusters_consistent, verdict.clusters_kept), (4, 3));
 }
@@ -37,8 +37,8 @@ fn a_joint_election_keeps_nothing_where_false_edges_pull_every_residual_beyond_i
     // A property of RRR: all clusters stand for election together. One after the other, the true ones are there first.
     let values = [0.1, -0.1, 0.2, 40.0, 40.1, 0.0, -0.2];
     let clusters = [vec![0, 1], vec![2], vec![3, 4], vec![5, 6]];
-    assert!(vote(&clusters, quantiles(), Election::Joint, fit_of_means(&values)).kept.is_empty());
-    let one_by_one = vote(&clusters, quantiles(), Election::LargestFirst, fit_of_means(&values));
+    assert!(vote(&clusters, quantiles(), Election::Joint, &fit_of_means(&values)).kept.is_empty());
+    let one_by_one = vote(&clusters, quantiles(), Election::LargestFirst, &fit_of_means(&values));
     assert_eq!(one_by_one.kept, [0, 1, 2, 5, 6]);
     // Each cluster alone, and the election, where no group of several stood.
     assert_eq!(one_by_one.fits, 2 * clusters.len());
@@ -49,12 +49,12 @@ fn clusters_stand_in_groups_that_grow_with_success_and_none_is_refused_with_its_
     // 100 clusters of one edge; of the 40 first all are true, and then every third is false.
     let values: Vec<f64> = (0..100).map(|edge| if edge > 40 && edge % 3 == 0 { 30.0 } else { 0.0 }).collect();
     let clusters: Vec<Vec<usize>> = (0..100).map(|edge| vec![edge]).collect();
-    let verdict = vote(&clusters, quantiles(), Election::LargestFirst, fit_of_means(&values));
+    let verdict = vote(&clusters, quantiles(), Election::LargestFirst, &fit_of_means(&values));
     let expected: Vec<usize> = (0..100).filter(|&edge| values[edge] == 0.0).collect();
     assert_eq!(verdict.kept, expected);
     // One optimisation for each alone and one for each in the election would be 200.
     assert!(verdict.fits < 200, "{}", verdict.fits);
-    let all_true = vote(&clusters, quantiles(), Election::LargestFirst, fit_of_means(&[0.0; 100]));
+    let all_true = vote(&clusters, quantiles(), Election::LargestFirst, &fit_of_means(&[0.0; 100]));
     assert_eq!(all_true.kept.len(), 100);
     // Groups grow by a quarter: 4 alone, then ln(100 / 4) / ln(1.25), and some for rounding down.
     assert!(all_true.fits < 100 + 25, "{}", all_true.fits);
@@ -63,7 +63,7 @@ fn clusters_stand_in_groups_that_grow_with_success_and_none_is_refused_with_its_
 #[test]
 fn the_largest_cluster_speaks_first_and_among_equals_the_first_in_the_graph() {
     let kept = |clusters: &[Vec<usize>], values: &[f64]| {
-        vote(clusters, quantiles(), Election::LargestFirst, fit_of_means(values)).kept
+        vote(clusters, quantiles(), Election::LargestFirst, &fit_of_means(values)).kept
     };
     // What the method stands and falls with: the larger cluster is believed, wherever it stands and whatever it says.
     assert_eq!(kept(&[vec![0], vec![1, 2]], &[0.0, 40.0, 40.0]), [1, 2]);
@@ -74,7 +74,7 @@ fn the_largest_cluster_speaks_first_and_among_equals_the_first_in_the_graph() {
 #[test]
 fn a_bad_edge_leaves_a_good_cluster_and_one_that_contradicts_itself_shrinks_until_it_does_not() {
     let kept = |values: &[f64]| {
-        vote(&[(0..values.len()).collect()], quantiles(), Election::Joint, fit_of_means(values)).kept
+        vote(&[(0..values.len()).collect()], quantiles(), Election::Joint, &fit_of_means(values)).kept
     };
     // Of five edges one is off by 7: chi2 of the five is 118, above 26.2, and without it zero.
     assert_eq!(kept(&[0.0, 0.0, 7.0, 0.0, 0.0]), [0, 1, 3, 4]);
@@ -86,7 +86,7 @@ fn a_bad_edge_leaves_a_good_cluster_and_one_that_contradicts_itself_shrinks_unti
 
 #[test]
 fn nothing_to_vote_on_is_no_error() {
-    assert!(vote(&[], quantiles(), Election::Joint, fit_of_means(&[])).kept.is_empty());
+    assert!(vote(&[], quantiles(), Election::Joint, &fit_of_means(&[])).kept.is_empty());
     assert!(Quantiles::new(1.0, 3).is_err());
 }
 
@@ -211,12 +211,61 @@ proptest! {
     }
 }
 
+proptest! {
+    #[test]
+    fn an_optimum_from_that_over_fewer_edges_is_the_same_and_forecasts_foresee_it(
+        steps in 10_usize..60,
+        turn in -0.4_f64..0.4,
+        noise in proptest::collection::vec(-0.02_f64..0.02, 1..20),
+        landmarks in proptest::collection::vec((0_usize..100, 0_usize..100, -0.1_f64..0.1), 3..8),
+    ) {
+        let mut parts = Parts::<SE2, 3>::of(&walk(steps, turn, &noise, &[], &landmarks)).unwrap();
+        parts.steps = 200;
+        let all: Vec<usize> = (0..parts.places.len()).collect();
+        prop_assume!(all.len() > 1);
+        let (last, accepted) = all.split_last().unwrap();
+        let (before, state) = Optimiser::refit(&parts, &Optimiser::state(&parts, &all), accepted);
+        let (after, _) = Optimiser::refit(&parts, &state, &all);
+        let cold = parts.fit(&all);
+        prop_assert_eq!(after.redundancy, cold.redundancy);
+        let slack = 1e-2 * (1.0 + cold.chi2);
+        prop_assert!((after.chi2 - cold.chi2).abs() <= slack, "chi2 {} and {}", after.chi2, cold.chi2);
+        let forecast = Optimiser::forecast(&parts, &state, accepted, &[*last])[0].unwrap();
+        let increase = after.chi2 - before.chi2;
+        // To first order: errors here are small, and what remains is their square.
+        prop_assert!(
+            (forecast.increase - increase).abs() <= slack + 0.1 * increase,
+            "chi2 grows by {} and not by {}", increase, forecast.increase
+        );
+        let residual = after.residuals[accepted.len()];
+        prop_assert!(
+            (forecast.residual - residual).abs() <= slack + 0.1 * residual,
+            "a residual of {} and not of {}", residual, forecast.residual
+        );
+    }
+}
+
+#[test]
+fn what_forecasts_refuse_an_optimisation_would_refuse() {
+    // A walk there and back with thirty true edges, and ten false ones that stand last.
+    let mut landmarks: Vec<_> = (0..30).map(|at| (at, 60 - at, 0.0)).collect();
+    landmarks.extend((0..10).map(|at| (at, 60 - at, 1.5)));
+    let graph = walk(60, std::f64::consts::PI / 30.0, &[0.01, -0.01], &[], &landmarks);
+    let parts = Parts::<SE2, 3>::of(&graph).unwrap();
+    let clusters: Vec<Vec<usize>> = (0..landmarks.len()).map(|edge| vec![edge]).collect();
+    let foreseen = vote(&clusters, quantiles(), Election::LargestFirst, &parts);
+    let optimised = vote(&clusters, quantiles(), Election::LargestFirst, &|edges: &[usize]| parts.fit(edges));
+    assert_eq!(foreseen.kept, (0..30).collect::<Vec<_>>());
+    assert_eq!(foreseen.kept, optimised.kept);
+    assert_eq!((foreseen.foreseen, optimised.foreseen), (2, 0), "{} clusters", foreseen.clusters_consistent);
+}
+
 #[test]
 fn a_false_landmark_edge_of_a_square_is_voted_out() {
     let parts = Parts::<SE2, 3>::of(&square()).unwrap();
     for election in [Election::LargestFirst, Election::Joint] {
         let clusters = [vec![0], vec![1], vec![2], vec![3]];
-        let verdict = vote(&clusters, quantiles(), election, |edges| parts.fit(edges));
+        let verdict = vote(&clusters, quantiles(), election, &|edges: &[usize]| parts.fit(edges));
         assert_eq!(verdict.kept, [0, 1, 2], "{election:?}");
     }
 }
