@@ -124,6 +124,11 @@ pub(crate) struct Condensed<G, const DOF: usize> {
 }
 
 impl<G: Copy> Chain<G> {
+    /// Whether it is a single edge, which [`Self::condense`] gives back as it is.
+    pub(crate) fn is_edge(&self) -> bool {
+        self.steps.len() == 1
+    }
+
     /// The chain as one edge; `None` where its covariance has no inverse.
     ///
     /// A step of pose `Y_i`, residual `e_i` and covariance `S_i` whose residual becomes `r_i` moves the end of the chain by

@@ -12,7 +12,7 @@ use crate::forecast::{Forecast, forecast};
 use crate::vote::{Fit, Optimiser};
 
 /// Share of the cost that a step must promise: chi-square tests need few digits.
-const COST_TOLERANCE: f64 = 1e-6;
+const COST_TOLERANCE: f64 = 1e-4;
 
 /// [`Parts::steps`] of the published code.
 const STEPS: usize = 4;
@@ -194,12 +194,18 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
         for _ in 0..ROUNDS {
             let (problem, condensed) = self.condensed(state, landmarks)?;
             let problem = problem.ok()?;
-            let solution = optimize(&problem, &self.options(start));
+            let mut solution = optimize(&problem, &self.options(start));
+            // From far away the steps may not be enough, and another start is better.
+            if start == Initialisation::Given && before.is_infinite() && !solution.converged {
+                solution = optimize(&problem, &self.options(Initialisation::Best));
+            }
             for (chain, condensed) in state.chains.iter_mut().zip(&condensed) {
                 let [from, to] = [chain.from, chain.to].map(|node| solution.poses[state.numbers[node]]);
                 chain.bend(odometry, condensed, &from.between(&to));
             }
-            if (solution.chi2 - before).abs() <= CHAIN_TOLERANCE * solution.chi2.max(CHAIN_TOLERANCE) {
+            let moved = (solution.chi2 - before).abs();
+            let settled = moved <= CHAIN_TOLERANCE * solution.chi2.max(CHAIN_TOLERANCE);
+            if settled || solution.converged && state.chains.iter().all(Chain::is_edge) {
                 let fit = self.result(landmarks, &solution, &state.numbers);
                 let mut components = vec![0; solution.poses.len()];
                 let ends = problem.edges().iter().map(|edge| (edge.from, edge.to));
