@@ -162,7 +162,7 @@ fn consistent_part(
     (members, fits)
 }
 
-/// A cluster without its edge of the largest residual; a large cluster loses up to a thirty-second, of edges whose own residual
+/// A cluster without its edge of the largest residual; a large cluster loses up to one in 128, of edges whose own residual
 /// fails.
 fn without_worst(members: &[usize], residuals: &[f64], bound: f64) -> Vec<usize> {
     let mut order: Vec<usize> = (0..members.len()).collect();
@@ -175,4 +175,4 @@ fn without_worst(members: &[usize], residuals: &[f64], bound: f64) -> Vec<usize>
 }
 
 /// Edges of a cluster for one that is taken out at a time.
-const AT_ONCE: usize = 32;
+const AT_ONCE: usize = 128;
