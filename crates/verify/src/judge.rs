@@ -145,10 +145,7 @@ fn ties<G: Motion<DOF>, const DOF: usize>(
     calibration: &Calibration,
 ) -> Vec<Tie> {
     let mut pairs: Vec<(usize, usize)> = (0..model.closures.len())
-        .flat_map(|one| {
-            let others = partners.near(one).iter().chain(partners.far(one));
-            others.map(move |&other| (one.min(other), one.max(other)))
-        })
+        .flat_map(|one| partners.all(one).map(move |other| (one.min(other), one.max(other))))
         .collect();
     pairs.sort_unstable();
     pairs.dedup();

@@ -9,23 +9,32 @@ use crate::model::{Model, Motion};
 /// Nearest partners, and partners anywhere.
 pub(crate) const NEAR: usize = 8;
 const FAR: usize = 8;
+/// Ranks by distance of partners between these. Two groups that lie among each other have all their nearest partners in
+/// themselves, and far away the odometry is too loose to tell them apart.
+const MIDDLE: [usize; 3] = [16, 32, 64];
 
-/// Near and far partners of every closure, within its group.
+/// Partners of every closure, within its group.
 pub(crate) struct Partners {
     near: Vec<Vec<usize>>,
+    middle: Vec<Vec<usize>>,
     far: Vec<Vec<usize>>,
 }
 
 impl Partners {
     pub(crate) fn of<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>) -> Self {
-        let far_ones = if model.without(Ingredient::FarPartners) { 0 } else { FAR };
-        let (mut near, mut far) = (Vec::new(), Vec::new());
+        let (far_ones, ranks): (usize, &[usize]) =
+            if model.without(Ingredient::FarPartners) { (0, &[]) } else { (FAR, &MIDDLE) };
+        let most = ranks.last().map_or(NEAR, |rank| NEAR.max(*rank));
+        let (mut near, mut middle, mut far) = (Vec::new(), Vec::new(), Vec::new());
         for (group, span) in model.groups.iter().zip(&model.spans) {
             let pairs = Pairs::new(&model.chains, group);
             let all: Vec<usize> = (0..group.candidates.len()).collect();
             let nearest = Nearest::new(&pairs, &all);
             for candidate in 0..all.len() {
-                let found = nearest.of(pairs.position(candidate), candidate, NEAR);
+                let found = nearest.of(pairs.position(candidate), candidate, most);
+                let between = ranks.iter().filter_map(|rank| found.get(rank - 1));
+                middle.push(between.map(|other| span.first + other).collect());
+                let found = &found[..NEAR.min(found.len())];
                 let others = (1..=far_ones).map(|turn| elsewhere(candidate, turn, all.len()));
                 let mut others: Vec<usize> =
                     others.filter(|other| *other != candidate && !found.contains(other)).collect();
@@ -35,7 +44,7 @@ impl Partners {
                 far.push(others.iter().map(|other| span.first + other).collect());
             }
         }
-        Self { near, far }
+        Self { near, middle, far }
     }
 
     pub(crate) fn near(&self, closure: usize) -> &[usize] {
@@ -44,6 +53,11 @@ impl Partners {
 
     pub(crate) fn far(&self, closure: usize) -> &[usize] {
         &self.far[closure]
+    }
+
+    /// All partners of a closure.
+    pub(crate) fn all(&self, closure: usize) -> impl Iterator<Item = usize> {
+        [&self.near, &self.middle, &self.far].into_iter().flat_map(move |of| of[closure].iter().copied())
     }
 
     /// Another closure of the same group, mostly far away.
@@ -61,4 +75,40 @@ impl Partners {
 fn elsewhere(one: usize, turn: usize, count: usize) -> usize {
     let step = 1.0 + (count as f64 - 1.0) * (0.618_034 * turn as f64).fract();
     (one + step as usize) % count
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use posecut_geometry::SE2;
+    use posecut_pcm::generate::{Falsehood, Scenario};
+
+    use super::*;
+
+    /// Two groups of false edges among correct ones were accepted: nothing compared them (simulated session 2012-02-02, corridor).
+    #[test]
+    fn partners_lie_near_in_between_and_anywhere() {
+        let scenario = Scenario { candidates: 200, outliers: 0.0, falsehood: Falsehood::Uniform, seed: 3 };
+        let graph = scenario.draw::<SE2, 3>();
+        let model = Model::<SE2, 3>::of(&graph, &[]).unwrap();
+        let partners = Partners::of(&model);
+        let place = |closure: usize| {
+            let edge = &graph.edges[model.closures[closure].candidate.edge];
+            [edge.from as f64, edge.to as f64]
+        };
+        for closure in 0..200 {
+            // Steps of these chains are about alike, so that ranks go by their number, but for neighbours.
+            let apart = |other: &usize| {
+                let ([a, b], [c, d]) = (place(closure), place(*other));
+                (a - c).abs() + (b - d).abs()
+            };
+            let near = partners.near(closure).iter().map(apart).fold(0.0, f64::max);
+            let middle: Vec<f64> = partners.middle[closure].iter().map(apart).collect();
+            assert_eq!((partners.near(closure).len(), middle.len()), (NEAR, MIDDLE.len()));
+            assert!(middle[0] > near && middle[2] > 2.0 * near, "{closure}: {near} and {middle:?}");
+            assert!(partners.all(closure).all(|other| other != closure && other < 200));
+        }
+        let near = Model::<SE2, 3>::of(&graph, &[Ingredient::FarPartners]).unwrap();
+        assert_eq!(Partners::of(&near).all(7).count(), NEAR);
+    }
 }
