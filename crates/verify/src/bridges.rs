@@ -7,11 +7,13 @@
 use std::collections::BTreeMap;
 
 use nalgebra::{SMatrix, SVector};
-use posecut_graph::{Node, PoseGraph};
+use posecut_graph::PoseGraph;
 use posecut_optimize::{Edge, EdgeKind};
 use posecut_pcm::chain::Chains;
 
-use crate::model::Motion;
+use crate::calibration::Calibration;
+use crate::evidence::{Evidence, compare};
+use crate::model::{Model, Motion};
 
 /// Stretches of a session from which its motion over an interruption is known.
 const STRETCHES: usize = 20;
@@ -41,20 +43,78 @@ pub(crate) fn bridges<G: Motion<DOF>, const DOF: usize>(
         .values()
         .filter_map(|nodes| in_order(graph, nodes))
         .flat_map(|nodes| of(&nodes, chains))
+        .chain(between(graph, &sessions, chains))
         .collect();
     bridges.sort_by_key(|bridge| (bridge.length, bridge.chains));
     bridges
 }
 
+/// The bridges between a session's last place and the first of the session that starts next: a robot that lost its map, and began
+/// another one, has not moved far.
+fn between<G: Motion<DOF>, const DOF: usize>(
+    graph: &PoseGraph,
+    sessions: &BTreeMap<&str, Vec<usize>>,
+    chains: &Chains<G, DOF>,
+) -> Vec<Bridge<G, DOF>> {
+    let timed: Vec<Vec<(i64, usize)>> =
+        sessions.values().filter_map(|nodes| by(nodes, |node| graph.nodes[node].utime)).collect();
+    let (start, end) =
+        (|nodes: &[(i64, usize)]| nodes[0].0, |nodes: &[(i64, usize)]| nodes[nodes.len() - 1].0);
+    timed
+        .iter()
+        .filter_map(|later| {
+            let before =
+                timed.iter().filter(|nodes| end(nodes) < start(later)).max_by_key(|nodes| end(nodes))?;
+            let nodes = [before.as_slice(), later].concat();
+            let junction = (before[before.len() - 1].1, later[0].1);
+            of(&nodes, chains).into_iter().find(|bridge| (bridge.edge.from, bridge.edge.to) == junction)
+        })
+        .collect()
+}
+
 /// Nodes with their frames, or with their times where a frame is missing; `None` where neither gives an order.
 fn in_order(graph: &PoseGraph, nodes: &[usize]) -> Option<Vec<(i64, usize)>> {
-    let by = |key: fn(&Node) -> Option<i64>| {
-        let keys = nodes.iter().map(|&node| Some((key(&graph.nodes[node])?, node)));
-        let mut keys = keys.collect::<Option<Vec<_>>>()?;
-        keys.sort_unstable();
-        keys.windows(2).all(|pair| pair[0].0 < pair[1].0).then_some(keys)
-    };
-    by(|node| node.frame).or_else(|| by(|node| node.utime))
+    by(nodes, |node| graph.nodes[node].frame).or_else(|| by(nodes, |node| graph.nodes[node].utime))
+}
+
+/// Nodes in the order of a key; `None` where one has none, or two have the same.
+fn by(nodes: &[usize], key: impl Fn(usize) -> Option<i64>) -> Option<Vec<(i64, usize)>> {
+    let mut keys = nodes.iter().map(|&node| Some((key(node)?, node))).collect::<Option<Vec<_>>>()?;
+    keys.sort_unstable();
+    keys.windows(2).all(|pair| pair[0].0 < pair[1].0).then_some(keys)
+}
+
+/// What bridges say of each candidate between their chains, where they say something.
+pub(crate) fn bridged<G: Motion<DOF>, const DOF: usize>(
+    bridges: &[Bridge<G, DOF>],
+    model: &Model<G, DOF>,
+    calibration: &Calibration,
+) -> Vec<Option<Evidence>> {
+    let mut of: BTreeMap<(usize, usize), Vec<&Bridge<G, DOF>>> = BTreeMap::new();
+    for bridge in bridges {
+        let [one, other] = bridge.chains;
+        of.entry((one.min(other), one.max(other))).or_default().push(bridge);
+    }
+    (0..model.closures.len())
+        .map(|closure| {
+            let span = model.span(closure);
+            let near = of.get(&(span.a, span.b))?;
+            near.iter()
+                .filter_map(|bridge| bridge.evidence(model, closure, calibration))
+                .max_by(|one, other| one.weight().total_cmp(&other.weight()))
+        })
+        .collect()
+}
+
+impl<G: Motion<DOF>, const DOF: usize> Bridge<G, DOF> {
+    fn evidence(&self, model: &Model<G, DOF>, closure: usize, calibration: &Calibration) -> Option<Evidence> {
+        let covariance = self.edge.information.cholesky()?.inverse();
+        let (closed, own) =
+            model.beside(closure, [self.edge.from, self.edge.to], &self.edge.measurement, &covariance);
+        let correct = calibration.covariance(&closed) + own;
+        let local = calibration.local(&closed.landmark);
+        compare(&closed.error, &correct, &closed.apart, &local, calibration.tail)
+    }
 }
 
 /// The bridges of a session.

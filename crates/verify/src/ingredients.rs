@@ -22,6 +22,8 @@ pub enum Ingredient {
     Rounds,
     /// Doubt of lone edges where others are measured somewhat wrongly
     Local,
+    /// A prior of their own for edges where the map says little; without it that of all edges
+    Prior,
     /// The usual motion of a session where its odometry is interrupted
     Bridges,
 }

@@ -4,7 +4,7 @@ use petgraph::unionfind::UnionFind;
 use posecut_graph::PoseGraph;
 use rayon::prelude::*;
 
-use crate::bridges::bridges;
+use crate::bridges::{bridged, bridges};
 use crate::calibration::{Calibration, calibrate};
 use crate::cut::{COST, Tie, cut, tied};
 use crate::evidence::chi_square_quantile;
@@ -24,7 +24,9 @@ pub(crate) struct Judged {
     pub(crate) accepted: Vec<bool>,
     /// Log-likelihood ratio of each closure in the last round, where there is one.
     pub(crate) ratio: Vec<Option<f64>>,
-    /// The same against a local error, times the odds of one: how likely this is over a correct closure.
+    /// Prior odds that each is correct, where there is one.
+    pub(crate) odds: Vec<f64>,
+    /// How likely a local error of each closure is, over a correct closure.
     pub(crate) local: Vec<f64>,
     pub(crate) calibration: Calibration,
     pub(crate) rounds: usize,
@@ -96,7 +98,10 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     }
     let parts = UnionFind::new(chains);
     let drawing = Drawing::of(graph, model)?;
+    let bridges = if model.without(Ingredient::Bridges) { Vec::new() } else { bridges(graph, &model.chains) };
+    let bridged = bridged(&bridges, model, &calibration);
     let mut rounds = Rounds {
+        bridged,
         model,
         partners,
         drawing,
@@ -110,23 +115,25 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         fits: vec![false; count],
         local: vec![None; count],
         strict: false,
-        unseen: vec![false; count],
+        most: vec![None; count],
         usual: chi_square_quantile(DOF, USUAL),
         poses: None,
     };
-    let bridges = if model.without(Ingredient::Bridges) { Vec::new() } else { bridges(graph, &model.chains) };
     let number = rounds.all(&bridges)?;
     let mut all = UnionFind::<usize>::new(chains);
     let joinable = model.spans.iter().filter(|span| all.union(span.a, span.b)).count();
     let mut held = UnionFind::<usize>::new(chains);
     let spans = (0..count).filter(|&closure| rounds.accepted[closure]).map(|closure| model.span(closure));
     let joined = spans.filter(|span| held.union(span.a, span.b)).count();
+    let prior = rounds.prior();
+    let odds = rounds.most.iter().map(|most| prior.odds(*most)).collect();
     let Rounds { accepted, ratio, local, hypotheses, random, .. } = rounds;
     let local = local.iter().map(|ratio| ratio.map_or(0.0, |ratio| random.wrong(ratio))).collect();
     let cut_proved = clusters.optimal;
     Ok(Judged {
         accepted,
         ratio,
+        odds,
         local,
         calibration,
         rounds: number,

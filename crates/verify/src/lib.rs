@@ -7,6 +7,7 @@
 //! - `renumber`: the order of nodes, whatever their ids.
 //! - `partners`, `cut`: which pairs are compared, and the multicut of the graph of evidence.
 //! - `judge`, `islands`, `rounds`, `map`: hypotheses, and rounds of optimisation and verdicts.
+//! - `prior`: how many candidates are correct where the map says little.
 //! - `bridges`: where odometry is missing, how far the robot usually moves in such a time.
 //! - `ingredients`: what can be left out, to see what it is worth.
 //! - `rivals`: other ways to join two chains.
@@ -25,6 +26,7 @@ mod mixture;
 mod model;
 mod packs;
 mod partners;
+mod prior;
 mod renumber;
 mod rivals;
 mod rounds;

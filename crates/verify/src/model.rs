@@ -204,6 +204,30 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         Candidate::new(own.edge, (chain_a, own.i), (chain_b, donor.k), &measurement, &covariance)
     }
 
+    /// The loop through another measurement between the nodes of a closure's chains and the closure, and the covariance that the
+    /// measurement brings in, which is not among the loop's own parts.
+    pub(crate) fn beside(
+        &self,
+        closure: usize,
+        [from, to]: [usize; 2],
+        measurement: &G,
+        covariance: &SMatrix<f64, DOF, DOF>,
+    ) -> (Loop<DOF>, SMatrix<f64, DOF, DOF>) {
+        let (from, to) = (self.chains.places[from], self.chains.places[to]);
+        let turned = measurement.adjoint();
+        let (start, end, measurement, covariance) = if from.0 == self.span(closure).a {
+            (from, to, *measurement, *covariance)
+        } else {
+            (to, from, measurement.inverse(), turned * covariance * turned.transpose())
+        };
+        let own = &self.closures[closure].candidate;
+        let (a, b) = ((self.chain(start.0), start.1), (self.chain(end.0), end.1));
+        let other = Candidate::new(own.edge, a, b, &measurement, &covariance);
+        let mut closed = self.pair_of(&other, own, closure);
+        closed.landmark = own.covariance;
+        (closed, other.covariance)
+    }
+
     fn pair_of(&self, a: &Candidate<G, DOF>, b: &Candidate<G, DOF>, closure: usize) -> Loop<DOF> {
         let span = self.span(closure);
         let (chain_a, chain_b) = (self.chain(span.a), self.chain(span.b));

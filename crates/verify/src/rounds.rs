@@ -3,13 +3,15 @@
 use petgraph::unionfind::UnionFind;
 
 use crate::bridges::Bridge;
-use crate::calibration::{Calibration, alone};
+use crate::calibration::Calibration;
 use crate::cut::COST;
+use crate::evidence::Evidence;
 use crate::ingredients::Ingredient;
 use crate::islands::Hypothesis;
 use crate::map::Drawing;
 use crate::model::{Model, Motion, second_moment};
 use crate::partners::Partners;
+use crate::prior::{Prior, odds_among};
 
 /// Most rounds that do not mainly add closures.
 const ROUNDS: usize = 12;
@@ -43,13 +45,16 @@ pub(crate) struct Rounds<'a, G, const DOF: usize> {
     pub(crate) ratio: Vec<Option<f64>>,
     /// Whether the error is as small as that of 99 % of correct closures.
     pub(crate) fits: Vec<bool>,
+    /// What bridges say of each closure between their chains.
+    pub(crate) bridged: Vec<Option<Evidence>>,
+    /// What the log-likelihood ratio would be without any error, where the map has one: little where the map says little about a
+    /// closure's ends.
+    pub(crate) most: Vec<Option<f64>>,
     /// Log-likelihood ratio of each closure, correct against a local error, where there is one.
     pub(crate) local: Vec<Option<f64>>,
     /// Whether closures are left out that may as well have a local error. Only in the end: they lead to others that leave no doubt
     /// of them.
     pub(crate) strict: bool,
-    /// Whether a closure without any error would have too little evidence, since the map says too little about its ends.
-    pub(crate) unseen: Vec<bool>,
     /// Squared distance that 99 % of correct closures stay below.
     pub(crate) usual: f64,
     /// Where the last map ended, if the next is nearly the same.
@@ -135,17 +140,24 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         if open.is_empty() {
             return Ok(Vec::new());
         }
-        // Correct closures mostly have company.
-        let alone = alone(&self.ratio, &self.accepted).ln();
         let mut map = self.drawing.map(self.model, &self.random, &self.accepted, &edges, None)?;
         map.enough = self.threshold;
         map.apart = Some(second_moment(&map.poses));
-        for (&closure, evidence) in asked.iter().zip(map.judge(&self.partners, &asked, &open)) {
+        let judged = map.judge(&self.partners, &asked, &open);
+        let found: Vec<_> = asked
+            .iter()
+            .copied()
+            .zip(judged)
+            .filter(|(closure, _)| !self.accepted[*closure])
+            .filter_map(|(closure, evidence)| Some((closure, self.with_bridge(closure, evidence?))))
+            .collect();
+        let weights: Vec<f64> = found.iter().map(|(_, evidence)| evidence.weight()).collect();
+        // Parts that nothing else joins have few correct closures between them.
+        let few = (odds_among(&weights) / self.random.odds()).ln().min(0.0);
+        for (closure, evidence) in found {
             // What the usual motion contradicts may still be right: somebody may have carried the robot.
-            if let Some(evidence) = evidence.filter(|evidence| evidence.weight() + alone > 0.0)
-                && !self.accepted[closure]
-            {
-                self.ratio[closure] = Some(evidence.weight() + alone);
+            if evidence.weight() + few > 0.0 {
+                self.ratio[closure] = Some(evidence.weight() + few);
                 self.fits[closure] = evidence.squared_distance <= self.usual;
                 self.local[closure] = Some(evidence.local);
             }
@@ -191,8 +203,9 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             // Where the rest of the map does not hold both ends, what was known before counts.
             match evidence {
                 Some(evidence) if !spared => {
+                    let evidence = self.with_bridge(closure, evidence);
                     self.ratio[closure] = Some(evidence.weight());
-                    self.unseen[closure] = evidence.most <= self.loose;
+                    self.most[closure] = Some(evidence.most);
                     self.fits[closure] = evidence.squared_distance <= self.usual;
                     self.local[closure] = Some(evidence.local);
                 }
@@ -245,6 +258,13 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         Ok(next)
     }
 
+    /// What the map says, or a bridge, where this says more and the map does not contradict.
+    fn with_bridge(&self, closure: usize, map: Evidence) -> Evidence {
+        self.bridged[closure]
+            .filter(|bridge| map.weight() > CONTRADICTED && bridge.weight() > map.weight())
+            .unwrap_or(map)
+    }
+
     /// Whether the map says enough about a closure's ends to tell a correct one from one with a local error.
     fn precise(&self, closure: usize) -> bool {
         let vague = self.local[closure].is_some_and(|local| is_vague(self.random.wrong(local)));
@@ -255,7 +275,8 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
     fn unplaced(&self, hypothesis: &Hypothesis) -> bool {
         let witnesses = hypothesis.witnesses();
         let unseen = witnesses.iter().filter(|&&member| {
-            self.unseen[member] && self.ratio[member].is_some_and(|ratio| ratio > CONTRADICTED)
+            self.most[member].is_some_and(|most| most <= self.loose)
+                && self.ratio[member].is_some_and(|ratio| ratio > CONTRADICTED)
         });
         2 * unseen.count() > witnesses.len()
     }
@@ -263,10 +284,13 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
     /// Closures with less evidence than a random one might have somewhere, but which are likely where they are: they fit as
     /// correct ones do, the posterior probability is high, and among all of them less than a third of a wrong one is expected.
     fn likely(&self, next: &[bool]) -> Vec<usize> {
-        let odds = self.random.odds();
+        let prior = self.prior();
         let mut doubts: Vec<(f64, usize)> = (0..next.len())
             .filter(|&closure| !next[closure] && self.fits[closure] && self.precise(closure))
-            .filter_map(|closure| Some((1.0 / (1.0 + odds * self.ratio[closure]?.exp()), closure)))
+            .filter_map(|closure| {
+                let odds = prior.odds(self.most[closure]);
+                Some((1.0 / (1.0 + odds * self.ratio[closure]?.exp()), closure))
+            })
             .filter(|&(doubt, _)| doubt < DOUBT)
             .collect();
         doubts.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -279,6 +303,12 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             })
             .map(|(_, closure)| closure)
             .collect()
+    }
+
+    /// How many candidates are correct, by what the map could say of them.
+    pub(crate) fn prior(&self) -> Prior {
+        let most: &[Option<f64>] = if self.model.without(Ingredient::Prior) { &[] } else { &self.most };
+        Prior::of(&self.ratio, most, self.random.odds())
     }
 
     /// Joins parts by the hypotheses of most evidence, each part at most once a round, so that the next round judges the

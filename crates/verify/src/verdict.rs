@@ -105,11 +105,11 @@ pub(crate) fn findings<G: Motion<DOF>, const DOF: usize>(
         .collect()
 }
 
-/// The posterior probability of a mixture. The prior odds are those of the estimated share of correct candidates where the
-/// map reaches, and `alone` where nothing does.
+/// The posterior probability of a mixture. The prior odds are those of candidates of which the map could say as much, and `alone`
+/// where nothing says anything.
 fn probability(closure: usize, judged: &Judged, alone: f64) -> f64 {
     let odds = match judged.ratio[closure] {
-        Some(ratio) => ratio.clamp(-CLIP, CLIP).exp() * judged.calibration.odds(),
+        Some(ratio) => ratio.clamp(-CLIP, CLIP).exp() * judged.odds[closure],
         // Accepted with a hypothesis that nothing else holds.
         None if judged.accepted[closure] => CLIP.exp() * judged.calibration.odds(),
         None => alone,

@@ -15,8 +15,8 @@ const INTERRUPTED: usize = 100;
 const LONE: u64 = 1000;
 
 /// Two laps with landmark edges between them up to the interruption, and one beyond it, which is off by `error` metres. The
-/// robot goes on `carried` metres from where its odometry ended.
-fn laps(session: &str, error: f64, carried: f64) -> PoseGraph {
+/// robot goes on `carried` metres from where its odometry ended. `named` gives the fields of a node that tell its session and time.
+fn laps(named: fn(usize) -> String, error: f64, carried: f64) -> PoseGraph {
     let mut truth = vec![SE2::identity()];
     for step in 0..STEPS {
         // Straights and bends: neither the steps nor the turns are all alike.
@@ -26,10 +26,7 @@ fn laps(session: &str, error: f64, carried: f64) -> PoseGraph {
     }
     let mut text = "{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":2}\n".to_owned();
     for id in 0..=STEPS {
-        text += &format!(
-            "{{\"kind\":\"node\",\"id\":{id}{session}{}}}\n",
-            if session.is_empty() { String::new() } else { format!(",\"frame\":{id}") }
-        );
+        text += &format!("{{\"kind\":\"node\",\"id\":{id}{}}}\n", named(id));
     }
     let mut add = |kind: &str, id: u64, from: usize, to: usize, error: f64| {
         let wobble = 0.01 * (id as f64 * 1.7).sin();
@@ -58,24 +55,48 @@ fn lone(graph: &PoseGraph) -> (Verdict, Reason) {
     (finding.verdict, finding.reason)
 }
 
-const SESSION: &str = ",\"session\":\"s\"";
+fn one_session(id: usize) -> String {
+    format!(",\"session\":\"s\",\"frame\":{id}")
+}
+
+/// The robot lost its map, and began another one a second later.
+fn two_sessions(id: usize) -> String {
+    format!(",\"session\":\"{}\",\"utime\":{}", if id <= INTERRUPTED { "a" } else { "b" }, 1_000_000 * id)
+}
+
+/// Another robot, which was on its way before the first one ended.
+fn two_robots(id: usize) -> String {
+    let (session, time) = if id <= INTERRUPTED { ("a", 10 * id) } else { ("b", 10 * id - 95) };
+    format!(",\"session\":\"{session}\",\"utime\":{}", 100_000 * time)
+}
+
+fn no_session(_: usize) -> String {
+    String::new()
+}
 
 #[test]
 fn the_usual_motion_supports_a_lone_edge_beyond_an_interruption() {
-    assert_eq!(lone(&laps(SESSION, 0.0, 1.0)).0, Verdict::Accepted);
+    assert_eq!(lone(&laps(one_session, 0.0, 1.0)).0, Verdict::Accepted);
+}
+
+#[test]
+fn the_usual_motion_supports_a_lone_edge_to_a_session_that_begins_where_another_ended() {
+    assert_eq!(lone(&laps(two_sessions, 0.0, 1.0)).0, Verdict::Accepted);
+    assert_eq!(lone(&laps(two_sessions, 60.0, 1.0)).0, Verdict::Undecided);
+    assert_eq!(lone(&laps(two_robots, 0.0, 1.0)), (Verdict::Undecided, Reason::Alone));
 }
 
 #[test]
 fn without_sessions_and_frames_nothing_bridges_an_interruption() {
-    assert_eq!(lone(&laps("", 0.0, 1.0)), (Verdict::Undecided, Reason::Alone));
+    assert_eq!(lone(&laps(no_session, 0.0, 1.0)), (Verdict::Undecided, Reason::Alone));
 }
 
 #[test]
 fn a_lone_edge_that_the_usual_motion_contradicts_is_undecided() {
-    assert_eq!(lone(&laps(SESSION, 60.0, 1.0)).0, Verdict::Undecided);
+    assert_eq!(lone(&laps(one_session, 60.0, 1.0)).0, Verdict::Undecided);
 }
 
 #[test]
 fn a_lone_edge_of_a_robot_that_was_carried_is_not_rejected() {
-    assert_eq!(lone(&laps(SESSION, 0.0, 60.0)).0, Verdict::Undecided);
+    assert_eq!(lone(&laps(one_session, 0.0, 60.0)).0, Verdict::Undecided);
 }

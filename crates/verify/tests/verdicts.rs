@@ -119,7 +119,8 @@ fn a_lone_edge_is_believed_as_far_as_others_are_not_measured_somewhat_wrongly() 
     };
     assert_eq!(verdicts(0, &[]), [(Verdict::Accepted, Reason::Supported); 3]);
     assert_eq!(verdicts(1, &[]), [(Verdict::Undecided, Reason::Vague); 3]);
-    assert_eq!(verdicts(1, &[Ingredient::Local]), [(Verdict::Accepted, Reason::Supported); 3]);
+    let believed = [Ingredient::Local, Ingredient::Prior];
+    assert_eq!(verdicts(1, &believed), [(Verdict::Accepted, Reason::Supported); 3]);
 }
 
 #[test]
@@ -240,7 +241,11 @@ fn every_ingredient_can_be_left_out() {
             Ingredient::HeavyTails | Ingredient::Shift => assert_ne!(rest.calibration, whole.calibration),
             Ingredient::Rounds => assert_eq!(rest.rounds, 0),
             // No candidate of this graph needs them, or other evidence makes up for them.
-            Ingredient::FarPartners | Ingredient::Multicut | Ingredient::Local | Ingredient::Bridges => {}
+            Ingredient::FarPartners
+            | Ingredient::Multicut
+            | Ingredient::Local
+            | Ingredient::Prior
+            | Ingredient::Bridges => {}
         }
     }
 }
