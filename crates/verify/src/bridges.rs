@@ -1,8 +1,9 @@
-//! Where a session's odometry is interrupted: how far the robot usually moves in such a time.
+//! Where odometry is interrupted: how far the robot usually moves in such a time.
 //!
 //! A landmark edge that alone joins two parts of a graph has no loop to be judged by. If the parts follow each other in one
-//! session, the motion over the interruption is not unknown: it is as in other stretches of the session that took as long.
-//! Such a bridge is weak, takes part in no map that is kept, and rejects nothing, since a robot may have been carried.
+//! session, or a session begins after another one has ended, the motion over the interruption is not unknown: it is as in other
+//! stretches that took as long. Such a bridge is weak, takes part in no map that is kept, and rejects nothing, since a robot may
+//! have been carried, or it may be another one.
 
 use std::collections::BTreeMap;
 
@@ -28,7 +29,7 @@ pub(crate) struct Bridge<G, const DOF: usize> {
     length: i64,
 }
 
-/// All bridges, the shortest interruption first.
+/// All bridges: of interruptions counted in frames first, then of those in microseconds, each the shortest first.
 pub(crate) fn bridges<G: Motion<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     chains: &Chains<G, DOF>,
@@ -65,9 +66,9 @@ fn between<G: Motion<DOF>, const DOF: usize>(
         .filter_map(|later| {
             let before =
                 timed.iter().filter(|nodes| end(nodes) < start(later)).max_by_key(|nodes| end(nodes))?;
-            let nodes = [before.as_slice(), later].concat();
-            let junction = (before[before.len() - 1].1, later[0].1);
-            of(&nodes, chains).into_iter().find(|bridge| (bridge.edge.from, bridge.edge.to) == junction)
+            let ends = [before[before.len() - 1], later[0]];
+            let mut known = BTreeMap::new();
+            over(ends, &[before.as_slice(), later].concat(), chains, &mut known)
         })
         .collect()
 }
@@ -122,24 +123,29 @@ fn of<G: Motion<DOF>, const DOF: usize>(
     nodes: &[(i64, usize)],
     chains: &Chains<G, DOF>,
 ) -> Vec<Bridge<G, DOF>> {
-    let chain = |node: usize| chains.places[node].0;
-    let mut known: BTreeMap<i64, Option<(G, SMatrix<f64, DOF, DOF>)>> = BTreeMap::new();
-    let mut bridges = Vec::new();
-    for pair in nodes.windows(2) {
-        let [(before, from), (after, to)] = [pair[0], pair[1]];
-        if chain(from) == chain(to) {
-            continue;
-        }
-        let length = after.saturating_sub(before);
-        let motion = known.entry(length).or_insert_with(|| usual_motion(nodes, chains, length));
-        let Some((measurement, information)) = *motion else { continue };
-        bridges.push(Bridge {
-            chains: [chain(from), chain(to)],
-            edge: Edge::new(from, to, measurement, information, EdgeKind::Odometry),
-            length,
-        });
+    let mut known = BTreeMap::new();
+    nodes.windows(2).filter_map(|pair| over([pair[0], pair[1]], nodes, chains, &mut known)).collect()
+}
+
+/// Mean and information of a motion, where there is one.
+type Known<G, const DOF: usize> = Option<(G, SMatrix<f64, DOF, DOF>)>;
+
+/// The bridge between two nodes that follow each other, unless odometry joins them; `known` has the motions of each length.
+fn over<G: Motion<DOF>, const DOF: usize>(
+    [(before, from), (after, to)]: [(i64, usize); 2],
+    nodes: &[(i64, usize)],
+    chains: &Chains<G, DOF>,
+    known: &mut BTreeMap<i64, Known<G, DOF>>,
+) -> Option<Bridge<G, DOF>> {
+    let joined = [from, to].map(|node| chains.places[node].0);
+    if joined[0] == joined[1] {
+        return None;
     }
-    bridges
+    let length = after.saturating_sub(before);
+    let motion = known.entry(length).or_insert_with(|| usual_motion(nodes, chains, length));
+    let (measurement, information) = (*motion)?;
+    let edge = Edge::new(from, to, measurement, information, EdgeKind::Odometry);
+    Some(Bridge { chains: joined, edge, length })
 }
 
 /// Mean and information of the motion over stretches of a length; `None` where there are too few.
@@ -147,7 +153,7 @@ fn usual_motion<G: Motion<DOF>, const DOF: usize>(
     nodes: &[(i64, usize)],
     chains: &Chains<G, DOF>,
     length: i64,
-) -> Option<(G, SMatrix<f64, DOF, DOF>)> {
+) -> Known<G, DOF> {
     let mut motions: Vec<SVector<f64, DOF>> = Vec::new();
     let mut noise = SMatrix::zeros();
     let mut end = 0;
