@@ -29,25 +29,24 @@ pub(crate) struct Bridge<G, const DOF: usize> {
     length: i64,
 }
 
-/// All bridges: of interruptions counted in frames first, then of those in microseconds, each the shortest first.
+/// The bridges within sessions, the shortest interruption first, and those between sessions.
 pub(crate) fn bridges<G: Motion<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     chains: &Chains<G, DOF>,
-) -> Vec<Bridge<G, DOF>> {
+) -> [Vec<Bridge<G, DOF>>; 2] {
     let mut sessions: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
     for (place, node) in graph.nodes.iter().enumerate() {
         if let Some(session) = &node.session {
             sessions.entry(session).or_default().push(place);
         }
     }
-    let mut bridges: Vec<_> = sessions
+    let mut within: Vec<_> = sessions
         .values()
         .filter_map(|nodes| in_order(graph, nodes))
         .flat_map(|nodes| of(&nodes, chains))
-        .chain(between(graph, &sessions, chains))
         .collect();
-    bridges.sort_by_key(|bridge| (bridge.length, bridge.chains));
-    bridges
+    within.sort_by_key(|bridge| (bridge.length, bridge.chains));
+    [within, between(graph, &sessions, chains)]
 }
 
 /// The bridges between a session's last place and the first of the session that starts next: a robot that lost its map, and began
@@ -86,8 +85,8 @@ fn by(nodes: &[usize], key: impl Fn(usize) -> Option<i64>) -> Option<Vec<(i64, u
 }
 
 /// What bridges say of each candidate between their chains, where they say something.
-pub(crate) fn bridged<G: Motion<DOF>, const DOF: usize>(
-    bridges: &[Bridge<G, DOF>],
+pub(crate) fn bridged<'a, G: Motion<DOF>, const DOF: usize>(
+    bridges: impl Iterator<Item = &'a Bridge<G, DOF>>,
     model: &Model<G, DOF>,
     calibration: &Calibration,
 ) -> Vec<Option<Evidence>> {

@@ -98,10 +98,14 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     }
     let parts = UnionFind::new(chains);
     let drawing = Drawing::of(graph, model)?;
-    let bridges = if model.without(Ingredient::Bridges) { Vec::new() } else { bridges(graph, &model.chains) };
-    let bridged = bridged(&bridges, model, &calibration);
+    let [within, between] = if model.without(Ingredient::Bridges) {
+        [Vec::new(), Vec::new()]
+    } else {
+        bridges(graph, &model.chains)
+    };
     let mut rounds = Rounds {
-        bridged,
+        bridged: bridged(within.iter().chain(&between), model, &calibration),
+        begun: bridged(between.iter(), model, &calibration),
         model,
         partners,
         drawing,
@@ -119,7 +123,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         usual: chi_square_quantile(DOF, USUAL),
         poses: None,
     };
-    let number = rounds.all(&bridges)?;
+    let number = rounds.all(&within)?;
     let mut all = UnionFind::<usize>::new(chains);
     let joinable = model.spans.iter().filter(|span| all.union(span.a, span.b)).count();
     let mut held = UnionFind::<usize>::new(chains);

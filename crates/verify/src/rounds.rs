@@ -20,6 +20,9 @@ const ROUNDS_IN_ALL: usize = 60;
 const GROWTH: f64 = 1.02;
 /// Log-likelihood ratio at which a closure contradicts the map.
 pub(crate) const CONTRADICTED: f64 = -3.0;
+/// How much likelier two places are near each other by chance than their second moment says, nats: robots stay on roads, and
+/// return to them. Where an edge alone is to join two sessions, no other evidence makes up for it.
+const ROADS: f64 = 5.0;
 /// Largest probability of being wrong at which a closure is accepted.
 const DOUBT: f64 = 0.1;
 
@@ -45,8 +48,9 @@ pub(crate) struct Rounds<'a, G, const DOF: usize> {
     pub(crate) ratio: Vec<Option<f64>>,
     /// Whether the error is as small as that of 99 % of correct closures.
     pub(crate) fits: Vec<bool>,
-    /// What bridges say of each closure between their chains.
+    /// What bridges say of each closure between their chains, and those between sessions alone.
     pub(crate) bridged: Vec<Option<Evidence>>,
+    pub(crate) begun: Vec<Option<Evidence>>,
     /// What the log-likelihood ratio would be without any error, where the map has one: little where the map says little about a
     /// closure's ends.
     pub(crate) most: Vec<Option<f64>>,
@@ -97,7 +101,8 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
                     continue;
                 }
             }
-            let placed = self.across(bridges)?;
+            let mut placed = self.across(bridges)?;
+            placed.extend(self.continued());
             if placed.is_empty() {
                 return Ok(number);
             }
@@ -165,6 +170,26 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         let mut placed = self.likely(&self.accepted);
         placed.retain(|closure| open.binary_search(closure).is_ok());
         Ok(placed)
+    }
+
+    /// Closures that alone join two sessions, where one begins so soon after the other ended that they can be no coincidence.
+    fn continued(&mut self) -> Vec<usize> {
+        let mut placed = Vec::new();
+        for closure in 0..self.accepted.len() {
+            let span = self.model.span(closure);
+            let Some(evidence) = self.begun[closure].filter(|_| !self.parts.equiv(span.a, span.b)) else {
+                continue;
+            };
+            if evidence.weight() > self.threshold + ROADS && evidence.squared_distance <= self.usual {
+                self.ratio[closure] = Some(evidence.weight());
+                self.fits[closure] = true;
+                self.local[closure] = Some(evidence.local);
+                if self.precise(closure) {
+                    placed.push(closure);
+                }
+            }
+        }
+        placed
     }
 
     /// Draws the map of what is accepted, judges every closure within its parts by it, and joins further parts. Returns what

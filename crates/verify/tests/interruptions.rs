@@ -86,6 +86,20 @@ fn the_usual_motion_supports_a_lone_edge_to_a_session_that_begins_where_another_
     assert_eq!(lone(&laps(two_robots, 0.0, 1.0)), (Verdict::Undecided, Reason::Alone));
 }
 
+/// Two or three false edges joined simulated 2012-12-01 where it has no overlap: the first and the last places of a robot that
+/// stays on roads are often near each other.
+#[test]
+fn an_edge_that_chance_on_roads_may_explain_joins_stretches_of_a_session_but_not_two_sessions() {
+    let vague = |named| {
+        let mut graph = laps(named, 0.0, 1.0);
+        let edge = graph.edges.iter_mut().find(|edge| edge.id == LONE).unwrap();
+        edge.information.iter_mut().flatten().for_each(|entry| *entry *= 3e-4);
+        lone(&graph)
+    };
+    assert_eq!(vague(one_session).0, Verdict::Accepted);
+    assert_eq!(vague(two_sessions), (Verdict::Undecided, Reason::Alone));
+}
+
 #[test]
 fn without_sessions_and_frames_nothing_bridges_an_interruption() {
     assert_eq!(lone(&laps(no_session, 0.0, 1.0)), (Verdict::Undecided, Reason::Alone));
