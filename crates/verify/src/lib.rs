@@ -3,7 +3,7 @@
 //!
 //! - `model`: chains, candidates, and the loops that they close with their covariances.
 //! - `evidence`: log-likelihood ratios of a loop.
-//! - `calibration`, `mixture`: factors on the covariances, for each chain, against shuffled candidates.
+//! - `calibration`, `mixture`, `neighbours`: factors on the covariances, for each chain, against shuffled candidates.
 //! - `renumber`: the order of nodes, whatever their ids.
 //! - `partners`, `cut`: which pairs are compared, and the multicut of the graph of evidence.
 //! - `judge`, `islands`, `rounds`, `map`: hypotheses, and rounds of optimisation and verdicts.
@@ -24,6 +24,7 @@ mod likelihoods;
 mod map;
 mod mixture;
 mod model;
+mod neighbours;
 mod packs;
 mod partners;
 mod prior;

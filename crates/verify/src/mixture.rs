@@ -1,9 +1,12 @@
 //! Loops as a mixture of correct ones, chance, and errors between the two, against the same loops shuffled.
 
+use nalgebra::SMatrix;
+
 use crate::calibration::Calibration;
 use crate::ingredients::Ingredient;
 use crate::likelihoods::{Likelihoods, Shares, counts, gain};
-use crate::model::{Model, Motion};
+use crate::model::{Loop, Model, Motion};
+use crate::neighbours::{Neighbours, RANKS};
 use crate::packs::Sample;
 use crate::partners::Partners;
 
@@ -99,10 +102,20 @@ pub(crate) fn local_share<const DOF: usize>(classes: &[Class<DOF>], factors: &Ca
 }
 
 impl<const DOF: usize> Class<DOF> {
-    /// Adds the loop through two closures, and its twin with an end of the other one `turn` steps elsewhere.
-    fn add<G: Motion<DOF>>(&mut self, model: &Model<G, DOF>, one: usize, other: usize, turn: usize) {
-        self.real.push(model.pair(one, other));
-        self.shuffled.push(model.pair_shuffled(one, other, Partners::elsewhere(model, other, turn)));
+    /// Adds the loop through two closures, and its twin with an end of the other one `turn` steps elsewhere; `apart` is the second
+    /// moment by chance, if not that of places anywhere.
+    fn add<G: Motion<DOF>>(
+        &mut self,
+        model: &Model<G, DOF>,
+        (one, other): (usize, usize),
+        turn: usize,
+        apart: Option<SMatrix<f64, DOF, DOF>>,
+    ) {
+        let real = model.pair(one, other);
+        let twin = model.pair_shuffled(one, other, Partners::elsewhere(model, other, turn));
+        for (sample, closed) in [(&mut self.real, real), (&mut self.shuffled, twin)] {
+            sample.push(Loop { apart: apart.unwrap_or(closed.apart), ..closed });
+        }
     }
 
     /// The loops that a chain takes part in.
@@ -160,29 +173,29 @@ pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
     let shifted = !model.without(Ingredient::Shift);
     let (mut near, mut far) = (empty(true, 1.25, shifted), empty(true, 1.25, shifted));
     let count = model.closures.len();
-    let step = count.div_ceil(SAMPLE).max(1);
-    for closure in (0..count).step_by(step) {
+    let sample = (0..count).step_by(count.div_ceil(SAMPLE).max(1));
+    let neighbours = Neighbours::of(model, partners, sample.clone());
+    for closure in sample {
         let donor = Partners::elsewhere(model, closure, 3);
+        let found = partners.near(closure);
+        let ranked =
+            RANKS.iter().enumerate().filter_map(|(place, &rank)| Some((place, rank, *found.get(rank)?)));
         if let Some(closed) = model.single(closure) {
             single.real.push(closed);
             if let Some(twin) = model.single_shuffled(closure, donor) {
                 single.shuffled.push(twin);
             }
             // Neighbours tell of the landmark edges alone: aliased runs agree with each other, too.
-            for (turn, &other) in
-                partners.near(closure).iter().enumerate().filter(|(turn, _)| [0, 3, 7].contains(turn))
-            {
-                short.add(model, closure, other, turn + 2);
+            for (_, rank, other) in ranked.filter(|(place, ..)| *place != 1) {
+                short.add(model, (closure, other), rank + 2, None);
             }
             continue;
         }
-        for (turn, &other) in
-            partners.near(closure).iter().enumerate().filter(|(turn, _)| [0, 1, 3, 7].contains(turn))
-        {
-            near.add(model, closure, other, turn + 2);
+        for (place, rank, other) in ranked {
+            near.add(model, (closure, other), rank + 2, neighbours.at(model, closure, place));
         }
         for (turn, &other) in partners.far(closure).iter().take(4).enumerate() {
-            far.add(model, closure, other, turn + 7);
+            far.add(model, (closure, other), turn + 7, None);
         }
     }
     [single, short, near, far].into_iter().filter(|class| !class.real.is_empty()).collect()

@@ -166,8 +166,13 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
     fn apart_at(&self, closure: usize) -> SMatrix<f64, DOF, DOF> {
         let span = self.span(closure);
         let local = (self.apart[span.a] + self.apart[span.b]) * 0.5;
-        let adjoint = self.chain(span.b).poses[self.closures[closure].candidate.k].adjoint();
+        let adjoint = self.end(closure).adjoint();
         adjoint * local * adjoint.transpose()
+    }
+
+    /// The pose of a closure's end in chain B, in that chain's frame.
+    pub(crate) fn end(&self, closure: usize) -> G {
+        self.chain(self.span(closure).b).poses[self.closures[closure].candidate.k]
     }
 
     /// R in the frame of the place itself.

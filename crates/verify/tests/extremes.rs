@@ -151,3 +151,19 @@ fn two_thousand_consistent_candidates_in_space_are_all_kept() {
     let verification = verify::<SE3, 6>(&scenario.draw::<SE3, 6>()).unwrap();
     assert_eq!((verification.findings.len(), verification.count(Verdict::Accepted)), (2000, 2000));
 }
+
+/// Wrong neighbours lead from near places to near places, so that a loose odometry explains them: its variance was taken for some
+/// hundred times what is claimed, and correct edges were lost.
+#[test]
+fn nine_wrong_edges_of_ten_are_not_taken_for_a_loose_odometry() {
+    for candidates in [300, 1000] {
+        let scenario = Scenario { candidates, outliers: 0.9, falsehood: Falsehood::Uniform, seed: 3 };
+        let graph = scenario.draw::<SE2, 3>();
+        let verification = judged(&graph);
+        assert!(verification.calibration.odometry.iter().all(|factor| *factor < 10.0));
+        for finding in &verification.findings {
+            let correct = graph.edges[finding.edge].truth.as_ref().and_then(|truth| truth.correct);
+            assert_eq!(correct == Some(true), finding.verdict == Verdict::Accepted, "{finding:?}");
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! How much neighbouring candidates differ by chance.
+
+use nalgebra::SMatrix;
+
+use crate::model::{Model, Motion};
+use crate::partners::Partners;
+
+/// Neighbours that loops are made with, by their ranks.
+pub(crate) const RANKS: [usize; 4] = [0, 1, 3, 7];
+/// The fewest loops that tell a second moment.
+const LEAST: usize = 20;
+
+/// Second moments of the errors of loops through a candidate between two chains and each of its neighbours if both are wrong, in
+/// the frame of the candidate's end in chain B; `None` where there are too few loops.
+///
+/// Wrong neighbours lead from near places to near places, and mostly claim that these are the same one: their loops have small
+/// errors, whatever the odometry is. Against R, that of places anywhere, a loose odometry explains them. Where four candidates
+/// of five were wrong, its variance was taken for a thousand times what it is.
+pub(crate) struct Neighbours<const DOF: usize>([Option<SMatrix<f64, DOF, DOF>>; RANKS.len()]);
+
+impl<const DOF: usize> Neighbours<DOF> {
+    /// From loops in which the neighbour has the end in chain B of another neighbour: it stays near, and its measurement means
+    /// nothing there. O(candidates).
+    pub(crate) fn of<G: Motion<DOF>>(
+        model: &Model<G, DOF>,
+        partners: &Partners,
+        candidates: impl Iterator<Item = usize> + Clone,
+    ) -> Self {
+        let end = |closure: usize| model.closures[closure].candidate.k;
+        let between = candidates.filter(|&closure| !model.same_chain(closure));
+        Self(RANKS.map(|rank| {
+            let errors = between.clone().filter_map(|closure| {
+                let near = partners.near(closure);
+                let other = *near.get(rank)?;
+                let (before, after) = near.split_at(rank);
+                let donor =
+                    *after.iter().chain(before.iter().rev()).find(|&&donor| end(donor) != end(other))?;
+                let error = model.pair_shuffled(closure, other, donor).error;
+                Some(model.end(closure).inverse().adjoint() * error)
+            });
+            let (sum, count) = errors.fold((SMatrix::zeros(), 0), |(sum, count), error| {
+                (sum + error * error.transpose(), count + 1)
+            });
+            (count >= LEAST).then(|| sum / count as f64)
+        }))
+    }
+
+    /// The second moment for a candidate and its neighbour at a place among the ranks, in the frame of chain B.
+    pub(crate) fn at<G: Motion<DOF>>(
+        &self,
+        model: &Model<G, DOF>,
+        closure: usize,
+        place: usize,
+    ) -> Option<SMatrix<f64, DOF, DOF>> {
+        let turned = model.end(closure).adjoint();
+        self.0[place].map(|moment| turned * moment * turned.transpose())
+    }
+}
