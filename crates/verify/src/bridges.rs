@@ -14,6 +14,7 @@ use posecut_pcm::chain::Chains;
 
 use crate::calibration::Calibration;
 use crate::evidence::{Evidence, compare};
+use crate::map::Map;
 use crate::model::{Model, Motion};
 
 /// Stretches of a session from which its motion over an interruption is known.
@@ -27,6 +28,27 @@ pub(crate) struct Bridge<G, const DOF: usize> {
     pub(crate) edge: Edge<G, DOF>,
     /// Length of the interruption: frames or microseconds.
     length: i64,
+}
+
+/// The bridges between sessions that no map has confirmed yet, and those that one has: they hold further maps as odometry does.
+pub(crate) struct Seams<G, const DOF: usize> {
+    pub(crate) open: Vec<Bridge<G, DOF>>,
+    pub(crate) confirmed: Vec<Edge<G, DOF>>,
+}
+
+impl<G: Motion<DOF>, const DOF: usize> Seams<G, DOF> {
+    /// Confirms those within one part whose squared distance from what the map says is usual. Returns whether there are any.
+    pub(crate) fn confirm(&mut self, map: &mut Map<'_, G, DOF>, part: &[usize], usual: f64) -> bool {
+        let before = self.confirmed.len();
+        self.open.retain(|bridge| {
+            let [one, other] = bridge.chains;
+            let distance = if part[one] == part[other] { map.distance(&bridge.edge) } else { None };
+            let confirmed = distance.is_some_and(|distance| distance <= usual);
+            self.confirmed.extend(confirmed.then_some(bridge.edge));
+            !confirmed
+        });
+        self.confirmed.len() > before
+    }
 }
 
 /// The bridges within sessions, the shortest interruption first, and those between sessions.

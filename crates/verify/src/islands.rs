@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use petgraph::unionfind::UnionFind;
 
 use crate::cut::{Clusters, Tie};
-use crate::evidence::CLIP;
+use crate::evidence::{CLIP, Evidence};
+use crate::rounds::CONTRADICTED;
 
 /// Evidence along a spanning tree below which a cluster does not join two parts, nats.
 const LEAST_EVIDENCE: f64 = 20.0;
@@ -25,6 +26,15 @@ impl Hypothesis {
     pub(crate) fn witnesses(&self) -> Vec<usize> {
         let step = self.members.len().div_ceil(WITNESSES).max(1);
         self.members.iter().copied().step_by(step).collect()
+    }
+
+    /// Whether evidence contradicts most members.
+    pub(crate) fn contradicted(&self, evidence: &[Option<Evidence>]) -> bool {
+        let witnesses = self.witnesses();
+        let against = witnesses
+            .iter()
+            .filter(|&&member| evidence[member].is_some_and(|found| found.weight() <= CONTRADICTED));
+        2 * against.count() > witnesses.len()
     }
 }
 

@@ -4,7 +4,7 @@ use petgraph::unionfind::UnionFind;
 use posecut_graph::PoseGraph;
 use rayon::prelude::*;
 
-use crate::bridges::{bridged, bridges};
+use crate::bridges::{Seams, bridged, bridges};
 use crate::calibration::{Calibration, calibrate};
 use crate::cut::{COST, Tie, cut, tied};
 use crate::evidence::chi_square_quantile;
@@ -93,9 +93,6 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         })
         .collect();
     let mut hypotheses = islands.hypotheses();
-    if let Some(preferred) = preferred {
-        hypotheses.sort_by_key(|hypothesis| hypothesis.members != preferred);
-    }
     let parts = UnionFind::new(chains);
     let drawing = Drawing::of(graph, model)?;
     let [within, between] = if model.without(Ingredient::Bridges) {
@@ -103,9 +100,16 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     } else {
         bridges(graph, &model.chains)
     };
+    let begun = bridged(between.iter(), model, &calibration);
+    // What the usual motion from one session to the next contradicts joins them only where nothing else does.
+    hypotheses.sort_by_key(|hypothesis| hypothesis.contradicted(&begun));
+    if let Some(preferred) = preferred {
+        hypotheses.sort_by_key(|hypothesis| hypothesis.members != preferred);
+    }
     let mut rounds = Rounds {
         bridged: bridged(within.iter().chain(&between), model, &calibration),
-        begun: bridged(between.iter(), model, &calibration),
+        begun,
+        seams: Seams { open: between, confirmed: Vec::new() },
         model,
         partners,
         drawing,

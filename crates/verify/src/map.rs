@@ -137,6 +137,16 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
             .collect()
     }
 
+    /// The squared distance of a motion that is no part of the map from what that says; `None` where it does not hold both ends.
+    pub(crate) fn distance(&mut self, motion: &Edge<G, DOF>) -> Option<f64> {
+        let predicted = self.marginals.relative(&[(motion.from, motion.to)])[0]?;
+        let error =
+            motion.measurement.between(&self.poses[motion.from].between(&self.poses[motion.to])).log();
+        let covariance =
+            motion.information.cholesky()?.inverse() + carried::<G, DOF>(&error, &predicted) * self.scale;
+        Some(error.dot(&covariance.cholesky()?.solve(&error)))
+    }
+
     /// Those near an accepted closure: its relative pose in the map, and odometry from there, bound their covariance.
     fn neighbours(
         &self,

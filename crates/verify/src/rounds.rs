@@ -2,7 +2,7 @@
 
 use petgraph::unionfind::UnionFind;
 
-use crate::bridges::Bridge;
+use crate::bridges::{Bridge, Seams};
 use crate::calibration::Calibration;
 use crate::cut::COST;
 use crate::evidence::Evidence;
@@ -51,6 +51,7 @@ pub(crate) struct Rounds<'a, G, const DOF: usize> {
     /// What bridges say of each closure between their chains, and those between sessions alone.
     pub(crate) bridged: Vec<Option<Evidence>>,
     pub(crate) begun: Vec<Option<Evidence>>,
+    pub(crate) seams: Seams<G, DOF>,
     /// What the log-likelihood ratio would be without any error, where the map has one: little where the map says little about a
     /// closure's ends.
     pub(crate) most: Vec<Option<f64>>,
@@ -206,11 +207,19 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             within(hypothesis.members[0]) && 2 * accepted < hypothesis.members.len()
         };
         let first: Vec<usize> = self.hypotheses.iter().filter(open).flat_map(Hypothesis::witnesses).collect();
-        let mut map =
-            self.drawing.map(self.model, &self.random, &self.accepted, &[], self.poses.as_deref())?;
-        map.enough = self.threshold;
-        let judged = map.judge(&self.partners, &asked, &first);
-        let poses = map.poses;
+        let mut start = self.poses.take();
+        let (poses, judged) = loop {
+            let bridges = &self.seams.confirmed;
+            let mut map =
+                self.drawing.map(self.model, &self.random, &self.accepted, bridges, start.as_deref())?;
+            map.enough = self.threshold;
+            let judged = map.judge(&self.partners, &asked, &first);
+            // What a bridge contradicts must not be accepted in the round that confirms it.
+            if !self.seams.confirm(&mut map, &part, self.usual) {
+                break (map.poses, judged);
+            }
+            start = Some(map.poses);
+        };
         // Of the accepted ones that the rest contradicts the worst third goes first: the others may be its victims.
         let mut worst: Vec<f64> = asked
             .iter()
@@ -349,8 +358,10 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             }
             (busy[a], busy[b]) = (true, true);
             self.parts.union(span.a, span.b);
+            // Without those of its members that a bridge between the sessions contradicts: the map may confirm the bridge.
+            let whole = hypothesis.contradicted(&self.begun);
             for &member in &hypothesis.members {
-                next[member] = true;
+                next[member] = whole || self.begun[member].is_none_or(|begun| begun.weight() > CONTRADICTED);
             }
         }
         busy.contains(&true)
