@@ -6,8 +6,9 @@ use serde::Serialize;
 
 use crate::evidence::{Evidence, GAUSSIAN, TAIL, compare};
 use crate::ingredients::Ingredient;
-use crate::mixture::{Class, Contrast, Loops, SAMPLE, contrast, local_share};
+use crate::mixture::{Class, Contrast, Loops, SAMPLE, classes, contrast, local_share};
 use crate::model::{Loop, Model, Motion};
+use crate::partners::Partners;
 
 /// Factors on covariances.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -29,6 +30,29 @@ pub struct Calibration {
     /// Degrees of freedom of errors' t distribution.
     #[serde(skip)]
     pub(crate) tail: f64,
+}
+
+/// Factors for loops, with coherent errors, and for the map, without: its odometry's errors are random, step by step.
+#[derive(Clone, Debug)]
+pub(crate) struct Factors {
+    pub(crate) loops: Calibration,
+    pub(crate) random: Calibration,
+}
+
+impl Factors {
+    pub(crate) fn of<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, partners: &Partners) -> Self {
+        let classes = classes(model, partners);
+        let (loops, random) = rayon::join(
+            || calibrate(model, &classes, !model.without(Ingredient::Coherent)),
+            || calibrate(model, &classes, false),
+        );
+        Self { loops, random }
+    }
+
+    /// The same for chains that are parts of those it was made for, by the numbers of these.
+    pub(crate) fn of_parts(&self, whole: &[usize]) -> Self {
+        Self { loops: self.loops.of_parts(whole), random: self.random.of_parts(whole) }
+    }
 }
 
 /// How much more a local error varies than the noise of landmark edges: thirty standard deviations.
@@ -66,6 +90,11 @@ impl Calibration {
             landmark: point.landmark.exp(),
             ..*self
         }
+    }
+
+    fn of_parts(&self, whole: &[usize]) -> Self {
+        let part = |factors: &[f64]| whole.iter().map(|&chain| factors[chain]).collect();
+        Self { odometry: part(&self.odometry), coherent: part(&self.coherent), ..*self }
     }
 
     /// How likely a local error is over a correct closure, by the log-likelihood ratio of the closure against one.
@@ -111,7 +140,7 @@ struct Point {
 }
 
 /// Common factors first, then each chain's own.
-pub(crate) fn calibrate<G: Motion<DOF>, const DOF: usize>(
+fn calibrate<G: Motion<DOF>, const DOF: usize>(
     model: &Model<G, DOF>,
     classes: &[Class<DOF>],
     with_coherent: bool,

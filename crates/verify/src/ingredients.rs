@@ -26,4 +26,6 @@ pub enum Ingredient {
     Prior,
     /// The usual motion of a session where its odometry is interrupted
     Bridges,
+    /// Groups of edges behind odometry that is broken, where the usual motion leads to them
+    Breaks,
 }

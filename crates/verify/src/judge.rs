@@ -4,14 +4,14 @@ use petgraph::unionfind::UnionFind;
 use posecut_graph::PoseGraph;
 use rayon::prelude::*;
 
+use crate::breaks::breaks;
 use crate::bridges::{Seams, bridged, bridges};
-use crate::calibration::{Calibration, calibrate};
+use crate::calibration::{Calibration, Factors};
 use crate::cut::{COST, Tie, cut, tied};
 use crate::evidence::chi_square_quantile;
 use crate::ingredients::Ingredient;
 use crate::islands::{Hypothesis, islands, support};
 use crate::map::Drawing;
-use crate::mixture::classes;
 use crate::model::{Model, Motion};
 use crate::partners::Partners;
 use crate::rounds::Rounds;
@@ -28,7 +28,7 @@ pub(crate) struct Judged {
     pub(crate) odds: Vec<f64>,
     /// How likely a local error of each closure is, over a correct closure.
     pub(crate) local: Vec<f64>,
-    pub(crate) calibration: Calibration,
+    pub(crate) factors: Factors,
     pub(crate) rounds: usize,
     pub(crate) hypotheses: Vec<Hypothesis>,
     pub(crate) cut_proved: bool,
@@ -37,6 +37,8 @@ pub(crate) struct Judged {
     /// Parts of the graph that closures could join, and those that they do.
     pub(crate) joinable: usize,
     pub(crate) joined: usize,
+    /// Places among the graph's edges of odometry that is broken.
+    pub(crate) breaks: Vec<usize>,
 }
 
 impl Judged {
@@ -51,18 +53,26 @@ impl Judged {
     }
 }
 
+/// What is known of a graph before it is judged: factors, and the places among its edges of closures to start from, in order.
+pub(crate) struct Known {
+    pub(crate) factors: Factors,
+    pub(crate) accepted: Vec<usize>,
+}
+
 /// Judges all closures. Of the hypotheses that join two parts, the preferred one, named by its members, goes before heavier ones.
+/// Factors that are known are not estimated again, and the map starts from closures known to be accepted.
 pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     model: &Model<G, DOF>,
     preferred: Option<&[usize]>,
+    known: Option<Known>,
 ) -> anyhow::Result<Judged> {
     let partners = Partners::of(model);
-    let classes = classes(model, &partners);
-    let (calibration, random) = rayon::join(
-        || calibrate(model, &classes, !model.without(Ingredient::Coherent)),
-        || calibrate(model, &classes, false),
-    );
+    let (factors, known) = match known {
+        Some(Known { factors, accepted }) => (factors, accepted),
+        None => (Factors::of(model, &partners), Vec::new()),
+    };
+    let Factors { loops: calibration, random } = factors.clone();
     let ties = ties(model, &partners, &calibration);
     let count = model.closures.len();
     let ratio: Vec<Option<f64>> =
@@ -93,7 +103,12 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         })
         .collect();
     let mut hypotheses = islands.hypotheses();
-    let parts = UnionFind::new(chains);
+    let known = |closure: usize| known.binary_search(&model.closures[closure].candidate.edge).is_ok();
+    let accepted: Vec<bool> = (0..count).map(|closure| accepted[closure] || known(closure)).collect();
+    let mut parts = UnionFind::new(chains);
+    for span in (0..count).filter(|&closure| known(closure)).map(|closure| model.span(closure)) {
+        parts.union(span.a, span.b);
+    }
     let drawing = Drawing::of(graph, model)?;
     let [within, between] = if model.without(Ingredient::Bridges) {
         [Vec::new(), Vec::new()]
@@ -135,6 +150,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     let joined = spans.filter(|span| held.union(span.a, span.b)).count();
     let prior = rounds.prior();
     let odds = rounds.most.iter().map(|most| prior.odds(*most)).collect();
+    let breaks = if model.without(Ingredient::Breaks) { Vec::new() } else { breaks(graph, &rounds) };
     let Rounds { accepted, ratio, local, hypotheses, random, .. } = rounds;
     let local = local.iter().map(|ratio| ratio.map_or(0.0, |ratio| random.wrong(ratio))).collect();
     let cut_proved = clusters.optimal;
@@ -143,12 +159,13 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         ratio,
         odds,
         local,
-        calibration,
+        factors,
         rounds: number,
         hypotheses,
         cut_proved,
         ties,
         joinable,
+        breaks,
         joined,
     })
 }

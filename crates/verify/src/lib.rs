@@ -9,10 +9,12 @@
 //! - `judge`, `islands`, `rounds`, `map`: hypotheses, and rounds of optimisation and verdicts.
 //! - `prior`: how many candidates are correct where the map says little.
 //! - `bridges`: where odometry is missing, how far the robot usually moves in such a time.
+//! - `breaks`: where odometry is broken, so that correct edges contradict it.
 //! - `ingredients`: what can be left out, to see what it is worth.
 //! - `rivals`: other ways to join two chains.
 //! - [`verdict`], [`stage`]: what is said of every edge, on a pose graph.
 
+mod breaks;
 mod bridges;
 mod calibration;
 mod cut;

@@ -69,6 +69,11 @@ impl<G: Motion<DOF>, const DOF: usize> Drawing<G, DOF> {
         Ok(Self { start: model.chains.places.iter().map(place).collect(), odometry, landmarks, covariances })
     }
 
+    /// The edge of a closure.
+    pub(crate) fn landmark(&self, closure: usize) -> &Edge<G, DOF> {
+        &self.landmarks[closure]
+    }
+
     /// Optimises the odometry with the accepted closures, and with bridges where odometry is missing.
     pub(crate) fn map<'a>(
         &'a self,

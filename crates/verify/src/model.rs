@@ -42,6 +42,8 @@ pub(crate) struct Span {
 /// A graph as chains and closures.
 pub(crate) struct Model<G, const DOF: usize> {
     pub(crate) chains: Chains<G, DOF>,
+    /// The graph's node at each place of each chain.
+    nodes: Vec<Vec<usize>>,
     /// Prefix sums over each chain of Ad(P_k) (m_k, 0), m_k the step's translation turned into each coherent direction.
     drifts: Vec<Vec<Drift<DOF>>>,
     /// For each chain the second moment of the relative pose of two of its places, and of a place anywhere.
@@ -69,6 +71,11 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
     pub(crate) fn of(graph: &PoseGraph, without: &[Ingredient]) -> Result<Self, PcmError> {
         let chains = Chains::with(graph, Covariances::Repaired)?;
         let grouped = group_with(graph, &chains, Covariances::Repaired)?;
+        let mut nodes: Vec<Vec<usize>> =
+            chains.chains.iter().map(|chain| vec![0; chain.poses.len()]).collect();
+        for (node, &(chain, place)) in chains.places.iter().enumerate() {
+            nodes[chain][place] = node;
+        }
         let drifts = chains.chains.iter().map(|chain| drift(chain)).collect();
         let apart = chains.chains.iter().map(|chain| second_moment(&chain.poses)).collect();
         let (mut spans, mut closures) = (Vec::new(), Vec::new());
@@ -87,6 +94,7 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         }
         Ok(Self {
             chains,
+            nodes,
             drifts,
             apart,
             groups: grouped.groups,
@@ -96,6 +104,11 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
             rejected_before: grouped.rejected_before,
             without: without.to_vec(),
         })
+    }
+
+    /// The graph's node at a place of a chain.
+    pub(crate) fn node(&self, chain: usize, place: usize) -> usize {
+        self.nodes[chain][place]
     }
 
     /// Whether the method is to do without an ingredient.

@@ -71,7 +71,7 @@ impl Options {
             rejected += usize::from(finding.mark(graph, Self::NAME, self.undecided == Undecided::Keep));
         }
         report(&verification);
-        note(&verification, rejected, context);
+        note(&verification, graph, rejected, context);
         Ok(())
     }
 
@@ -96,7 +96,8 @@ impl Options {
 }
 
 fn report(verification: &Verification) {
-    let Verification { findings, joins_proposed, joins_established, calibration, rivals, .. } = verification;
+    let Verification { findings, joins_proposed, joins_established, calibration, rivals, broken, .. } =
+        verification;
     info!(
         "{} judged: {} accepted, {} rejected, {} undecided",
         counted(findings.len(), "landmark edge"),
@@ -124,6 +125,12 @@ fn report(verification: &Verification) {
             rival.hypothesis
         );
     }
+    if !broken.is_empty() {
+        warn!(
+            "odometry is broken at {}: landmark edges that agree with each other and with the usual motion contradict it; --stats lists its edges under broken_odometry",
+            counted(broken.len(), "step")
+        );
+    }
     if calibration.on_prior && !findings.is_empty() {
         warn!(
             "covariances are used as claimed: the landmark edges say too little to calibrate them ({:.1} nats over shuffled ones)",
@@ -132,11 +139,12 @@ fn report(verification: &Verification) {
     }
 }
 
-fn note(verification: &Verification, rejected: usize, context: &mut Context) {
+fn note(verification: &Verification, graph: &PoseGraph, rejected: usize, context: &mut Context) {
     let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
     for finding in &verification.findings {
         *reasons.entry(finding.reason.name()).or_default() += 1;
     }
+    let broken: Vec<u64> = verification.broken.iter().map(|&edge| graph.edges[edge].id).collect();
     let statistics = &mut context.statistics;
     statistics.note("candidates", verification.findings.len());
     statistics.note("unmeasured", verification.unmeasured);
@@ -151,6 +159,7 @@ fn note(verification: &Verification, rejected: usize, context: &mut Context) {
     statistics.note("hypotheses", verification.hypotheses);
     statistics.note("rivals", &verification.rivals);
     statistics.note("calibration", &verification.calibration);
+    statistics.note("broken_odometry", broken);
     statistics.note("cut_proved", verification.cut_proved);
     statistics.note("rounds", verification.rounds);
 }

@@ -75,7 +75,7 @@ pub(crate) fn findings<G: Motion<DOF>, const DOF: usize>(
     }
     let witnesses = witnesses(&judged.ties, &judged.accepted);
     let opposed = opposed(&judged.ties, count);
-    let alone = judged.calibration.odds() * alone(&judged.ratio, &judged.accepted);
+    let alone = judged.factors.loops.odds() * alone(&judged.ratio, &judged.accepted);
     (0..count)
         .map(|closure| {
             let accepted = judged.accepted[closure];
@@ -111,7 +111,7 @@ fn probability(closure: usize, judged: &Judged, alone: f64) -> f64 {
     let odds = match judged.ratio[closure] {
         Some(ratio) => ratio.clamp(-CLIP, CLIP).exp() * judged.odds[closure],
         // Accepted with a hypothesis that nothing else holds.
-        None if judged.accepted[closure] => CLIP.exp() * judged.calibration.odds(),
+        None if judged.accepted[closure] => CLIP.exp() * judged.factors.loops.odds(),
         None => alone,
     };
     1.0 / (1.0 + 1.0 / odds + judged.local[closure])

@@ -1,15 +1,20 @@
 //! The whole of it: a graph in, findings out.
 
+use std::borrow::Cow;
+
 use anyhow::{Context as _, ensure};
 use posecut_graph::PoseGraph;
 
 use crate::calibration::Calibration;
 use crate::ingredients::Ingredient;
-use crate::judge::judge;
+use crate::judge::{Judged, Known, judge};
 use crate::model::{Model, Motion};
 use crate::renumber::renumbered;
 use crate::rivals::{Rival, rivals};
 use crate::verdict::{Finding, Verdict, findings};
+
+/// Times that broken odometry is looked for: behind one break there may be another.
+const PASSES: usize = 8;
 
 /// What verification found.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,8 +33,10 @@ pub struct Verification {
     pub hypotheses: usize,
     /// Hypotheses between two chains that have comparable evidence to what is accepted between them.
     pub rivals: Vec<Rival>,
-    /// Factors on covariances.
+    /// Factors on covariances, for each chain, or part of a chain where its odometry is broken.
     pub calibration: Calibration,
+    /// Places among the graph's edges of odometry that is broken.
+    pub broken: Vec<usize>,
     /// Whether the multicut is proved optimal.
     pub cut_proved: bool,
     /// Rounds of map and verdicts.
@@ -59,9 +66,8 @@ pub fn verify_by<G: Motion<DOF>, const DOF: usize>(
     hypothesis: usize,
     without: &[Ingredient],
 ) -> anyhow::Result<Verification> {
-    let graph = &*renumbered::<G, DOF>(graph);
-    let model = Model::<G, DOF>::of(graph, without)?;
-    let mut judged = judge(graph, &model, None)?;
+    let Parts { graph, model, mut judged, broken } =
+        Parts::<G, DOF>::of(renumbered::<G, DOF>(graph), without)?;
     if hypothesis > 0 {
         let chosen = judged.others().nth(hypothesis - 1).with_context(|| {
             let count = judged.others().count();
@@ -74,9 +80,14 @@ pub fn verify_by<G: Motion<DOF>, const DOF: usize>(
             !model.same_chain(members[0]),
             "hypothesis {hypothesis}: its edges lie within one chain, whose odometry contradicts them; another hypothesis can only replace a join of two chains"
         );
-        judged = judge(graph, &model, Some(&members))?;
+        judged = judge(
+            &graph,
+            &model,
+            Some(&members),
+            Some(Known { factors: judged.factors, accepted: Vec::new() }),
+        )?;
     }
-    let findings = findings(graph, &model, &judged);
+    let findings = findings(&graph, &model, &judged);
     Ok(Verification {
         findings,
         unmeasured: model.unmeasured,
@@ -85,8 +96,50 @@ pub fn verify_by<G: Motion<DOF>, const DOF: usize>(
         joins_established: judged.joined,
         hypotheses: judged.hypotheses.len(),
         rivals: rivals(&model, &judged),
-        calibration: judged.calibration,
+        calibration: judged.factors.loops,
+        broken,
         cut_proved: judged.cut_proved,
         rounds: judged.rounds,
     })
+}
+
+/// A graph whose chains end where their odometry is broken.
+struct Parts<'a, G, const DOF: usize> {
+    graph: Cow<'a, PoseGraph>,
+    model: Model<G, DOF>,
+    judged: Judged,
+    broken: Vec<usize>,
+}
+
+impl<'a, G: Motion<DOF>, const DOF: usize> Parts<'a, G, DOF> {
+    /// Judges, and again without the odometry that turns out to be broken.
+    fn of(mut graph: Cow<'a, PoseGraph>, without: &[Ingredient]) -> anyhow::Result<Self> {
+        let mut model = Model::<G, DOF>::of(&graph, without)?;
+        let mut judged = judge(&graph, &model, None, None)?;
+        let mut broken = Vec::new();
+        for _ in 0..PASSES {
+            if judged.breaks.is_empty() {
+                break;
+            }
+            for &step in &judged.breaks {
+                graph.to_mut().edges[step].reject("verify");
+            }
+            broken.append(&mut judged.breaks);
+            let mut accepted: Vec<usize> = (0..judged.accepted.len())
+                .filter(|&closure| judged.accepted[closure])
+                .map(|closure| model.closures[closure].candidate.edge)
+                .collect();
+            accepted.sort_unstable();
+            let parts = Model::<G, DOF>::of(&graph, without)?;
+            let mut whole = vec![0; parts.chains.chains.len()];
+            for (&(part, _), &(chain, _)) in parts.chains.places.iter().zip(&model.chains.places) {
+                whole[part] = chain;
+            }
+            model = parts;
+            let factors = judged.factors.of_parts(&whole);
+            judged = judge(&graph, &model, None, Some(Known { factors, accepted }))?;
+        }
+        broken.sort_unstable();
+        Ok(Self { graph, model, judged, broken })
+    }
 }

@@ -246,7 +246,8 @@ fn every_ingredient_can_be_left_out() {
             | Ingredient::Multicut
             | Ingredient::Local
             | Ingredient::Prior
-            | Ingredient::Bridges => {}
+            | Ingredient::Bridges
+            | Ingredient::Breaks => {}
         }
     }
 }
