@@ -24,6 +24,8 @@ pub(crate) struct Class<const DOF: usize> {
     /// Whether loops may be shifted: false closures between chains come in groups that agree within themselves, and lie a
     /// corridor's or a crossing's width beside the correct ones.
     shifted: bool,
+    /// Whether these are loops of wrong neighbours instead, of which there may be any number.
+    neighbours: bool,
     pub(crate) real: Sample<DOF>,
     shuffled: Sample<DOF>,
 }
@@ -102,19 +104,19 @@ pub(crate) fn local_share<const DOF: usize>(classes: &[Class<DOF>], factors: &Ca
 }
 
 impl<const DOF: usize> Class<DOF> {
-    /// Adds the loop through two closures, and its twin with an end of the other one `turn` steps elsewhere; `apart` is the second
-    /// moment by chance, if not that of places anywhere.
+    /// Adds the loop through two closures, and its twin with an end of the other one `turn` steps elsewhere; `beside` is the
+    /// second moment of what is neither correct nor anywhere, if not that of a shift.
     fn add<G: Motion<DOF>>(
         &mut self,
         model: &Model<G, DOF>,
         (one, other): (usize, usize),
         turn: usize,
-        apart: Option<SMatrix<f64, DOF, DOF>>,
+        beside: Option<SMatrix<f64, DOF, DOF>>,
     ) {
         let real = model.pair(one, other);
         let twin = model.pair_shuffled(one, other, Partners::elsewhere(model, other, turn));
         for (sample, closed) in [(&mut self.real, real), (&mut self.shuffled, twin)] {
-            sample.push(Loop { apart: apart.unwrap_or(closed.apart), ..closed });
+            sample.push(Loop { beside: beside.unwrap_or(closed.beside), ..closed });
         }
     }
 
@@ -145,12 +147,13 @@ impl<const DOF: usize> Class<DOF> {
         for _ in 0..ROUNDS {
             let counts = counts(loops, &shares);
             shares = [0, 1, 2].map(|part| (unseen[part] + counts[part]) / all);
-            let wrong = shares[1] + shares[2];
-            if wrong > self.wrong_most * shares[0] {
-                let sum = shares[0] + wrong;
+            let [correct, local, beside] = shares;
+            let wrong = if self.neighbours { local } else { local + beside };
+            if wrong > self.wrong_most * correct {
+                let sum = correct + wrong;
                 let correct = sum / (1.0 + self.wrong_most);
                 let kept = (sum - correct) / wrong;
-                shares = [correct, shares[1] * kept, shares[2] * kept];
+                shares = [correct, local * kept, if self.neighbours { beside } else { beside * kept }];
             }
         }
         shares
@@ -166,6 +169,7 @@ pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
         counts,
         wrong_most,
         shifted,
+        neighbours: false,
         real: Sample::default(),
         shuffled: Sample::default(),
     };
@@ -175,6 +179,8 @@ pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
     let count = model.closures.len();
     let sample = (0..count).step_by(count.div_ceil(SAMPLE).max(1));
     let neighbours = Neighbours::of(model, partners, sample.clone());
+    near.neighbours = neighbours.known();
+    near.shifted |= near.neighbours;
     for closure in sample {
         let donor = Partners::elsewhere(model, closure, 3);
         let found = partners.near(closure);

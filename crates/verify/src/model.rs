@@ -17,6 +17,9 @@ impl<G: Spatial<DOF> + PoseGroup<DOF>, const DOF: usize> Motion<DOF> for G {}
 /// Pairs of places whose relative poses tell how far apart two places of a chain are.
 const PLACES: usize = 500;
 
+/// The second moment of a shift, as a share of that of chance: a tenth of the way.
+const SHIFT: f64 = 0.01;
+
 /// Directions of coherent odometry errors: along the motion, and both ways across it (one in the plane).
 pub(crate) const COHERENT: usize = 3;
 type Drift<const DOF: usize> = SMatrix<f64, DOF, COHERENT>;
@@ -65,6 +68,8 @@ pub(crate) struct Loop<const DOF: usize> {
     pub(crate) odometry: [(usize, SMatrix<f64, DOF, DOF>, SMatrix<f64, DOF, DOF>); 2],
     /// R, the second moment of the error by chance.
     pub(crate) apart: SMatrix<f64, DOF, DOF>,
+    /// The same of a loop through a closure that is shifted, or of one through wrong neighbours.
+    pub(crate) beside: SMatrix<f64, DOF, DOF>,
 }
 
 impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
@@ -279,7 +284,8 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
                 (span.b, chain_b.covariance_between(a.k, b.k), drift_b * drift_b.transpose()),
             ]
         };
-        Loop { error, landmark, odometry, apart: self.apart_at(closure) }
+        let apart = self.apart_at(closure);
+        Loop { error, landmark, odometry, apart, beside: apart * SHIFT }
     }
 
     /// The loop through one closure and the odometry of its own chain; `None` between two chains.
@@ -296,6 +302,7 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         let chain = self.chain(span.a);
         let drift = self.drifts[span.a][candidate.k] - self.drifts[span.a][candidate.i];
         let zero = SMatrix::zeros();
+        let apart = self.apart_at(closure);
         Loop {
             error: candidate.from_a.log(),
             landmark: candidate.covariance,
@@ -303,7 +310,8 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
                 (span.a, chain.covariance_between(candidate.i, candidate.k), drift * drift.transpose()),
                 (span.b, zero, zero),
             ],
-            apart: self.apart_at(closure),
+            apart,
+            beside: apart * SHIFT,
         }
     }
 }

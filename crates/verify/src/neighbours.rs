@@ -14,7 +14,7 @@ const LEAST: usize = 20;
 /// the frame of the candidate's end in chain B; `None` where there are too few loops.
 ///
 /// Wrong neighbours lead from near places to near places, and mostly claim that these are the same one: their loops have small
-/// errors, whatever the odometry is. Against R, that of places anywhere, a loose odometry explains them. Where four candidates
+/// errors, whatever the odometry is. Beside R alone, that of places anywhere, a loose odometry explains them. Where four candidates
 /// of five were wrong, its variance was taken for a thousand times what it is.
 pub(crate) struct Neighbours<const DOF: usize>([Option<SMatrix<f64, DOF, DOF>>; RANKS.len()]);
 
@@ -43,6 +43,11 @@ impl<const DOF: usize> Neighbours<DOF> {
             });
             (count >= LEAST).then(|| sum / count as f64)
         }))
+    }
+
+    /// Whether all of them are known.
+    pub(crate) fn known(&self) -> bool {
+        self.0.iter().all(Option::is_some)
     }
 
     /// The second moment for a candidate and its neighbour at a place among the ranks, in the frame of chain B.

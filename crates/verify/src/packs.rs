@@ -19,9 +19,6 @@ type Stored<const DOF: usize> = [[Wide; DOF]; DOF];
 /// The same in registers.
 type Symmetric<S, const DOF: usize> = [[Lanes<S>; DOF]; DOF];
 
-/// The second moment of a shift, as a share of that of chance: a tenth of the way.
-const SHIFT: f64 = 0.01;
-
 /// Loops to look at.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sample<const DOF: usize> {
@@ -35,6 +32,7 @@ struct Pack<const DOF: usize> {
     error: [Wide; DOF],
     landmark: Stored<DOF>,
     apart: Stored<DOF>,
+    beside: Stored<DOF>,
     sides: [Side<DOF>; 2],
 }
 
@@ -80,7 +78,7 @@ impl<const DOF: usize> Pack<DOF> {
     fn empty() -> Self {
         let zero = [[Wide::default(); DOF]; DOF];
         let side = Side { chains: [0; WIDTH], random: zero, coherent: zero };
-        Self { error: [Wide::default(); DOF], landmark: zero, apart: zero, sides: [side; 2] }
+        Self { error: [Wide::default(); DOF], landmark: zero, apart: zero, beside: zero, sides: [side; 2] }
     }
 
     fn set(&mut self, lane: usize, closed: &Loop<DOF>) {
@@ -96,6 +94,7 @@ impl<const DOF: usize> Pack<DOF> {
         }
         put(&mut self.landmark, &closed.landmark);
         put(&mut self.apart, &closed.apart);
+        put(&mut self.beside, &closed.beside);
         for (side, (chain, random, coherent)) in self.sides.iter_mut().zip(&closed.odometry) {
             side.chains[lane] = *chain;
             put(&mut side.random, random);
@@ -153,7 +152,7 @@ impl<const DOF: usize> Compare<'_, DOF> {
         let wider = Wider { simd, covariance, error, near: &near, tail: self.factors.tail, lane };
         let correct = wider.by(&pack.apart, 1.0);
         let local = correct / wider.by(&pack.landmark, self.factors.landmark * LOCAL);
-        let shifted = if self.shifted { correct / wider.by(&pack.apart, SHIFT) } else { zero };
+        let shifted = if self.shifted { correct / wider.by(&pack.beside, 1.0) } else { zero };
         // Not where a pivot is zero or negative, nor where anything is not a number.
         let one = Lanes::splat(simd, 1.0);
         let definite = zero.less_than(near.least);
@@ -282,6 +281,7 @@ mod tests {
             landmark: matrix(0, 0.01),
             odometry: [(chain, matrix(1, 0.1), matrix(2, 1.0)), (2, matrix(3, 0.1), matrix(4, 1.0))],
             apart: matrix(5, 100.0),
+            beside: matrix(6, 1.0),
         }
     }
 
@@ -314,7 +314,7 @@ mod tests {
             let close = |value: f64, expected: f64| (value - expected).abs() < 1e-9 * (1.0 + expected.abs());
             assert!(close(parts[0], evidence.chance), "{} {}", parts[0], evidence.chance);
             assert!(close(parts[1], evidence.chance - evidence.local));
-            let shifted = Loop { apart: closed.apart * SHIFT, ..closed.clone() };
+            let shifted = Loop { apart: closed.beside, ..closed.clone() };
             let shift = calibration.evidence(&shifted).unwrap().chance;
             assert!(close(parts[2], evidence.chance - shift));
         }
