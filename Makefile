@@ -31,7 +31,7 @@ help:
 	@echo '       PIPELINES="paper …"       which regimes       METHODS="…"   none pcm gc pcm+gc oracle,'
 	@echo '                                 and to compare: pcm-chance ransac islands densest voting gnc dcs,'
 	@echo '                                 each +gc too'
-	@echo '  make trust DATA=DIR            every method on every kind of graph: docs/trust.md (under an hour; resumes)'
+	@echo '  make trust DATA=DIR            every method on every kind of graph: docs/trust.md (half an hour; resumes)'
 	@echo '       FAMILIES="clean kitti"    which families      HALF=test       one half'
 	@echo '  make trust-sample              every method on two simulated sessions, without data (half a minute)'
 	@echo '  make ablation DATA=DIR         what each part of posecut-verify is worth: docs/results/verify-ablation.md'
