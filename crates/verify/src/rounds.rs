@@ -25,6 +25,8 @@ pub(crate) const CONTRADICTED: f64 = -3.0;
 const ROADS: f64 = 5.0;
 /// Largest probability of being wrong at which a closure is accepted.
 const DOUBT: f64 = 0.1;
+/// The same of one with an error that only one in a hundred correct ones has.
+const UNUSUAL_DOUBT: f64 = 0.01;
 
 /// Whether a local error is too likely, by its odds against a correct closure.
 pub(crate) fn is_vague(wrong: f64) -> bool {
@@ -315,17 +317,18 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         2 * unseen.count() > witnesses.len()
     }
 
-    /// Closures with less evidence than a random one might have somewhere, but which are likely where they are: they fit as
-    /// correct ones do, the posterior probability is high, and among all of them less than a third of a wrong one is expected.
+    /// Closures with less evidence than a random one might have somewhere, but which are likely where they are: the posterior
+    /// probability is high, more so where they fit as few correct ones do, and among all of them less than a third of a wrong one is
+    /// expected.
     fn likely(&self, next: &[bool]) -> Vec<usize> {
         let prior = self.prior();
         let mut doubts: Vec<(f64, usize)> = (0..next.len())
-            .filter(|&closure| !next[closure] && self.fits[closure] && self.precise(closure))
+            .filter(|&closure| !next[closure] && self.precise(closure))
             .filter_map(|closure| {
                 let odds = prior.odds(self.most[closure]);
                 Some((1.0 / (1.0 + odds * self.ratio[closure]?.exp()), closure))
             })
-            .filter(|&(doubt, _)| doubt < DOUBT)
+            .filter(|&(doubt, closure)| doubt < if self.fits[closure] { DOUBT } else { UNUSUAL_DOUBT })
             .collect();
         doubts.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut expected = 0.0;
