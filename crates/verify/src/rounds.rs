@@ -318,8 +318,8 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
     }
 
     /// Closures with less evidence than a random one might have somewhere, but which are likely where they are: the posterior
-    /// probability is high, more so where they fit as few correct ones do, and among all of them less than a third of a wrong one is
-    /// expected.
+    /// probability is high, higher where they fit as few correct ones do, and among all of them less than a third of a wrong one
+    /// is expected.
     fn likely(&self, next: &[bool]) -> Vec<usize> {
         let prior = self.prior();
         let mut doubts: Vec<(f64, usize)> = (0..next.len())
