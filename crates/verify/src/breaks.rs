@@ -5,22 +5,21 @@
 //! of the broken steps: correct ones have the robot move as it usually does, false ones have it jump anywhere.
 
 use nalgebra::{SMatrix, SVector};
+use posecut_geometry::covariance::{inverse, to_body};
 use posecut_graph::{Edge, EdgeKind, PoseGraph};
 use posecut_pcm::chain::Chain;
 
 use crate::cut::COST;
 use crate::evidence::compare;
 use crate::islands::Hypothesis;
-use crate::map::Drawing;
-use crate::model::{Model, Motion};
+use crate::model::Motion;
 use crate::rounds::Rounds;
+use crate::usual::usual_motion;
 
 /// Members of a group next to a break that are looked at.
 const WITNESSES: usize = 9;
 /// Most steps that a break may have: over more of them, chance is as near as the usual motion.
 const LONGEST: usize = 10;
-/// Fewest motions that tell the usual one.
-const MOTIONS: usize = 20;
 
 /// The places among the graph's edges of the odometry before and after groups that the map does not support, where these lie on
 /// stretches of a chain of which the map holds nothing, and the robot gets there as it usually moves.
@@ -31,8 +30,7 @@ pub(crate) fn breaks<G: Motion<DOF>, const DOF: usize>(
     let Some(poses) = &rounds.poses else { return Vec::new() };
     // Each group is looked at from both sides.
     let enough = (COST * 2.0 * rounds.hypotheses.len() as f64).ln();
-    let search =
-        Search { rounds, model: rounds.model, drawing: &rounds.drawing, poses, held: held(rounds), enough };
+    let search = Search { rounds, poses, held: held(rounds), enough };
     let mut steps: Vec<Step> = Vec::new();
     for hypothesis in &rounds.hypotheses {
         let found = [0, 1].into_iter().find_map(|side| search.around(hypothesis, side));
@@ -62,7 +60,7 @@ fn held<G: Motion<DOF>, const DOF: usize>(rounds: &Rounds<'_, G, DOF>) -> Vec<Ve
     let mut held = vec![Vec::new(); rounds.model.chains.chains.len()];
     for closure in (0..rounds.accepted.len()).filter(|&closure| rounds.accepted[closure]) {
         for side in [0, 1] {
-            let (chain, place) = end(rounds.model, closure, side);
+            let (chain, place) = rounds.model.ends(closure)[side];
             held[chain].push(place);
         }
     }
@@ -72,20 +70,8 @@ fn held<G: Motion<DOF>, const DOF: usize>(rounds: &Rounds<'_, G, DOF>) -> Vec<Ve
     held
 }
 
-/// Chain and place of a closure's end in chain A (side 0) or B.
-fn end<G: Motion<DOF>, const DOF: usize>(
-    model: &Model<G, DOF>,
-    closure: usize,
-    side: usize,
-) -> (usize, usize) {
-    let (span, candidate) = (model.span(closure), &model.closures[closure].candidate);
-    [(span.a, candidate.i), (span.b, candidate.k)][side]
-}
-
 struct Search<'a, G, const DOF: usize> {
     rounds: &'a Rounds<'a, G, DOF>,
-    model: &'a Model<G, DOF>,
-    drawing: &'a Drawing<G, DOF>,
     poses: &'a [G],
     held: Vec<Vec<usize>>,
     /// Evidence at which fewer than a third of a group is expected to be there by chance.
@@ -98,17 +84,18 @@ impl<G: Motion<DOF>, const DOF: usize> Search<'_, G, DOF> {
         // Judged by the map, and not accepted.
         let left_out =
             |member: &usize| !self.rounds.accepted[*member] && self.rounds.ratio[*member].is_some();
+        let end = |closure: usize| self.rounds.model.ends(closure)[side];
         let mut members: Vec<(usize, usize)> = hypothesis
             .members
             .iter()
             .filter(|member| left_out(member))
-            .map(|&member| (end(self.model, member, side).1, member))
+            .map(|&member| (end(member).1, member))
             .collect();
         if 2 * members.len() <= hypothesis.members.len() {
             return None;
         }
         members.sort_unstable();
-        let (chain, _) = end(self.model, hypothesis.members[0], side);
+        let (chain, _) = end(hypothesis.members[0]);
         // The stretch without accepted closures around most members; a few may lie beside it.
         let (middle, all) = (members[members.len() / 2].0, members.len());
         let held = &self.held[chain];
@@ -121,78 +108,72 @@ impl<G: Motion<DOF>, const DOF: usize> Search<'_, G, DOF> {
             return None;
         }
         let (low, high) = (members[0].0, members[members.len() - 1].0);
-        let near =
-            |members: Vec<(usize, usize)>| members.into_iter().take(WITNESSES).map(|(_, member)| member);
+        let closures = || members.iter().map(|(_, member)| *member);
         let mut steps = Vec::new();
         if let Some(before) = before {
-            self.usual(chain, side, [before, low], near(members.clone()))?;
-            steps.push(Step { chain, later: low });
+            let usual = self.is_usual((chain, side), [before, low], closures().take(WITNESSES));
+            steps.push(usual.then_some(Step { chain, later: low })?);
         }
         if let Some(after) = after {
-            members.reverse();
-            self.usual(chain, side, [after, high], near(members))?;
-            steps.push(Step { chain, later: high + 1 });
+            let usual = self.is_usual((chain, side), [after, high], closures().rev().take(WITNESSES));
+            steps.push(usual.then_some(Step { chain, later: high + 1 })?);
         }
         (!steps.is_empty()).then_some(steps)
     }
 
-    /// Something, where most members have the robot move from a place that the map holds to theirs as it usually moves.
-    fn usual(
+    /// Whether most members have the robot move from a place that the map holds to theirs as it usually moves.
+    fn is_usual(
         &self,
-        chain: usize,
-        side: usize,
+        (chain, side): (usize, usize),
         [from, to]: [usize; 2],
         members: impl Iterator<Item = usize>,
-    ) -> Option<()> {
-        let (mean, covariance) = usual_motion(&self.model.chains.chains, chain, [from, to])?;
+    ) -> bool {
+        let model = self.rounds.model;
+        let Some((mean, covariance)) = motion_over(&model.chains.chains, chain, [from, to]) else {
+            return false;
+        };
         let (mut fit, mut all) = (0, 0);
         for member in members {
-            let error = mean.between(&self.motion(chain, side, [from, to], member)).log();
-            let covariance = covariance + self.uncertainty(chain, side, to, member);
-            let apart = self.model.apart_local(member);
-            let found = compare(&error, &covariance, &apart, &apart, self.rounds.random.tail);
             all += 1;
+            let (motion, own) = self.motion(side, [from, to], member);
+            let apart = model.apart_local(member);
+            let error = mean.between(&motion).log();
+            let found = compare(&error, &(covariance + own), &apart, &apart, self.rounds.random.tail);
             fit += usize::from(found.is_some_and(|found| {
                 found.squared_distance <= self.rounds.usual && found.distant() > self.enough
             }));
         }
-        (2 * fit > all).then_some(())
+        2 * fit > all
     }
 
-    /// The motion between two places of a chain, the first where the map has it, the second where a closure puts it.
-    fn motion(&self, chain: usize, side: usize, [from, to]: [usize; 2], closure: usize) -> G {
-        let edge = self.drawing.landmark(closure);
+    /// The motion between two places of a chain, the first where the map has it, the second where a closure puts it, and its
+    /// covariance: of the measurement, twice, since the map's own errors are about as large where it holds a place, and of the
+    /// odometry from the closure's end to the second place.
+    fn motion(&self, side: usize, [from, to]: [usize; 2], closure: usize) -> (G, SMatrix<f64, DOF, DOF>) {
+        let (model, factors) = (self.rounds.model, &self.rounds.random);
+        let edge = self.rounds.drawing.landmark(closure);
+        let (chain, place) = model.ends(closure)[side];
+        let covariance = model.measurement_covariance(&model.closures[closure]);
         // The edge may lead either way.
-        let forward = self.model.chains.places[edge.to] == end(self.model, closure, side);
-        let own = if forward {
-            self.poses[edge.from].compose(&edge.measurement)
+        let (end, covariance) = if model.chains.places[edge.to] == (chain, place) {
+            (self.poses[edge.from].compose(&edge.measurement), covariance)
         } else {
-            self.poses[edge.to].compose(&edge.measurement.inverse())
+            let back = edge.measurement.inverse();
+            (self.poses[edge.to].compose(&back), inverse(&edge.measurement, &covariance))
         };
-        let odometry = &self.model.chains.chains[chain].poses;
-        let (_, place) = end(self.model, closure, side);
-        let there = own.compose(&odometry[place].between(&odometry[to]));
-        self.poses[self.model.node(chain, from)].between(&there)
-    }
-
-    /// The covariance of that motion without the usual one's: of the measurement, twice, since the map's own errors are about as large
-    /// where it holds a place, and of the odometry from the closure's end to the place.
-    fn uncertainty(&self, chain: usize, side: usize, to: usize, closure: usize) -> SMatrix<f64, DOF, DOF> {
-        let (factors, odometry) = (&self.rounds.random, &self.model.chains.chains[chain]);
-        let (_, place) = end(self.model, closure, side);
-        let local = |covariance: SMatrix<f64, DOF, DOF>, frame: G| {
-            let turned = frame.adjoint();
-            turned * covariance * turned.transpose()
-        };
-        let measured = self.model.measurement_covariance(&self.model.closures[closure]);
-        let along = odometry.covariance_between(place, to) * factors.odometry[chain];
-        local(measured * (2.0 * factors.landmark), odometry.poses[to].between(&odometry.poses[place]))
-            + local(along, odometry.poses[to].inverse())
+        let odometry = &model.chains.chains[chain];
+        let along = odometry.poses[place].between(&odometry.poses[to]);
+        let own = to_body(&along, &(covariance * (2.0 * factors.landmark)))
+            + to_body(
+                &odometry.poses[to],
+                &(odometry.covariance_between(place, to) * factors.odometry[chain]),
+            );
+        (self.poses[model.node(chain, from)].between(&end.compose(&along)), own)
     }
 }
 
 /// Mean and covariance of the motion over as many steps in the same direction: anywhere on a chain, or on all where it is short.
-fn usual_motion<G: Motion<DOF>, const DOF: usize>(
+fn motion_over<G: Motion<DOF>, const DOF: usize>(
     chains: &[Chain<G, DOF>],
     own: usize,
     [from, to]: [usize; 2],
@@ -201,18 +182,13 @@ fn usual_motion<G: Motion<DOF>, const DOF: usize>(
     if !(1..=LONGEST).contains(&length) {
         return None;
     }
-    let chains = if chains[own].poses.len() < length + MOTIONS { chains } else { &chains[own..=own] };
-    let motions: Vec<SVector<f64, DOF>> = chains
-        .iter()
-        .flat_map(|chain| chain.poses.iter().zip(chain.poses.iter().skip(length)))
-        .map(|(one, other)| if from < to { one.between(other).log() } else { other.between(one).log() })
-        .collect();
-    if motions.len() < MOTIONS {
-        return None;
-    }
-    let count = motions.len() as f64;
-    let mean = motions.iter().sum::<SVector<f64, DOF>>() / count;
-    let scatter: SMatrix<f64, DOF, DOF> =
-        motions.iter().map(|motion| (motion - mean) * (motion - mean).transpose()).sum();
-    Some((G::exp(&mean), scatter / count))
+    let over = |chains: &[Chain<G, DOF>]| {
+        let motions: Vec<SVector<f64, DOF>> = chains
+            .iter()
+            .flat_map(|chain| chain.poses.iter().zip(chain.poses.iter().skip(length)))
+            .map(|(one, other)| if from < to { one.between(other).log() } else { other.between(one).log() })
+            .collect();
+        usual_motion(&motions)
+    };
+    over(&chains[own..=own]).or_else(|| over(chains))
 }

@@ -2,12 +2,13 @@
 //!
 //! A landmark edge that alone joins two parts of a graph has no loop to be judged by. If the parts follow each other in one
 //! session, or a session begins after another one has ended, the motion over the interruption is not unknown: it is as in other
-//! stretches that took as long. Such a bridge is weak, takes part in no map that is kept, and rejects nothing, since a robot may
-//! have been carried, or it may be another one.
+//! stretches that took as long. Such a bridge is weak and rejects nothing by itself: somebody may have carried the robot, or it may
+//! be another one. A bridge between two sessions holds the map only after other edges have confirmed it.
 
 use std::collections::BTreeMap;
 
 use nalgebra::{SMatrix, SVector};
+use posecut_geometry::covariance::to_body;
 use posecut_graph::PoseGraph;
 use posecut_optimize::{Edge, EdgeKind};
 use posecut_pcm::chain::Chains;
@@ -16,10 +17,9 @@ use crate::calibration::Calibration;
 use crate::evidence::{Evidence, compare};
 use crate::map::Map;
 use crate::model::{Model, Motion};
+use crate::usual::usual_motion;
 
-/// Stretches of a session from which its motion over an interruption is known.
-const STRETCHES: usize = 20;
-/// How much longer than the interruption they may be.
+/// How much longer than the interruption a stretch may be that shows the motion over it.
 const LONGER: f64 = 1.5;
 
 /// What stands for the missing odometry between two chains.
@@ -163,14 +163,14 @@ fn over<G: Motion<DOF>, const DOF: usize>(
         return None;
     }
     let length = after.saturating_sub(before);
-    let motion = known.entry(length).or_insert_with(|| usual_motion(nodes, chains, length));
+    let motion = known.entry(length).or_insert_with(|| motion_over(nodes, chains, length));
     let (measurement, information) = (*motion)?;
     let edge = Edge::new(from, to, measurement, information, EdgeKind::Odometry);
     Some(Bridge { chains: joined, edge, length })
 }
 
 /// Mean and information of the motion over stretches of a length; `None` where there are too few.
-fn usual_motion<G: Motion<DOF>, const DOF: usize>(
+fn motion_over<G: Motion<DOF>, const DOF: usize>(
     nodes: &[(i64, usize)],
     chains: &Chains<G, DOF>,
     length: i64,
@@ -190,16 +190,9 @@ fn usual_motion<G: Motion<DOF>, const DOF: usize>(
         }
         let chain = &chains.chains[number];
         motions.push(chain.poses[one].between(&chain.poses[other]).log());
-        let frame = chain.poses[other].inverse().adjoint();
-        noise += frame * chain.covariance_between(one, other) * frame.transpose();
+        noise += to_body(&chain.poses[other], &chain.covariance_between(one, other));
     }
-    if motions.len() < STRETCHES {
-        return None;
-    }
-    let count = motions.len() as f64;
-    let mean = motions.iter().sum::<SVector<f64, DOF>>() / count;
-    let scatter: SMatrix<f64, DOF, DOF> =
-        motions.iter().map(|motion| (motion - mean) * (motion - mean).transpose()).sum();
-    let information = ((scatter + noise) / count).cholesky()?.inverse();
-    Some((G::exp(&mean), information))
+    let (mean, covariance) = usual_motion::<G, DOF>(&motions)?;
+    let information = (covariance + noise / motions.len() as f64).cholesky()?.inverse();
+    Some((mean, information))
 }

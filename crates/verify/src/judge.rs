@@ -53,7 +53,7 @@ impl Judged {
     }
 }
 
-/// What is known of a graph before it is judged: factors, and the places among its edges of closures to start from, in order.
+/// What is known of a graph before it is judged: factors, and the indices of the edges to start from, in ascending order.
 pub(crate) struct Known {
     pub(crate) factors: Factors,
     pub(crate) accepted: Vec<usize>,
@@ -68,7 +68,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     known: Option<Known>,
 ) -> anyhow::Result<Judged> {
     let partners = Partners::of(model);
-    let (factors, known) = match known {
+    let (factors, begun_with) = match known {
         Some(Known { factors, accepted }) => (factors, accepted),
         None => (Factors::of(model, &partners), Vec::new()),
     };
@@ -93,18 +93,16 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     let loose = (COST * trials * (1.0 - calibration.correct)).max(1.0).ln();
     let islands = islands(&clusters, &ties, &support, threshold, loose);
     let best = islands.best(&ratio);
+    let known = |closure: usize| begun_with.binary_search(&model.closures[closure].candidate.edge).is_ok();
     // What an island says of the trajectory shares its odometry: it counts once, as its best member does.
-    let accepted: Vec<bool> = (0..count)
-        .map(|closure| {
-            anchored[closure]
-                .is_some_and(|(anchor, _)| clusters.labels[closure] == clusters.labels[count + anchor])
-                && support[closure] > threshold
-                && best[islands.forest.find(closure)] > loose
-        })
-        .collect();
+    let anchored_well = |closure: usize| {
+        anchored[closure]
+            .is_some_and(|(anchor, _)| clusters.labels[closure] == clusters.labels[count + anchor])
+            && support[closure] > threshold
+            && best[islands.forest.find(closure)] > loose
+    };
+    let accepted = (0..count).map(|closure| known(closure) || anchored_well(closure)).collect();
     let mut hypotheses = islands.hypotheses();
-    let known = |closure: usize| known.binary_search(&model.closures[closure].candidate.edge).is_ok();
-    let accepted: Vec<bool> = (0..count).map(|closure| accepted[closure] || known(closure)).collect();
     let mut parts = UnionFind::new(chains);
     for span in (0..count).filter(|&closure| known(closure)).map(|closure| model.span(closure)) {
         parts.union(span.a, span.b);

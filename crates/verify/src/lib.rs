@@ -8,7 +8,7 @@
 //! - `partners`, `cut`: which pairs are compared, and the multicut of the graph of evidence.
 //! - `judge`, `islands`, `rounds`, `map`: hypotheses, and rounds of optimisation and verdicts.
 //! - `prior`: how many candidates are correct where the map says little.
-//! - `bridges`: where odometry is missing, how far the robot usually moves in such a time.
+//! - `usual`, `bridges`: where odometry is missing, how far the robot usually moves in such a time.
 //! - `breaks`: where odometry is broken, so that correct edges contradict it.
 //! - `ingredients`: what can be left out, to see what it is worth.
 //! - `rivals`: other ways to join two chains.
@@ -34,6 +34,7 @@ mod renumber;
 mod rivals;
 mod rounds;
 pub mod stage;
+mod usual;
 pub mod verdict;
 mod verification;
 

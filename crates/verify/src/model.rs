@@ -175,6 +175,12 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         &self.spans[self.closures[closure].group]
     }
 
+    /// Chain and place of a closure's ends: in chain A, in chain B.
+    pub(crate) fn ends(&self, closure: usize) -> [(usize, usize); 2] {
+        let (span, candidate) = (self.span(closure), &self.closures[closure].candidate);
+        [(span.a, candidate.i), (span.b, candidate.k)]
+    }
+
     pub(crate) fn same_chain(&self, closure: usize) -> bool {
         let span = self.span(closure);
         span.a == span.b
