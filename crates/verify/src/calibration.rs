@@ -56,15 +56,21 @@ impl Factors {
 }
 
 /// How much more a local error varies than the noise of landmark edges: thirty standard deviations.
-pub(crate) const LOCAL: f64 = 900.0;
+const LOCAL: f64 = 900.0;
 
 impl Calibration {
+    /// The factor that turns the claimed covariance of a loop's landmark edges into that of a local error: at least as wide as
+    /// the claim has it. Narrower ones would explain the odometry's gross errors, and make all other noise small.
+    pub(crate) fn local_factor(&self) -> f64 {
+        self.landmark.max(1.0) * LOCAL
+    }
+
     /// The covariance of a local error of a loop's landmark edges.
     pub(crate) fn local<const DOF: usize>(
         &self,
         landmark: &SMatrix<f64, DOF, DOF>,
     ) -> SMatrix<f64, DOF, DOF> {
-        landmark * (self.landmark * LOCAL)
+        landmark * self.local_factor()
     }
 
     pub(crate) fn covariance<const DOF: usize>(&self, closed: &Loop<DOF>) -> SMatrix<f64, DOF, DOF> {

@@ -10,7 +10,7 @@ use nalgebra::SMatrix;
 use posecut_pcm::lanes::{Lanes, WIDTH, Wide};
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::calibration::{Calibration, LOCAL};
+use crate::calibration::Calibration;
 use crate::likelihoods::Likelihoods;
 use crate::model::Loop;
 
@@ -151,7 +151,7 @@ impl<const DOF: usize> Compare<'_, DOF> {
         let near = Eliminated::of(simd, covariance, error, &[Lanes::splat(simd, 1.0); DOF]);
         let wider = Wider { simd, covariance, error, near: &near, tail: self.factors.tail, lane };
         let correct = wider.by(&pack.apart, 1.0);
-        let local = correct / wider.by(&pack.landmark, self.factors.landmark * LOCAL);
+        let local = correct / wider.by(&pack.landmark, self.factors.local_factor());
         let shifted = if self.shifted { correct / wider.by(&pack.beside, 1.0) } else { zero };
         // Not where a pivot is zero or negative, nor where anything is not a number.
         let one = Lanes::splat(simd, 1.0);

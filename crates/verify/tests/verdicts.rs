@@ -108,20 +108,21 @@ fn with_a_lone_edge(wrong_of_five: usize, seed: u64) -> (PoseGraph, usize) {
 
 #[test]
 fn a_lone_edge_is_believed_as_far_as_others_are_not_measured_somewhat_wrongly() {
-    let verdicts = |wrong_of_five: usize, without: &[Ingredient]| -> Vec<(Verdict, Reason)> {
-        let of = |seed| {
-            let (graph, lone) = with_a_lone_edge(wrong_of_five, seed);
+    let accepted = |wrong_of_five: usize, without: &[Ingredient]| {
+        let is = |seed: &u64| {
+            let (graph, lone) = with_a_lone_edge(wrong_of_five, *seed);
             let findings = verify_by::<SE2, 3>(&graph, 0, without).unwrap().findings;
             let found = findings.iter().find(|finding| finding.edge == lone).unwrap();
-            (found.verdict, found.reason)
+            found.verdict == Verdict::Accepted
         };
-        (2..=4).map(of).collect()
+        (2..=9).filter(is).count()
     };
-    assert_eq!(verdicts(0, &[]), [(Verdict::Accepted, Reason::Supported); 3]);
-    assert_eq!(verdicts(1, &[]), [(Verdict::Undecided, Reason::Vague); 3]);
-    let believed = verdicts(1, &[Ingredient::Local, Ingredient::Prior]);
-    let accepted = believed.iter().filter(|(verdict, _)| *verdict == Verdict::Accepted).count();
-    assert!(accepted >= 2, "without a doubt of local errors most are believed: {believed:?}");
+    assert_eq!(accepted(0, &[]), 8);
+    // One in five of the others is measured somewhat wrongly, and so may this one be.
+    let doubted = accepted(1, &[]);
+    assert!(doubted <= 2, "{doubted}");
+    let believed = accepted(1, &[Ingredient::Local, Ingredient::Prior]);
+    assert!(believed >= 6, "{believed}");
 }
 
 #[test]
@@ -249,5 +250,28 @@ fn every_ingredient_can_be_left_out() {
             | Ingredient::Bridges
             | Ingredient::Breaks => {}
         }
+    }
+}
+
+/// A tenth of the odometry's steps have gross errors, as of wheels that slip. Local errors, whose width followed the landmark edges'
+/// factor, explained them, and the factor fell to a twentieth: correct edges were lost.
+#[test]
+fn gross_errors_of_odometry_do_not_make_landmark_edges_precise() {
+    for seed in 1..=6 {
+        let mut graph = draw::<SE2, 3>(0.3, Falsehood::Uniform, seed);
+        let mut random = posecut_stage::random(seed, "slip");
+        for edge in graph.edges.iter_mut().filter(|edge| edge.kind == EdgeKind::Odometry) {
+            if random.random_bool(0.1) {
+                let slip = SE2::new(
+                    random.random_range(-1.0..1.0),
+                    random.random_range(-0.5..0.5),
+                    random.random_range(-0.3..0.3),
+                );
+                let motion = SE2::from_components(edge.measurement.as_ref().unwrap()).unwrap();
+                edge.measurement = Some(motion.compose(&slip).components());
+            }
+        }
+        let calibration = verify::<SE2, 3>(&graph).unwrap().calibration;
+        assert!((0.4..4.0).contains(&calibration.landmark), "seed {seed}: {calibration:?}");
     }
 }
