@@ -7,6 +7,7 @@ use posecut_stage::{ProgressBar, Statistics, info, warn};
 
 use crate::clock::{ClockSource, keyframe_times};
 use crate::covariance::step_error;
+use crate::frozen::remove_frozen_ends;
 use crate::nees::nees;
 use crate::odometry::{self, Odometry, Reader, from_row};
 use crate::{FileKind, IngestError, Options, SessionFiles, Table, Trajectory};
@@ -34,13 +35,21 @@ pub fn ingest(
     let name = options.name.clone().unwrap_or_else(|| files.name.clone());
     let mut reader = Reader { files, progress, dropped_rows: 0 };
     let odometry = odometry::read(&mut reader, options)?;
-    let truth = read_truth(&mut reader, options)?;
+    let mut truth = read_truth(&mut reader, options)?;
     let dropped_rows = reader.dropped_rows;
+    let frozen = truth.as_mut().map_or(0, |truth| remove_frozen_ends(truth, &odometry.trajectory));
+    if frozen > 0 {
+        warn!(
+            "{}: {frozen} rows of ground truth left out at its ends: they repeat one pose while the odometry moves",
+            files.place()
+        );
+    }
     let (clock_source, times) = keyframes(files, &odometry, options)?;
     let builder = Builder { name, odometry: &odometry, truth: truth.as_ref(), options };
     let graph = builder.graph(&times)?;
     let mut statistics = builder.statistics(&graph);
     statistics.note("dropped_rows", dropped_rows);
+    statistics.note("frozen_truth_rows", frozen);
     statistics.note("clock", clock_source);
     progress.finish_and_clear();
     Ok(Ingested { graph, statistics })

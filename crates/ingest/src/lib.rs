@@ -9,6 +9,7 @@ mod assemble;
 mod clock;
 mod covariance;
 mod error;
+mod frozen;
 mod nees;
 mod odometry;
 mod options;

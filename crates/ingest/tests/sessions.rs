@@ -358,3 +358,26 @@ fn a_clock_that_jumps_centuries_is_refused_and_takes_no_memory() {
     let error = run(&path, &options()).map(|_| ()).unwrap_err().to_string();
     assert!(error.contains("a clock that jumps") && error.contains("--period"), "{error}");
 }
+
+/// The ground truth of 2012-11-16 and 2013-02-23 repeats its last pose for most of a minute, while the robot turns on: edges between
+/// those places were called correct that were off by two radians.
+#[test]
+fn ground_truth_that_repeats_a_pose_while_the_robot_moves_has_ended() {
+    let (_folder, path) = session();
+    let truth = |from: i64, to: i64| {
+        let frozen = (0..=600).map(|tenth: i64| (time(tenth), circle(tenth.clamp(from, to)).to_vec()));
+        rows(&path.join("groundtruth_2012-01-22.csv"), frozen);
+        let ingested = run(&path, &options()).unwrap();
+        let known = ingested.graph.nodes.iter().map(|node| node.truth.is_some()).collect::<Vec<_>>();
+        (known, statistic(&ingested, "frozen_truth_rows"))
+    };
+    let keyframes =
+        |known: std::ops::RangeInclusive<usize>| (0..31).map(|keyframe| known.contains(&keyframe)).collect();
+    assert_eq!(truth(0, 600), (keyframes(0..=30), 0.0));
+    assert_eq!(truth(0, 500), (keyframes(0..=25), 100.0));
+    assert_eq!(truth(100, 500), (keyframes(5..=25), 200.0));
+    // A robot that stands still has ground truth.
+    let standing = |tenth: i64| circle(tenth.min(500)).to_vec();
+    rows(&path.join("odometry_mu_100hz.csv"), (0..=600).map(|tenth| (time(tenth), standing(tenth))));
+    assert_eq!(truth(0, 500), (keyframes(0..=30), 0.0));
+}
