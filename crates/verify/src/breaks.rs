@@ -2,7 +2,7 @@
 //!
 //! Wheels slip and robots are turned by hand: a step or two are wrong beyond all claims, and what lies behind them contradicts the map,
 //! correct as it is. False edges that agree with each other contradict it, too. What tells them apart is the motion that they make
-//! of the broken steps: correct ones have the robot move as it usually does, false ones have it jump anywhere.
+//! of the broken steps: correct ones have the robot move as it does elsewhere, or slower, false ones have it jump anywhere.
 
 use nalgebra::{SMatrix, SVector};
 use posecut_geometry::covariance::{inverse, to_body};
@@ -22,7 +22,8 @@ const WITNESSES: usize = 9;
 const LONGEST: usize = 10;
 
 /// The places among the graph's edges of the odometry before and after groups that the map does not support, where these lie on
-/// stretches of a chain of which the map holds nothing, and the robot gets there as it usually moves.
+/// stretches of a chain of which the map holds nothing, and the robot gets there by a motion that is no chance. Where it does so
+/// from one side only, the other side may be part of the same error.
 pub(crate) fn breaks<G: Motion<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     rounds: &Rounds<'_, G, DOF>,
@@ -110,18 +111,20 @@ impl<G: Motion<DOF>, const DOF: usize> Search<'_, G, DOF> {
         let (low, high) = (members[0].0, members[members.len() - 1].0);
         let closures = || members.iter().map(|(_, member)| *member);
         let mut steps = Vec::new();
-        if let Some(before) = before {
-            let usual = self.is_usual((chain, side), [before, low], closures().take(WITNESSES));
-            steps.push(usual.then_some(Step { chain, later: low })?);
+        if let Some(before) = before
+            && self.is_usual((chain, side), [before, low], closures().take(WITNESSES))
+        {
+            steps.push(Step { chain, later: low });
         }
-        if let Some(after) = after {
-            let usual = self.is_usual((chain, side), [after, high], closures().rev().take(WITNESSES));
-            steps.push(usual.then_some(Step { chain, later: high + 1 })?);
+        if let Some(after) = after
+            && self.is_usual((chain, side), [after, high], closures().rev().take(WITNESSES))
+        {
+            steps.push(Step { chain, later: high + 1 });
         }
         (!steps.is_empty()).then_some(steps)
     }
 
-    /// Whether most members have the robot move from a place that the map holds to theirs as it usually moves.
+    /// Whether most members have the robot move from a place that the map holds to theirs as it usually moves, rather than anywhere.
     fn is_usual(
         &self,
         (chain, side): (usize, usize),
@@ -139,9 +142,7 @@ impl<G: Motion<DOF>, const DOF: usize> Search<'_, G, DOF> {
             let apart = model.apart_local(member);
             let error = mean.between(&motion).log();
             let found = compare(&error, &(covariance + own), &apart, &apart, self.rounds.random.tail);
-            fit += usize::from(found.is_some_and(|found| {
-                found.squared_distance <= self.rounds.usual && found.distant() > self.enough
-            }));
+            fit += usize::from(found.is_some_and(|found| found.distant() > self.enough));
         }
         2 * fit > all
     }
