@@ -203,10 +203,11 @@ fn refine<const DOF: usize>(
         return;
     }
     let common = (calibration.odometry[0].ln(), calibration.coherent[0].ln());
+    let owned: Vec<Vec<_>> =
+        (0..chains).map(|chain| classes.iter().map(|class| class.of(chain)).collect()).collect();
     // Then again, since the others have changed, from where each chain is.
     for starts in [2, 1] {
-        for chain in 0..chains {
-            let own: Vec<Class<DOF>> = classes.iter().map(|class| class.of(chain)).collect();
+        for (chain, own) in owned.iter().enumerate() {
             if own.iter().all(|class| class.real.is_empty()) {
                 continue;
             }
@@ -220,7 +221,7 @@ fn refine<const DOF: usize>(
                 let mut factors = calibration.clone();
                 factors.odometry[chain] = point.odometry.exp();
                 factors.coherent[chain] = point.coherent.exp();
-                let found = contrast(&own, &factors, tempering, loops);
+                let found = contrast(own, &factors, tempering, loops);
                 let prior = square((point.odometry - common.0) / PRIOR_CHAIN)
                     + square((point.coherent - common.1) / PRIOR_CHAIN);
                 Contrast { objective: found.objective - 0.5 * prior, ..found }

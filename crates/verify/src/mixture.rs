@@ -1,5 +1,7 @@
 //! Loops as a mixture of correct ones, chance, and errors between the two, against the same loops shuffled.
 
+use std::borrow::{Borrow, Cow};
+
 use nalgebra::SMatrix;
 
 use crate::calibration::Calibration;
@@ -16,6 +18,7 @@ pub(crate) const SAMPLE: usize = 400;
 const ROUNDS: usize = 12;
 
 /// Loops of a kind that share a mixing proportion, with their shuffled twins.
+#[derive(Clone)]
 pub(crate) struct Class<const DOF: usize> {
     /// Whether it tells how many candidates are correct.
     counts: bool,
@@ -63,14 +66,14 @@ const MANY: usize = 400;
 
 /// Loops through the same closures are not independent: `tempering` is what each counts.
 pub(crate) fn contrast<const DOF: usize>(
-    classes: &[Class<DOF>],
+    classes: &[impl Borrow<Class<DOF>>],
     factors: &Calibration,
     tempering: f64,
     loops: Loops,
 ) -> Contrast {
     let (mut sum, mut evidence, mut correct) = (0.0, 0.0, 0.0);
     let mut counted = 0.0;
-    for class in classes {
+    for class in classes.iter().map(Borrow::borrow) {
         let step = loops.step(class.real.len());
         let [real, shuffled] = class.likelihoods(factors, step);
         let shares = class.shares(&real);
@@ -120,16 +123,20 @@ impl<const DOF: usize> Class<DOF> {
         }
     }
 
-    /// The loops that a chain takes part in.
-    pub(crate) fn of(&self, chain: usize) -> Self {
+    /// The loops that a chain takes part in: between two chains, all of them.
+    pub(crate) fn of(&self, chain: usize) -> Cow<'_, Self> {
+        let takes_part = |closed: &Loop<DOF>| closed.odometry.iter().any(|(of, ..)| *of == chain);
+        if self.real.loops().iter().all(takes_part) {
+            return Cow::Borrowed(self);
+        }
         let (mut real, mut shuffled) = (Sample::default(), Sample::default());
         for (closed, twin) in self.real.loops().iter().zip(self.shuffled.loops()) {
-            if closed.odometry.iter().any(|(of, ..)| *of == chain) {
+            if takes_part(closed) {
                 real.push(closed.clone());
                 shuffled.push(twin.clone());
             }
         }
-        Self { real, shuffled, ..*self }
+        Cow::Owned(Self { real, shuffled, ..*self })
     }
 
     /// Those of every `step`-th pack of loops, and of their twins.
