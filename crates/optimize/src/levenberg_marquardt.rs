@@ -179,8 +179,11 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
     }
 
     /// The largest `|g_k| / sqrt(H_kk cost)`, the cosine of the angle between the whitened residuals and their derivative by a
-    /// component of a pose.
+    /// component of a pose; infinite where the cost is no finite number.
     pub(crate) fn cosine(&self, cost: f64) -> f64 {
+        if !cost.is_finite() {
+            return f64::INFINITY;
+        }
         let steepest = self.equations.steepest();
         if steepest == 0.0 { 0.0 } else { (steepest / self.at_least(cost)).sqrt() }
     }

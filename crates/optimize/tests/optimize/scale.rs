@@ -129,3 +129,21 @@ fn weak_information_was_certified_whatever_the_poses() {
         assert!(!certify(scale, wound), "{scale:e}");
     }
 }
+
+/// NaN in the gradient compares with nothing, so that its largest entry was zero.
+#[test]
+fn a_cost_that_is_not_finite_is_no_convergence() {
+    let (poses, mut edges) = noisy_walk::<SE2, 3>(10, 5, 0.05, 7);
+    edges[12].information *= 1e300;
+    edges[12].measurement.translation.x = 1e80;
+    for method in [Method::LevenbergMarquardt, Method::GaussNewton, Method::Dogleg] {
+        let solution = solve(method, &(poses.clone(), edges.clone()));
+        assert!(!solution.cost.is_finite() && !solution.converged, "{method:?}: {:?}", solution.components);
+    }
+    let mut solver = IncrementalSolver::<SE2, 3>::new(IncrementalOptions::default()).unwrap();
+    poses.iter().for_each(|&pose| assert!(solver.add_pose(pose).is_ok()));
+    edges.iter().for_each(|&edge| assert!(solver.add_edge(edge).is_ok()));
+    solver.update();
+    let report = solver.finish();
+    assert!(!report.cost.is_finite() && !report.converged, "{report:?}");
+}
