@@ -6,7 +6,7 @@
 use nalgebra::SVector;
 use posecut_geometry::LieGroup;
 
-use crate::levenberg_marquardt::{FIRST_DAMPING, LARGEST_DAMPING, Outcome, Step, Workspace};
+use crate::levenberg_marquardt::{FIRST_DAMPING, LARGEST_DAMPING, Outcome, Step, Workspace, rounding};
 use crate::options::Options;
 use crate::residual::Term;
 use crate::solution::Termination;
@@ -78,7 +78,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
                 if met.is_some() {
                     break;
                 }
-                if newton_step.promised <= self.rounding(edges, poses) {
+                if newton_step.promised <= rounding(edges, poses) {
                     outcome.termination = Termination::Cost;
                     return outcome;
                 }

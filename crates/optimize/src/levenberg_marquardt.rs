@@ -152,7 +152,7 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
             } else if let Some(termination) = met {
                 outcome.termination = termination;
                 break;
-            } else if damping.value <= NEARLY_FULL && step.promised <= self.rounding(edges, poses) {
+            } else if damping.value <= NEARLY_FULL && step.promised <= rounding(edges, poses) {
                 // The cost cannot show whether the step keeps its promise.
                 outcome.termination = Termination::Cost;
                 break;
@@ -269,16 +269,16 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         timed(&mut phases.linearisation, || equations.assemble_gradient(pattern, edges, trial))
     }
 
-    /// The cost that rounding alone may make at these poses.
-    pub(crate) fn rounding<T: Term<G, DOF>>(&self, edges: &[T], poses: &[G]) -> f64 {
-        edges.iter().map(|edge| edge.rounding(poses)).sum()
-    }
-
     /// The cost at the trial.
     pub(crate) fn trial_cost<T: Term<G, DOF>>(&mut self, edges: &[T]) -> f64 {
         let Self { trial, phases, .. } = self;
         timed(&mut phases.linearisation, || edges.iter().map(|edge| edge.cost(trial)).sum())
     }
+}
+
+/// The cost that rounding alone may make at these poses.
+pub(crate) fn rounding<G, T: Term<G, DOF>, const DOF: usize>(edges: &[T], poses: &[G]) -> f64 {
+    edges.iter().map(|edge| edge.rounding(poses)).sum()
 }
 
 /// What a step says of itself.

@@ -50,7 +50,7 @@ fn is_landmark(edge: &Edge) -> bool {
 }
 
 /// One metre has so many units of length.
-fn in_units<G: LieGroup<DOF>, const DOF: usize>(graph: &mut PoseGraph, unit: f64) {
+fn in_units<const DOF: usize>(graph: &mut PoseGraph, unit: f64) {
     let translations = if DOF == 6 { 3 } else { 2 };
     let shrink =
         SMatrix::from_diagonal(&SVector::from_fn(
@@ -90,8 +90,8 @@ const FAR: u64 = 10_000;
 
 fn changes<G: LieGroup<DOF>, const DOF: usize>() -> Vec<Change> {
     vec![
-        ("millimetres", |graph, _| in_units::<G, DOF>(graph, 1e3), |id| id),
-        ("kilometres", |graph, _| in_units::<G, DOF>(graph, 1e-3), |id| id),
+        ("millimetres", |graph, _| in_units::<DOF>(graph, 1e3), |id| id),
+        ("kilometres", |graph, _| in_units::<DOF>(graph, 1e-3), |id| id),
         (
             OTHER_INFORMATION,
             |graph, factor| {
@@ -144,7 +144,8 @@ fn changes<G: LieGroup<DOF>, const DOF: usize>() -> Vec<Change> {
             "sessions renamed",
             |graph, _| {
                 for session in graph.nodes.iter_mut().filter_map(|node| node.session.as_mut()) {
-                    *session = if session == "a" { "z, the first" } else { "0" }.to_owned();
+                    let name = if session == "a" { "z, the first" } else { "0" };
+                    name.clone_into(session);
                 }
             },
             |id| id,
