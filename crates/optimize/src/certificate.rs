@@ -15,13 +15,14 @@ use crate::cholesky::{Factor, Symbolic};
 use crate::chordal_cost::ChordalEdge;
 use crate::initialisation::chordal::MatrixPose;
 use crate::levenberg_marquardt::Workspace;
+use crate::magnitude::Magnitude;
 use crate::normal_equations::Pattern;
 use crate::options::Options;
 use crate::problem::Edge;
 
 /// Share of the cost that the bound may lie below it for a verdict of 'global'.
 const GAP: f64 = 1e-6;
-/// Share of the largest diagonal entry below which an eigenvalue is rounding.
+/// Share of a rotation's largest diagonal entry below which an eigenvalue is rounding.
 const ROUNDING: f64 = 1e-12;
 /// Inverse iterations for the eigenvalue that is reported; the verdict does not depend on them.
 const ITERATIONS: usize = 60;
@@ -66,7 +67,8 @@ where
     let mut poses = poses.to_vec();
     let pattern = Pattern::of(poses.len(), 1, edges);
     let refine = Options { cost_tolerance: 1e-14, max_iterations: 500, ..Options::default() };
-    let outcome = Workspace::new(&pattern).minimise(&terms, &mut poses, &refine);
+    let magnitude = Magnitude::of(edges.iter());
+    let outcome = Workspace::new(&pattern, magnitude).minimise(&terms, &mut poses, &refine);
     let (matrix, trace) = Matrix::<M>::new::<G, DOF, N>(&terms, &poses);
     let size = (N * poses.len()) as f64;
     let tolerance = (GAP * outcome.cost / size).max(ROUNDING * matrix.largest());
@@ -151,8 +153,11 @@ impl<const M: usize> Matrix<M> {
         (Self { symbolic: Symbolic::new(poses.len(), &pairs, M), diagonal, off_diagonal }, trace)
     }
 
+    /// The largest diagonal entry of a rotation: those of translations have another unit, and the first one is held by a 1.
     fn largest(&self) -> f64 {
-        self.diagonal.iter().map(SMatrix::amax).fold(0.0, f64::max)
+        let rotations =
+            |block: &SMatrix<f64, M, M>| (1..M).map(|axis| block[(axis, axis)].abs()).fold(0.0, f64::max);
+        self.diagonal.iter().map(rotations).fold(0.0, f64::max)
     }
 
     /// Factorises with the shift added on the rotations; whether that is positive definite.
@@ -163,7 +168,7 @@ impl<const M: usize> Matrix<M> {
                 block[(axis, axis)] += shift;
             }
         }
-        factor.factorize(&self.symbolic, &shifted, &self.off_diagonal, 0.0, 0.0).is_ok()
+        factor.factorize(&self.symbolic, &shifted, &self.off_diagonal, 0.0, [0.0; M]).is_ok()
     }
 
     /// Inverse iteration on `S + shift I`: the rotations' part of the inverse is the inverse of the Schur complement.

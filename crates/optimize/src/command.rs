@@ -1,12 +1,13 @@
 //! The program: batch or incremental.
 
+use std::io::Write as _;
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{Parser, ValueEnum as _};
 use posecut_stage::{CommonArguments, Context, GraphStage as _, Identity, Outcome, Source};
 
 use crate::incremental::IncrementalStageOptions;
-use crate::stage::{RobustOptions, StageOptions};
+use crate::stage::{Graduation, RobustOptions, StageOptions};
 
 /// How the graph is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -45,6 +46,15 @@ struct Command {
 pub fn main() -> ExitCode {
     let identity =
         Identity { name: StageOptions::NAME, version: env!("CARGO_PKG_VERSION"), about: StageOptions::ABOUT };
+    if let Some(cost) = separate_cost(std::env::args_os()) {
+        // To the parser the cost would be the input file, and the file one argument too many.
+        let _ = writeln!(
+            std::io::stderr(),
+            "posecut-{}: error: --gnc takes its cost with an equals sign: write --gnc={cost} (a file of this name: ./{cost})",
+            identity.name
+        );
+        return ExitCode::from(2);
+    }
     posecut_stage::run::<Command>(
         identity,
         |command| &command.common,
@@ -57,6 +67,16 @@ pub fn main() -> ExitCode {
             Ok(Outcome::Done)
         },
     )
+}
+
+/// The name of a cost that follows `--gnc` as an argument of its own.
+fn separate_cost(arguments: impl Iterator<Item = std::ffi::OsString>) -> Option<String> {
+    let words: Vec<String> =
+        arguments.map(|word| word.to_string_lossy().into_owned()).take_while(|word| word != "--").collect();
+    words
+        .windows(2)
+        .find(|pair| pair[0] == "--gnc" && Graduation::from_str(&pair[1], false).is_ok())
+        .map(|pair| pair[1].clone())
 }
 
 impl Command {

@@ -6,7 +6,7 @@
 use nalgebra::SVector;
 use posecut_geometry::LieGroup;
 
-use crate::levenberg_marquardt::{FIRST_DAMPING, LARGEST_DAMPING, Outcome, Step, Workspace};
+use crate::levenberg_marquardt::{FIRST_DAMPING, LARGEST_DAMPING, Outcome, Step, Workspace, rounding};
 use crate::options::Options;
 use crate::residual::Term;
 use crate::solution::Termination;
@@ -14,7 +14,7 @@ use crate::solution::Termination;
 /// Share of its promise below which a step halves the radius, and above which it may grow.
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
-/// Share of the diagonal of `H` below which the radius is rounding.
+/// Below this the radius is rounding, where 1 is a step of the graph's length and a radian in every pose.
 const SMALLEST_RADIUS: f64 = 1e-14;
 
 type Steps<const DOF: usize> = Vec<SVector<f64, DOF>>;
@@ -29,9 +29,10 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
     ) -> Outcome {
         let mut outcome = Outcome::new(self.assemble(edges, poses));
         let mut radius = f64::INFINITY;
+        let smallest_radius = SMALLEST_RADIUS * self.magnitude.cost.sqrt();
         let mut damping = 0.0;
         while outcome.iterations < options.max_iterations {
-            outcome.gradient = self.equations.largest_gradient();
+            outcome.gradient = self.cosine(outcome.cost);
             if outcome.gradient <= options.gradient_tolerance {
                 outcome.termination = Termination::Gradient;
                 return outcome;
@@ -50,7 +51,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             };
             damping = 0.0;
             outcome.last = newton_step;
-            let met = newton_step.met(outcome.cost, false, options);
+            let met = newton_step.met(self.at_least(outcome.cost), false, options);
             let newton = self.step.clone();
             let cauchy = self.cauchy_step();
             if radius.is_infinite() {
@@ -77,10 +78,14 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
                 if met.is_some() {
                     break;
                 }
+                if newton_step.promised <= rounding(edges, poses) {
+                    outcome.termination = Termination::Cost;
+                    return outcome;
+                }
                 outcome.rejected += 1;
                 radius = 0.5 * radius.min(length);
-                if !(radius > SMALLEST_RADIUS) || outcome.iterations >= options.max_iterations {
-                    outcome.termination = if radius > SMALLEST_RADIUS {
+                if !(radius > smallest_radius) || outcome.iterations >= options.max_iterations {
+                    outcome.termination = if radius > smallest_radius {
                         Termination::IterationLimit
                     } else {
                         Termination::Stalled

@@ -3,10 +3,11 @@
 //! K. Madsen, H. B. Nielsen, O. Tingleff, "Methods for non-linear least squares problems", 2004, section 3.2, with the
 //! scaling of Marquardt and a damping that starts at zero.
 
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
 use crate::cholesky::Factor;
+use crate::magnitude::{Magnitude, translations};
 use crate::normal_equations::{NormalEquations, Pattern};
 use crate::options::{Method, Options};
 use crate::phases::{Phases, timed};
@@ -19,6 +20,10 @@ pub(crate) const FIRST_DAMPING: f64 = 1e-5;
 pub(crate) const LARGEST_DAMPING: f64 = 1e16;
 /// Damping below which the next step is undamped again.
 const SMALLEST_DAMPING: f64 = 1e-8;
+/// Damping up to which the tolerances of a full step apply.
+const NEARLY_FULL: f64 = 1e-3;
+/// Share of the largest diagonal entry that damping takes every other one for at least.
+const DAMPING_FLOOR: f64 = 1e-9;
 /// Share of a diagonal entry that elimination must leave: below it the direction is undetermined.
 pub(crate) const SINGULAR: f64 = 1e-14;
 
@@ -30,6 +35,7 @@ pub(crate) struct Outcome {
     /// Factorisations among the steps tried.
     pub(crate) factorizations: usize,
     pub(crate) termination: Termination,
+    /// The largest cosine of the angle between residuals and a derivative.
     pub(crate) gradient: f64,
     /// The last step tried.
     pub(crate) last: Step,
@@ -39,6 +45,8 @@ pub(crate) struct Outcome {
 /// Memory of the iteration, reserved once.
 pub(crate) struct Workspace<'a, G, const DOF: usize> {
     pub(crate) pattern: &'a Pattern,
+    /// What tolerances are shares of.
+    pub(crate) magnitude: Magnitude,
     pub(crate) equations: NormalEquations<DOF>,
     pub(crate) factor: Factor<DOF>,
     pub(crate) step: Vec<SVector<f64, DOF>>,
@@ -48,9 +56,10 @@ pub(crate) struct Workspace<'a, G, const DOF: usize> {
 }
 
 impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
-    pub(crate) fn new(pattern: &'a Pattern) -> Self {
+    pub(crate) fn new(pattern: &'a Pattern, magnitude: Magnitude) -> Self {
         Self {
             pattern,
+            magnitude,
             equations: NormalEquations::new(pattern),
             factor: Factor::new(&pattern.symbolic),
             step: vec![SVector::zeros(); pattern.variables],
@@ -82,7 +91,7 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
     ) -> Outcome {
         let mut damping = Damping { value: 0.0, growth: 4.0, largest: largest_damping };
         let mut outcome = Outcome::new(self.assemble(edges, poses));
-        outcome.gradient = self.equations.largest_gradient();
+        outcome.gradient = self.cosine(outcome.cost);
         if outcome.gradient <= options.gradient_tolerance {
             outcome.termination = Termination::Gradient;
             return outcome;
@@ -107,11 +116,16 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
             }
             outcome.last = step;
             self.retract(poses);
-            let met = if damping.value <= 1e-3 { step.met(outcome.cost, shrinks, options) } else { None };
+            let met = if damping.value <= NEARLY_FULL {
+                step.met(self.at_least(outcome.cost), shrinks, options)
+            } else {
+                None
+            };
             // The gradient at the trial is what the next step starts from, if it is taken.
             let cost =
                 if undamped && met.is_none() { self.trial_gradient(edges) } else { self.trial_cost(edges) };
-            let lower = cost < outcome.cost || (shrinks && options.is_hidden(step.promised, outcome.cost));
+            let lower = cost < outcome.cost
+                || (shrinks && options.is_hidden(step.promised, self.at_least(outcome.cost)));
             if lower || (met.is_some() && cost <= outcome.cost) {
                 poses.copy_from_slice(&self.trial);
                 let gain = (outcome.cost - cost) / step.promised;
@@ -130,13 +144,17 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
                     undamped_before = outcome.last.largest;
                 }
                 outcome.cost = self.assemble(edges, poses);
-                outcome.gradient = self.equations.largest_gradient();
+                outcome.gradient = self.cosine(outcome.cost);
                 if outcome.gradient <= options.gradient_tolerance {
                     outcome.termination = Termination::Gradient;
                     break;
                 }
             } else if let Some(termination) = met {
                 outcome.termination = termination;
+                break;
+            } else if damping.value <= NEARLY_FULL && step.promised <= rounding(edges, poses) {
+                // The cost cannot show whether the step keeps its promise.
+                outcome.termination = Termination::Cost;
                 break;
             } else {
                 outcome.rejected += 1;
@@ -155,12 +173,37 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         outcome
     }
 
+    /// The cost that tolerances are shares of: not below that of a graph without noise.
+    pub(crate) fn at_least(&self, cost: f64) -> f64 {
+        cost.max(self.magnitude.noiseless())
+    }
+
+    /// The largest `|g_k| / sqrt(H_kk cost)`, the cosine of the angle between the whitened residuals and their derivative by a
+    /// component of a pose; infinite where the cost is no finite number.
+    pub(crate) fn cosine(&self, cost: f64) -> f64 {
+        if !cost.is_finite() {
+            return f64::INFINITY;
+        }
+        let steepest = self.equations.steepest();
+        if steepest == 0.0 { 0.0 } else { (steepest / self.at_least(cost)).sqrt() }
+    }
+
+    /// The least that diagonal entries are taken for when they are damped, by component: a share of the largest of them, all
+    /// seen in units of the graph's length.
+    fn damping_floor(&self) -> [f64; DOF] {
+        let length = self.magnitude.length;
+        let unit = |axis: usize| if axis < translations(DOF) { length * length } else { 1.0 };
+        let largest = |block: &SMatrix<f64, DOF, DOF>| {
+            (0..DOF).map(|axis| block[(axis, axis)] * unit(axis)).fold(0.0, f64::max)
+        };
+        let largest = self.equations.diagonal.iter().map(largest).fold(0.0, f64::max);
+        std::array::from_fn(|axis| DAMPING_FLOOR * largest / unit(axis))
+    }
+
     /// The damped step `(H + damping D) d = -g`.
     pub(crate) fn solve(&mut self, damping: f64, undetermined: &mut Option<(usize, usize)>) -> Option<Step> {
+        let floor = self.damping_floor();
         let equations = &self.equations;
-        let largest_diagonal =
-            equations.diagonal.iter().map(|block| block.diagonal().max()).fold(0.0, f64::max);
-        let floor = 1e-9 * largest_diagonal;
         let symbolic = &self.pattern.symbolic;
         let factor = &mut self.factor;
         if let Err(breakdown) = timed(&mut self.phases.factorisation, || {
@@ -178,7 +221,8 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         if damping > 0.0 {
             for (step_block, block) in self.step.iter().zip(&self.equations.diagonal) {
                 for (component, &value) in step_block.iter().enumerate() {
-                    step.promised += damping * block[(component, component)].max(floor) * value * value;
+                    step.promised +=
+                        damping * block[(component, component)].max(floor[component]) * value * value;
                 }
             }
         }
@@ -190,13 +234,13 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         for (step, gradient) in self.step.iter_mut().zip(&self.equations.gradient) {
             *step = -gradient;
         }
-        let Self { factor, pattern, step, phases, .. } = self;
+        let Self { factor, pattern, step, phases, magnitude, .. } = self;
         timed(&mut phases.substitution, || factor.solve(&pattern.symbolic, step));
         let mut promised = 0.0;
         let mut largest = 0.0_f64;
         for (step, gradient) in self.step.iter().zip(&self.equations.gradient) {
             promised -= gradient.dot(step);
-            largest = step.iter().fold(largest, |largest, value| largest.max(value.abs()));
+            largest = largest.max(magnitude.largest(step.iter(), translations(DOF)));
         }
         (promised.is_finite() && largest.is_finite()).then_some(Step { promised, largest })
     }
@@ -232,17 +276,22 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
     }
 }
 
+/// The cost that rounding alone may make at these poses.
+pub(crate) fn rounding<G, T: Term<G, DOF>, const DOF: usize>(edges: &[T], poses: &[G]) -> f64 {
+    edges.iter().map(|edge| edge.rounding(poses)).sum()
+}
+
 /// What a step says of itself.
 #[derive(Clone, Copy)]
 pub(crate) struct Step {
     /// By how much it would lower a quadratic cost: `-g^T d + damping d^T D d`.
     pub(crate) promised: f64,
-    /// Its largest component.
+    /// Its largest component: shares of the graph's length, and radians.
     pub(crate) largest: f64,
 }
 
 impl Step {
-    /// The tolerance it meets at this cost; `shrinks` if it is a full step, and shorter than the one before.
+    /// The tolerance it meets at this cost, at least that of a graph without noise; `shrinks` if it is a full step, and shorter than the one before.
     pub(crate) fn met(&self, cost: f64, shrinks: bool, options: &Options) -> Option<Termination> {
         let goes_on = shrinks && options.is_hidden(self.promised, cost);
         if self.promised <= options.promise_tolerance(cost) && !goes_on {

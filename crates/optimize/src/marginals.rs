@@ -156,7 +156,8 @@ impl<const DOF: usize> Part<DOF> {
         equations.assemble(&pattern, edges, poses);
         let symbolic = pattern.symbolic;
         let mut factor = Factor::new(&symbolic);
-        let outcome = factor.factorize(&symbolic, &equations.diagonal, &equations.off_diagonal, 0.0, 0.0);
+        let outcome =
+            factor.factorize(&symbolic, &equations.diagonal, &equations.off_diagonal, 0.0, [0.0; DOF]);
         let (share, variable, component) = factor.smallest_pivot();
         let undetermined = match outcome {
             Err(breakdown) => Some((held + breakdown.variable, breakdown.component)),

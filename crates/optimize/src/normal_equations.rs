@@ -127,9 +127,17 @@ impl<const D: usize> NormalEquations<D> {
         own + 2.0 * blocks.map(|(block, &(a, b))| step[a].dot(&(block * step[b]))).sum::<f64>()
     }
 
-    /// Largest magnitude in the gradient of the cost, `2 g`.
-    pub(crate) fn largest_gradient(&self) -> f64 {
-        self.gradient.iter().map(|gradient| 2.0 * gradient.amax()).fold(0.0, f64::max)
+    /// The largest `g_k^2 / H_kk`: by how much a component alone could lower the cost.
+    pub(crate) fn steepest(&self) -> f64 {
+        let ratio = |(gradient, diagonal): (f64, f64)| {
+            if gradient == 0.0 { 0.0 } else { gradient * (gradient / diagonal) }
+        };
+        self.gradient
+            .iter()
+            .zip(&self.diagonal)
+            .flat_map(|(gradient, block)| (0..D).map(|axis| (gradient[axis], block[(axis, axis)])))
+            .map(ratio)
+            .fold(0.0, f64::max)
     }
 }
 

@@ -42,35 +42,35 @@ pub struct Options {
     /// the dogleg, steps go on where the cost no longer shows their gain, until they no longer shrink: poses that the edges hold
     /// weakly then are as exact as the gradient is, by some digits more than the cost can tell.
     pub cost_tolerance: f64,
-    /// Converged when no component of a full Gauss-Newton step exceeds this (metres, radians).
+    /// Converged when no component of a full Gauss-Newton step exceeds this: shares of the median measured distance, and radians.
     pub step_tolerance: f64,
-    /// Converged when no component of the gradient exceeds this (inverse metres or radians).
+    /// Converged when the residuals are orthogonal to all derivatives: when no `|g_k| / sqrt(H_kk cost)`, the cosine of the angle
+    /// between the whitened residuals and their derivative by a component of a pose, exceeds this. Neither the unit of length
+    /// nor the scale of the information changes it.
     pub gradient_tolerance: f64,
     /// Graduated non-convexity over the landmark edges, whose own kernels it replaces.
     pub graduated: Option<Graduated>,
 }
 
-/// Cost below which only rounding is left to lower: a graph without noise never meets a relative tolerance.
-const NOISELESS: f64 = 1e-5;
-
 /// Share of the cost under which the gain of a step is lost in the rounding of the sum.
 const HIDDEN: f64 = 1e-12;
 
 impl Options {
-    /// Whether a step goes on by the gradient alone, since the cost is too coarse to judge it.
+    /// Whether a step goes on by the gradient alone, since the cost is too coarse to judge it. The cost is at least that of a
+    /// graph without noise.
     pub(crate) fn is_hidden(&self, promised: f64, cost: f64) -> bool {
-        self.cost_tolerance == 0.0 && promised <= HIDDEN * cost.max(NOISELESS)
+        self.cost_tolerance == 0.0 && promised <= HIDDEN * cost
     }
 
-    /// The promise of a step that ends the iteration at this cost.
+    /// The promise of a step that ends the iteration at this cost, which is at least that of a graph without noise.
     pub(crate) fn promise_tolerance(&self, cost: f64) -> f64 {
         // A promise below the rounding of the sum cannot be seen kept.
-        self.cost_tolerance.max(4.0 * f64::EPSILON) * cost.max(NOISELESS)
+        self.cost_tolerance.max(4.0 * f64::EPSILON) * cost
     }
 }
 
 impl Default for Options {
-    /// Best start, Levenberg-Marquardt, 200 iterations, tolerances 1e-10 (cost), 1e-10 (step), 1e-10 (gradient); no
+    /// Best start, Levenberg-Marquardt, 200 iterations, tolerances 1e-10 (cost), 1e-10 (step), 1e-12 (gradient); no
     /// graduation.
     fn default() -> Self {
         Self {
@@ -79,7 +79,7 @@ impl Default for Options {
             max_iterations: 200,
             cost_tolerance: 1e-10,
             step_tolerance: 1e-10,
-            gradient_tolerance: 1e-10,
+            gradient_tolerance: 1e-12,
             graduated: None,
         }
     }

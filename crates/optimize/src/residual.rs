@@ -72,6 +72,10 @@ pub(crate) trait Term<G, const DOF: usize> {
     fn cost(&self, poses: &[G]) -> f64;
     /// Its quadratic model.
     fn linearise(&self, poses: &[G]) -> Linearised<DOF>;
+    /// The cost that rounding alone may make of it.
+    fn rounding(&self, _poses: &[G]) -> f64 {
+        0.0
+    }
     /// Its linear model.
     fn gradient(&self, poses: &[G]) -> Gradient<DOF> {
         let model = self.linearise(poses);
@@ -82,6 +86,12 @@ pub(crate) trait Term<G, const DOF: usize> {
 impl<G: LieGroup<DOF>, const DOF: usize> Term<G, DOF> for Edge<G, DOF> {
     fn cost(&self, poses: &[G]) -> f64 {
         charge(self.kernel, squared(self, poses)).0
+    }
+
+    /// Residuals in a direction that the information does not measure cancel in `e^T Omega e`, but for rounding.
+    fn rounding(&self, poses: &[G]) -> f64 {
+        let error = residual(&self.measurement, &poses[self.from], &poses[self.to]).abs();
+        4.0 * f64::EPSILON * error.dot(&(self.information.abs() * error))
     }
 
     #[inline(always)]

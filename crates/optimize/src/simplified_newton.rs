@@ -35,7 +35,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         // last errors, not the square of the last one, and the derivative of a square doubles it.
         let mut slowdown = 4.0;
         while outcome.iterations < options.max_iterations {
-            outcome.gradient = self.equations.largest_gradient();
+            outcome.gradient = self.cosine(outcome.cost);
             if outcome.gradient <= options.gradient_tolerance {
                 return Some(Termination::Gradient);
             }
@@ -45,10 +45,11 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
                 return None;
             }
             let shrinks = step.largest < outcome.last.largest;
-            let met = step.met(outcome.cost, shrinks, options);
-            let hidden = shrinks && options.is_hidden(step.promised, outcome.cost);
+            let at_least = self.at_least(outcome.cost);
+            let met = step.met(at_least, shrinks, options);
+            let hidden = shrinks && options.is_hidden(step.promised, at_least);
             if met.is_none()
-                && !pays(step.promised, ratio, slowdown * ratio, options.promise_tolerance(outcome.cost))
+                && !pays(step.promised, ratio, slowdown * ratio, options.promise_tolerance(at_least))
             {
                 return None;
             }

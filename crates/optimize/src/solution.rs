@@ -89,11 +89,12 @@ pub struct ComponentReport {
     pub factorizations: usize,
     /// Why iteration ended.
     pub termination: Termination,
-    /// Largest entry of the gradient at the end.
+    /// Largest cosine of the angle between residuals and a derivative at the end: see
+    /// [`Options::gradient_tolerance`](crate::Options::gradient_tolerance).
     pub gradient: f64,
     /// What the last step promised to lower the cost by; NaN if none was tried.
     pub last_promise: f64,
-    /// Largest component of the last step; NaN if none was tried.
+    /// Largest component of the last step, shares of the median measured distance and radians; NaN if none was tried.
     pub last_step: f64,
     /// Node and component that the edges leave undetermined, if damping had to make the equations solvable.
     pub undetermined: Option<(usize, usize)>,

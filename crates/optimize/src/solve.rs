@@ -12,6 +12,7 @@ use crate::initialisation::chordal;
 use crate::initialisation::tree::spanning_tree_from;
 use crate::kernel::charge;
 use crate::levenberg_marquardt::Workspace;
+use crate::magnitude::Magnitude;
 use crate::normal_equations::Pattern;
 use crate::options::{Initialisation, Options};
 use crate::phases::{Phases, timed};
@@ -203,7 +204,7 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     let pattern = timed(&mut phases.analysis, || Pattern::of(given.len(), held, edges));
     report.factor_blocks = pattern.symbolic.factor_blocks();
     report.flops = pattern.symbolic.flops();
-    let mut workspace = Workspace::new(&pattern);
+    let mut workspace = Workspace::new(&pattern, Magnitude::of(edges.iter()));
     let mut best: Option<(Vec<G>, Vec<G>)> = None;
     let starts = timed(&mut phases.start, || {
         candidates(part, &mut workspace, options.initialisation, report.cost_given)
@@ -251,7 +252,7 @@ fn graduate_component<G: PoseGroup<DOF>, const DOF: usize>(
         starts.push((Start::SpanningTree, tree.clone(), tree));
     }
     let pattern = timed(&mut report.phases.analysis, || Pattern::of(part.poses().len(), held, edges));
-    let mut workspace = Workspace::new(&pattern);
+    let mut workspace = Workspace::new(&pattern, Magnitude::of(edges.iter()));
     report.cost_given = cost(edges, part.poses());
     report.cost = f64::INFINITY;
     let mut best = (Vec::new(), part.poses().to_vec());
@@ -307,6 +308,10 @@ fn candidates<G: PoseGroup<DOF>, const DOF: usize>(
             let mut all: Vec<_> = relaxed().into_iter().chain(others).collect();
             if robust {
                 all.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+            }
+            // NaN compares with nothing: the others would not be tried.
+            if all.iter().any(|candidate| candidate.cost.is_finite()) {
+                all.retain(|candidate| candidate.cost.is_finite());
             }
             all
         }

@@ -17,6 +17,8 @@ use serde::Serialize;
 pub use marginals::MarginalsOf;
 pub use robust::{Graduation, RobustOptions};
 
+use crate::figures::significant;
+use crate::unusable::refuse_unless_finite;
 use crate::{
     Edge, EdgeKind, Initialisation, Method, Options, Phases, PoseGroup, Problem, Solution, certify, optimize,
 };
@@ -58,7 +60,7 @@ pub struct StageOptions {
     #[arg(long, value_enum, default_value_t = StepMethod::LevenbergMarquardt)]
     pub method: StepMethod,
 
-    /// Most steps tried per connected part
+    /// Most steps tried per component
     #[arg(long, value_name = "N", default_value_t = Options::default().max_iterations)]
     pub max_iterations: usize,
 
@@ -66,12 +68,12 @@ pub struct StageOptions {
     #[arg(long, value_name = "SHARE", default_value_t = Options::default().cost_tolerance)]
     pub cost_tolerance: f64,
 
-    /// Converged when no component of a full step exceeds this, metres and radians
+    /// Converged when no component of a full step exceeds this: share of the median measured distance, radians
     #[arg(long, value_name = "SIZE", default_value_t = Options::default().step_tolerance)]
     pub step_tolerance: f64,
 
-    /// Converged when no component of the gradient exceeds this, per metre and per radian
-    #[arg(long, value_name = "SIZE", default_value_t = Options::default().gradient_tolerance)]
+    /// Converged when no cosine of the angle between the residuals and a derivative of theirs exceeds this
+    #[arg(long, value_name = "COSINE", default_value_t = Options::default().gradient_tolerance)]
     pub gradient_tolerance: f64,
 
     /// Tell in the statistics whether the solution is provably global, by SE-Sync's dual certificate for its own cost
@@ -159,8 +161,11 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
     let semidefinite = problem.semidefinite();
     if let [first, ..] = semidefinite {
         info!(
-            "information matrices singular in print (smallest eigenvalue within 1e-9 of the largest): {}, first that of {}; they are taken as they stand, and say next to nothing about a direction",
-            semidefinite.len(),
+            "{} numerically singular, its smallest eigenvalue within 1e-9 of the largest (first: {}); used unchanged",
+            match semidefinite.len() {
+                1 => "1 information matrix is".to_owned(),
+                count => format!("{count} information matrices are"),
+            },
             graph.edges[places[*first]].name()
         );
     }
@@ -168,6 +173,8 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
     let start = Instant::now();
     let solution = optimize(&problem, &library_options);
     context.statistics.note("optimize_seconds", start.elapsed().as_secs_f64());
+    let name = |edge: usize| graph.edges[places[edge]].name();
+    refuse_unless_finite(solution.cost, problem.edges(), name)?;
     for (node, pose) in graph.nodes.iter_mut().zip(&solution.poses) {
         node.pose = Some(pose.components());
     }
@@ -262,40 +269,45 @@ pub(crate) fn measured_edge<G: LieGroup<DOF>, const DOF: usize>(
 
 fn tell<G>(graph: &PoseGraph, solution: &Solution<G>, unmeasured: usize) {
     info!(
-        "chi2 {:.6} after {} iterations, {} parts{}",
-        solution.chi2,
-        solution.iterations,
-        solution.components.len(),
-        if solution.converged { "" } else { ", not converged" }
+        "cost {} after {}, {}{}",
+        significant(solution.cost),
+        counted(solution.iterations, "iteration"),
+        counted(solution.components.len(), "component"),
+        if solution.converged { "" } else { ", did not converge" }
     );
     let fixed: usize = solution.components.iter().map(|report| report.held).sum();
     if fixed > 0 {
-        info!("{} fixed where they are", counted(fixed, "node"));
+        info!("{} fixed", counted(fixed, "node"));
     }
-    if unmeasured > 0 {
-        warn!("{unmeasured} edges in use have no measurement and take no part");
-    }
-    if solution.components.len() > 1 {
-        warn!(
-            "no edge in use joins the {} parts of the graph: each is optimised by itself, its fixed nodes where they were, or its first",
-            solution.components.len()
-        );
-    }
+    warn_of_edges_and_components(unmeasured, solution.components.len());
     for report in &solution.components {
         if let Some((node, axis)) = report.undetermined {
             warn!(
-                "the edges leave node {} undetermined (component {axis} of its pose): it is held where it was",
+                "the edges do not determine component {axis} of the pose of node {}: it is damped towards its start",
                 graph.nodes[node].id
             );
         }
         if !report.termination.converged() {
             warn!(
-                "the part of node {} did not converge ({}); its largest gradient is {:e}",
+                "the component of node {} did not converge: {} after {}, gradient {} (cosine, --gradient-tolerance)",
                 graph.nodes[report.gauge].id,
                 report.termination.name(),
-                report.gradient
+                counted(report.iterations, "iteration"),
+                significant(report.gradient)
             );
         }
+    }
+}
+
+/// Warns of edges that are not used, and of components that nothing joins.
+pub(crate) fn warn_of_edges_and_components(unmeasured: usize, components: usize) {
+    if unmeasured > 0 {
+        warn!("{} in use without a measurement: not optimised over", counted(unmeasured, "edge"));
+    }
+    if components > 1 {
+        warn!(
+            "no edge in use joins the {components} components of the graph: each is optimised alone, its fixed nodes or else its first node unmoved"
+        );
     }
 }
 

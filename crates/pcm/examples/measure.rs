@@ -20,7 +20,7 @@ use posecut_pcm::{Gate, Spatial, Test};
 use serde_json::json;
 
 /// Where the bounds leave a gap among near misses by the ten thousand, nodes cost milliseconds and close nothing.
-const LIMITS: Limits = Limits { work: 2000, deadline: None };
+const LIMITS: Limits = Limits { work: 2000, ..Limits::NONE };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -60,6 +60,44 @@ pub struct ScaleEstimate {
     pub edges: usize,
     /// How much likelier the loops are than the same ones with shuffled ends, in nats; an edge counts once.
     pub evidence: f64,
+    /// What kept the fit from a maximum of the likelihood, if anything did.
+    pub ended: Option<Ended>,
+}
+
+/// Where a fit ended that is no maximum of the likelihood.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Ended {
+    /// After the largest number of iterations.
+    Iterations,
+    /// At the smallest factor that is tried, e^-12.
+    SmallestFactor,
+    /// At the largest factor that is tried, e^12.
+    LargestFactor,
+    /// With as few correct loops as are allowed, one in a thousand.
+    Share,
+}
+
+impl Ended {
+    /// For messages.
+    pub(crate) fn explanation(self) -> &'static str {
+        match self {
+            Self::Iterations => "after its last iteration without converging",
+            Self::SmallestFactor => "at the smallest factor it tries, e^-12",
+            Self::LargestFactor => "at the largest factor it tries, e^12",
+            Self::Share => "at the bound on the share of correct loops, 0.001",
+        }
+    }
+
+    /// Its name in the statistics.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Iterations => "iterations",
+            Self::SmallestFactor => "smallest-factor",
+            Self::LargestFactor => "largest-factor",
+            Self::Share => "share",
+        }
+    }
 }
 
 /// Why there are no scales.
@@ -69,6 +107,8 @@ pub enum NoScales {
     FewEdges(usize),
     /// The loops are no likelier than the same ones with shuffled ends: by so many nats.
     NoEvidence(f64),
+    /// So it is where the fit ended at a bound.
+    AtBound(Ended),
 }
 
 /// Estimates the scales of the covariances from loops of different lengths: through pairs of candidates that are
@@ -100,7 +140,11 @@ pub fn estimate_scales<G: Spatial<DOF>, const DOF: usize>(
     }
     let estimate = mixture::fit(&sample).ok_or(NoScales::FewEdges(0))?;
     if estimate.evidence < EVIDENCE.max(EVIDENCE_OF_EDGE * estimate.edges as f64) {
-        Err(NoScales::NoEvidence(estimate.evidence))
+        // A fit that a bound has kept from the loops says nothing about them.
+        match estimate.ended {
+            Some(ended @ (Ended::SmallestFactor | Ended::LargestFactor)) => Err(NoScales::AtBound(ended)),
+            _ => Err(NoScales::NoEvidence(estimate.evidence)),
+        }
     } else {
         Ok(estimate)
     }

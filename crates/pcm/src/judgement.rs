@@ -98,11 +98,10 @@ pub(crate) fn judge<G: Spatial<DOF>, const DOF: usize>(
     chains: &Chains<G, DOF>,
     group: &Group<G, DOF>,
     pool: Option<Pool<DOF>>,
-    deadline: Option<Instant>,
+    limits: Limits,
     summary: &mut Summary,
 ) -> Result<Judged, PcmError> {
     let count = group.candidates.len();
-    let limits = options.limits(count, deadline);
     let scheme = options.scheme.for_candidates(count);
     if scheme == Scheme::Cells && options.consistency_graph.is_some() {
         return Err(PcmError::GraphNotMade { candidates: count, megabytes: (count * count / 8) >> 20 });

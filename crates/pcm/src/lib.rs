@@ -17,6 +17,7 @@
 //! - [`stage`]: all of it on a pose graph.
 
 mod block;
+mod budget;
 pub mod calibration;
 pub mod candidate;
 pub mod cells;

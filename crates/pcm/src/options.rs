@@ -25,6 +25,9 @@ const NODES: f64 = 2e7;
 /// that is an estimate does not earn minutes of proof, and one that is far too loose leaves a gap that no search closes.
 const NODES_OF_ESTIMATES: f64 = 1e3;
 
+/// The share of all nodes, inverted, that one branch of the root may take.
+const STALL: f64 = 20.0;
+
 /// How a group is solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -169,7 +172,10 @@ pub struct Options {
     #[arg(long, value_name = "METRES", default_value_t = 10.0, help_heading = "Search")]
     pub cell_size: f64,
 
-    /// Take the largest clique found after this many branch-and-bound nodes a group [default: 2e7, times (1000/N)^2 above 1000 candidates; 1e3 (1000/N)^2 with --scale auto]
+    /// Stop the proof after this many branch-and-bound nodes in all groups together and keep the largest cliques found [default: 2e7, times (1000/N)^2 above 1000 candidates; 1e3 (1000/N)^2 with --scale auto]
+    ///
+    /// Groups share the limit by the squares of their candidates, and what one does not need goes to the next ones. Without this
+    /// option a search also ends when its bound stalls: when a twentieth of the nodes brings no progress.
     #[arg(long, value_name = "NODES", help_heading = "Search")]
     pub work_limit: Option<u64>,
 
@@ -272,8 +278,8 @@ impl Options {
         self.time_limit.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.min(1e9)))
     }
 
-    /// The limits of a group. A node takes time by the square of the candidates at most, so that all groups have the same
-    /// time: some minutes, or less than a second with `--scale auto`.
+    /// The limits of a run with a single group. A node takes time by the square of the candidates at most, so that they stand for
+    /// the same time: some minutes, or less than a second with `--scale auto`.
     pub(crate) fn limits(&self, candidates: usize, deadline: Option<Instant>) -> Limits {
         let thousands = candidates as f64 / 1000.0;
         let squared = thousands * thousands;
@@ -281,7 +287,9 @@ impl Options {
             Scale::Fixed(_) => NODES / squared.max(1.0),
             Scale::Auto => (NODES_OF_ESTIMATES / squared).min(NODES),
         };
-        Limits { work: self.work_limit.unwrap_or(nodes as u64), deadline }
+        // Who asks for so many nodes gets them.
+        let stall = if self.work_limit.is_some() { u64::MAX } else { (nodes / STALL) as u64 };
+        Limits { work: self.work_limit.unwrap_or(nodes as u64), stall, deadline }
     }
 
     pub(crate) fn readmission(&self) -> Result<Readmission, PcmError> {

@@ -1,11 +1,12 @@
 //! PCM as a stage: marks the landmark edges outside the maximum clique of each group.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 use posecut_stage::{Context, GraphStage, write_atomically};
 
+use crate::budget::Budget;
 use crate::calibration::{NoScales, ScaleEstimate, Scales, estimate_scales};
 use crate::candidate::{Group, Grouped, group_with};
 use crate::chain::{Chains, Covariances};
@@ -15,6 +16,9 @@ use crate::judgement::judge;
 use crate::readmission::{divide_information, readmit};
 use crate::summary::{Summary, note_readmission};
 use crate::{Options, PcmError, Spatial, Test};
+
+/// How often progress is drawn while a group takes long.
+const TICK: Duration = Duration::from_millis(200);
 
 impl GraphStage for Options {
     const NAME: &'static str = "pcm";
@@ -31,8 +35,8 @@ impl GraphStage for Options {
             return Ok(());
         }
         let (summary, graphs) = match graph.header.dimension {
-            Dimension::Two => reject::<SE2, 3>(self, graph)?,
-            Dimension::Three => reject::<SE3, 6>(self, graph)?,
+            Dimension::Two => reject::<SE2, 3>(self, graph, context)?,
+            Dimension::Three => reject::<SE3, 6>(self, graph, context)?,
         };
         if let Some(path) = &self.consistency_graph {
             write_atomically(path, |writer| Ok(write_dimacs(writer, &graphs)?))?;
@@ -45,6 +49,7 @@ impl GraphStage for Options {
 fn reject<G: Spatial<DOF>, const DOF: usize>(
     options: &Options,
     graph: &mut PoseGraph,
+    context: &Context,
 ) -> Result<(Summary, Vec<NamedGraph>), PcmError> {
     let (mut chains, mut grouped) = candidates::<G, DOF>(options, graph)?;
     let mut summary = Summary {
@@ -58,15 +63,32 @@ fn reject<G: Spatial<DOF>, const DOF: usize>(
     // Without --chance every group is judged by itself, as PCM is defined.
     let pool = options.chance.map(|_| Pool::of(&chains, &grouped.groups));
     let mut graphs = Vec::new();
+    let candidates = || grouped.groups.iter().map(|group| group.candidates.len());
+    let mut budget = Budget::of(candidates());
+    // A group takes time by the pairs of its candidates.
+    let progress = context.progress(candidates().map(pairs).sum(), "testing pairs, searching for cliques");
+    progress.enable_steady_tick(TICK);
     for group in &grouped.groups {
-        let judged = judge(options, &chains, group, pool, deadline, &mut summary)?;
+        let count = group.candidates.len();
+        let alone = options.limits(count, deadline);
+        let before = summary.work;
+        let judged = judge(options, &chains, group, pool, budget.next(count, alone), &mut summary)?;
+        budget.spend(count, alone, summary.work - before);
+        progress.inc(pairs(count));
         judged.mark(graph, group);
         if let Some((consistency, vertices)) = judged.graph {
             let id = |&vertex: &usize| graph.edges[group.candidates[vertex].edge].id;
             graphs.push(NamedGraph { edges: vertices.iter().map(id).collect(), graph: consistency });
         }
     }
+    progress.finish_and_clear();
     Ok((summary, graphs))
+}
+
+/// How many pairs so many candidates have, and one for themselves.
+fn pairs(candidates: usize) -> u64 {
+    let count = candidates as u64;
+    count * count.saturating_sub(1) / 2 + 1
 }
 
 /// The chains of a graph and its candidates; without covariances where no test looks at them.

@@ -2,7 +2,7 @@
 
 use posecut_stage::{Context, counted, info, warn};
 
-use crate::calibration::{FEWEST, NoScales, ScaleEstimate};
+use crate::calibration::{Ended, FEWEST, NoScales, ScaleEstimate};
 use crate::consistency::PairCounts;
 use crate::readmission::Readmitted;
 
@@ -80,6 +80,16 @@ impl Summary {
                 "no scale is estimated: the landmark edges fit each other no better than edges with shuffled ends do \
                  ({nats:.1} nats), so perhaps all are false; the covariances are used unchanged"
             ),
+            Some(Err(NoScales::AtBound(ended))) => warn!(
+                "no scale is estimated: the estimate ended {}; check the unit of the information, or give --scale; the covariances are used unchanged",
+                ended.explanation()
+            ),
+            Some(Ok(ScaleEstimate { ended: Some(ended), scales, .. })) => warn!(
+                "the estimate of the scales ended {}: odometry {:.3e}, landmark edges {:.3e}; check the covariances, or give --scale",
+                ended.explanation(),
+                scales.odometry,
+                scales.landmark
+            ),
             _ => {}
         }
         let statistics = &mut context.statistics;
@@ -111,6 +121,9 @@ impl Summary {
         if let Some(Err(NoScales::NoEvidence(nats))) = self.scale {
             statistics.note("scale_evidence", nats);
         }
+        if let Some(Err(NoScales::AtBound(ended))) = self.scale {
+            statistics.note("scale_ended", ended.name());
+        }
         if let Some(Ok(estimate)) = self.scale {
             statistics.note("scale_odometry", estimate.scales.odometry);
             statistics.note("scale_landmark", estimate.scales.landmark);
@@ -118,6 +131,7 @@ impl Summary {
             statistics.note("scale_loops", estimate.loops);
             statistics.note("scale_edges", estimate.edges);
             statistics.note("scale_evidence", estimate.evidence);
+            statistics.note("scale_ended", estimate.ended.map_or("converged", Ended::name));
         }
         statistics.note("seconds_scale", self.seconds_scale);
         statistics.note("seconds_pairs", self.seconds_pairs);

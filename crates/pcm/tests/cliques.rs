@@ -118,10 +118,25 @@ fn the_search_itself_is_exercised_and_does_not_depend_on_threads() {
 fn a_deadline_that_has_passed_leaves_a_clique_and_a_bound() {
     let graph = uniform(200, 0.75, 2);
     let passed = Instant::now().checked_sub(Duration::from_secs(1)).unwrap();
-    let limited = maximum_clique(&graph, Limits { work: u64::MAX, deadline: Some(passed) });
+    let limited = maximum_clique(&graph, Limits { deadline: Some(passed), ..Limits::NONE });
     let exact = maximum_clique(&graph, Limits::NONE);
     assert!(graph.is_clique(&limited.vertices) && !limited.vertices.is_empty());
     assert!(limited.upper_bound >= exact.vertices.len() && limited.upper_bound > limited.vertices.len());
+}
+
+/// A branch that does not end took all nodes there were, and the bound was the same afterwards.
+#[test]
+fn a_stalled_bound_took_all_nodes_of_the_limit() {
+    let graph = uniform(300, 0.9, 4);
+    let patient = maximum_clique(&graph, Limits::work(100_000));
+    let limited = maximum_clique(&graph, Limits { stall: 500, ..Limits::work(100_000) });
+    assert!(!patient.is_optimal() && patient.work >= 100_000, "{patient:?}");
+    assert!(limited.work < 20_000, "{}", limited.work);
+    assert!(
+        graph.is_clique(&limited.vertices) && limited.upper_bound > limited.vertices.len(),
+        "{limited:?}"
+    );
+    assert!(limited.upper_bound >= patient.vertices.len());
 }
 
 #[test]

@@ -216,3 +216,42 @@ fn an_estimate_that_rests_on_nothing_is_declined_with_a_warning() {
     let warning = String::from_utf8(output.stderr).unwrap();
     assert!(warning.contains("fit each other no better than edges with shuffled ends do"), "{warning}");
 }
+
+/// Covariances a million million times too loose: the factor that they need lies beyond the smallest that is tried.
+#[test]
+fn an_estimate_that_ended_at_its_floor_said_nothing() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("floor");
+    fs::create_dir_all(&folder).unwrap();
+    let graph =
+        Scenario { candidates: 300, outliers: 0.3, falsehood: Falsehood::Uniform, seed: 3 }.draw::<SE2, 3>();
+    let warned = |graph: &PoseGraph| {
+        write(&folder.join("graph.jsonl"), graph);
+        let output = Command::new(env!("CARGO_BIN_EXE_posecut-pcm"))
+            .args(["--scale", "auto", "-o"])
+            .args([folder.join("out.jsonl"), folder.join("graph.jsonl")])
+            .arg("--stats")
+            .arg(folder.join("stats.json"))
+            .output()
+            .unwrap();
+        let stats = fs::read_to_string(folder.join("stats.json")).unwrap();
+        let stats: serde_json::Value = serde_json::from_str(&stats).unwrap();
+        (String::from_utf8(output.stderr).unwrap(), stats["scale_ended"].as_str().unwrap().to_owned())
+    };
+    let (message, ended) = warned(&graph);
+    assert!(!message.contains("ended") && ended == "converged", "{ended}: {message}");
+    for (factor, words, name) in [
+        (3e-6, "the estimate of the scales ended at the smallest factor it tries", "smallest-factor"),
+        (
+            1e-12,
+            "no scale is estimated: the estimate ended at the smallest factor it tries",
+            "smallest-factor",
+        ),
+        (1e12, "ended at the largest factor it tries", "largest-factor"),
+    ] {
+        let mut wrong = graph.clone();
+        let terms = wrong.header.noise_models.iter_mut().flat_map(|(_, model)| &mut model.information);
+        terms.for_each(|term| *term *= factor);
+        let (message, ended) = warned(&wrong);
+        assert!(message.contains(words) && ended == name, "{factor:e}: {ended}: {message}");
+    }
+}

@@ -141,6 +141,10 @@ fn names(argument: &Arg) -> String {
     }
     let short = argument.get_short().map(|short| format!("`-{short}`, ")).unwrap_or_default();
     let long = argument.get_long().unwrap_or_default();
+    if argument.is_require_equals_set() {
+        // The value is part of the word, and may be left out.
+        return format!("{short}`--{long}[={values}]`");
+    }
     let gap = if values.is_empty() { "" } else { " " };
     format!("{short}`--{long}{gap}{values}{more}`")
 }

@@ -82,15 +82,15 @@ impl<const D: usize> Factor<D> {
 
     /// Factorises the matrix with these diagonal blocks and off-diagonal blocks (row: first of its pair).
     ///
-    /// `damping` is added to every diagonal entry as a multiple of that entry, after it was raised to at least
-    /// `floor`: `A + damping * max(diag A, floor)`.
+    /// `damping` is added to every diagonal entry as a multiple of that entry, after it was raised to at least the
+    /// `floor` of its component: `A + damping * max(diag A, floor)`.
     pub fn factorize(
         &mut self,
         symbolic: &Symbolic,
         diagonal: &[SMatrix<f64, D, D>],
         off_diagonal: &[SMatrix<f64, D, D>],
         damping: f64,
-        floor: f64,
+        floor: [f64; D],
     ) -> Result<(), Breakdown> {
         let matrix = Matrix { diagonal, off_diagonal, damping, floor };
         let Self { panels, stacks, workers, smallest_pivot, .. } = self;

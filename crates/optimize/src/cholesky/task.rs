@@ -23,7 +23,7 @@ pub(super) struct Matrix<'a, const D: usize> {
     pub(super) diagonal: &'a [SMatrix<f64, D, D>],
     pub(super) off_diagonal: &'a [SMatrix<f64, D, D>],
     pub(super) damping: f64,
-    pub(super) floor: f64,
+    pub(super) floor: [f64; D],
 }
 
 /// Smallest share that elimination has left of a diagonal entry, and where.
@@ -162,7 +162,8 @@ impl<const D: usize> WithSimd for Task<'_, D> {
             for local in 0..front.columns {
                 let mut block = diagonal[symbolic.order[front.first + local]];
                 for component in 0..D {
-                    block[(component, component)] += damping * block[(component, component)].max(floor);
+                    block[(component, component)] +=
+                        damping * block[(component, component)].max(floor[component]);
                 }
                 write_block(panel, height, local, local, &block);
             }
@@ -203,7 +204,7 @@ impl<const D: usize> WithSimd for Task<'_, D> {
                 let (variable, component) = (symbolic.order[front.first + column / D], column % D);
                 let entry = diagonal[variable][(component, component)];
                 let pivot = panel[column * height + column];
-                let share = pivot * pivot / (entry + damping * entry.max(floor));
+                let share = pivot * pivot / (entry + damping * entry.max(floor[component]));
                 smallest_pivot.note(SmallestPivot { share, variable, component });
             }
         }

@@ -13,6 +13,7 @@ use super::IncrementalError;
 use super::elimination::Incidence;
 use super::estimate::Estimate;
 use super::linear_model::LinearModel;
+use crate::magnitude::{distance, size};
 use crate::problem::Edge;
 use crate::residual::Linearised;
 
@@ -40,6 +41,8 @@ struct Share {
     /// The square by which its model is off.
     error: f64,
     cost: f64,
+    /// The cost if it had measured nothing, and a radian were its error.
+    size: f64,
 }
 
 impl Share {
@@ -47,6 +50,7 @@ impl Share {
     fn exchange(&mut self, old: &mut Self, new: Self) {
         self.error += new.error - old.error;
         self.cost += new.cost - old.cost;
+        self.size += new.size - old.size;
         *old = new;
     }
 }
@@ -157,7 +161,8 @@ impl<G: LieGroup<DOF>, const DOF: usize> Edges<G, DOF> {
             let slot = &mut self.slots[index];
             if std::mem::replace(&mut slot.outdated, false) {
                 slot.model = LinearModel::new(&slot.edge, points);
-                self.sums.exchange(&mut slot.share, Share { error: 0.0, cost: slot.model.blocks.cost });
+                let size = size(&slot.edge, distance(&slot.edge.measurement));
+                self.sums.exchange(&mut slot.share, Share { error: 0.0, cost: slot.model.blocks.cost, size });
                 count += 1;
             }
         }
@@ -167,12 +172,13 @@ impl<G: LieGroup<DOF>, const DOF: usize> Edges<G, DOF> {
     /// Begins to look at how far models are off.
     pub(super) fn begin_check(&mut self) {
         self.checks += 1;
-        if !(self.sums.error.is_finite() && self.sums.cost.is_finite()) {
+        if !(self.sums.error + self.sums.cost + self.sums.size).is_finite() {
             self.sums = Share::default();
             for &slot in self.by_id.values() {
-                let Share { error, cost } = self.slots[slot].share;
+                let Share { error, cost, size } = self.slots[slot].share;
                 self.sums.error += error;
                 self.sums.cost += cost;
+                self.sums.size += size;
             }
         }
     }
@@ -189,14 +195,15 @@ impl<G: LieGroup<DOF>, const DOF: usize> Edges<G, DOF> {
             let poses = if incident.is_from { [&here, &there] } else { [&there, &here] };
             let deltas = [slot.edge.from, slot.edge.to].map(|node| &estimate.deltas[node]);
             let (error, cost) = slot.model.error(&slot.edge, poses, deltas);
-            self.sums.exchange(&mut slot.share, Share { error, cost });
+            let size = slot.share.size;
+            self.sums.exchange(&mut slot.share, Share { error, cost, size });
         }
     }
 
     /// Sums over the edges as they were when last linearised or checked: the squares by which models are off, and costs, but
-    /// of these at least `least` an edge.
+    /// of these at least the share `least` of what they were if edges had measured nothing.
     pub(super) fn error_and_cost(&self, least: f64) -> (f64, f64) {
-        (self.sums.error, self.sums.cost.max(least * self.by_id.len() as f64))
+        (self.sums.error, self.sums.cost.max(least * self.sums.size))
     }
 
     /// Memory held, bytes.

@@ -12,10 +12,24 @@ use nalgebra::{SMatrix, SVector};
 use super::tree::{Clique, Tree};
 use crate::cholesky::dense;
 use crate::cholesky::extend_add::{Run, extend_add, push_rows};
+use crate::magnitude::translations;
 use crate::residual::Linearised;
 
 /// Share of a diagonal entry that elimination must leave: below it the direction is undetermined.
 const SINGULAR: f64 = 1e-14;
+
+/// Rounds that hold one direction each.
+const SINGLE_ROUNDS: usize = 8;
+
+/// Where the elimination of a clique failed.
+struct Failure {
+    /// A column whose direction is undetermined.
+    column: usize,
+    /// Rows of the panel.
+    height: usize,
+    /// Whether elimination ended there.
+    broke_down: bool,
+}
 
 /// The linearised edges at a node, as seen from it.
 pub(super) trait Incidence<const D: usize> {
@@ -95,22 +109,31 @@ impl<const D: usize> Elimination<D> {
         self.held.clear();
         self.held.resize(columns, false);
         clique.undetermined.clear();
-        // Each round holds one more direction; nearly always there is one round.
-        while let Some(column) = self.attempt(tree, &mut clique, edges, deltas) {
-            if std::mem::replace(&mut self.held[column], true) {
+        // Each round holds one more direction, and after some rounds twice as many as the one before: a clique of hundreds of
+        // ill-conditioned directions would take as many rounds. Nearly always there is one round.
+        let mut most = 1;
+        for round in 0.. {
+            let Some(failure) = self.attempt(tree, &mut clique, edges, deltas) else { break };
+            if self.held[failure.column] {
                 // Numbers have overflowed: nothing can be learnt from this clique.
                 hold_all(&mut clique, deltas);
                 break;
             }
-            let node = clique.variables[column / D];
-            if clique.undetermined.last() != Some(&node) {
-                clique.undetermined.push(node);
+            if round >= SINGLE_ROUNDS {
+                most *= 2;
+            }
+            for column in self.failing(&failure, &clique.panel, most) {
+                self.held[column] = true;
+                let node = clique.variables[column / D];
+                if clique.undetermined.last() != Some(&node) {
+                    clique.undetermined.push(node);
+                }
             }
         }
         tree.put_back(index, clique);
     }
 
-    /// Eliminates the front and returns a column whose direction is undetermined, if there is one.
+    /// Eliminates the front and returns the first column whose direction is undetermined, if there is one.
     #[inline(always)]
     fn attempt(
         &mut self,
@@ -118,7 +141,7 @@ impl<const D: usize> Elimination<D> {
         clique: &mut Clique,
         edges: &impl Incidence<D>,
         deltas: &[SVector<f64, D>],
-    ) -> Option<usize> {
+    ) -> Option<Failure> {
         self.stamp += 1;
         for (place, &node) in clique.variables.iter().enumerate() {
             self.place[node] = place;
@@ -137,9 +160,14 @@ impl<const D: usize> Elimination<D> {
             self.assemble_node(panel, height, place, node, edges);
         }
         if self.held.contains(&true) {
-            let largest = self.diagonal.iter().copied().fold(0.0, f64::max);
-            let stiffness = if largest > 0.0 { largest } else { 1.0 };
+            // Translations and rotations have different units.
+            let stiffness = [true, false].map(|along| {
+                let alike = (0..columns).filter(|column| (column % D < translations(D)) == along);
+                let largest = alike.map(|column| self.diagonal[column]).fold(0.0, f64::max);
+                if largest > 0.0 { largest } else { 1.0 }
+            });
             for (column, _) in self.held.iter().enumerate().filter(|&(_, &held)| held) {
+                let stiffness = stiffness[usize::from(column % D >= translations(D))];
                 panel[column * height + column] += stiffness;
                 panel[column * height + height - 1] += stiffness * deltas[variables[column / D]][column % D];
                 self.diagonal[column] += stiffness;
@@ -150,12 +178,27 @@ impl<const D: usize> Elimination<D> {
             self.add_child(tree.clique(child), panel, height, columns, update);
         }
         if let Err(column) = dense::eliminate::<D>(panel, height, columns, update, fresh, &mut self.scratch) {
-            return Some(self.not_held(column));
+            return Some(Failure { column: self.not_held(column), height, broke_down: true });
         }
-        (0..columns).find(|&column| {
-            let pivot = panel[column * height + column];
-            !(pivot * pivot > SINGULAR * self.diagonal[column]) && !self.held[column]
-        })
+        let column = (0..columns).find(|&column| self.is_singular(panel, height, column))?;
+        Some(Failure { column, height, broke_down: false })
+    }
+
+    /// Whether elimination has left next to nothing of a column that is not held.
+    #[inline(always)]
+    fn is_singular(&self, panel: &[f64], height: usize, column: usize) -> bool {
+        let pivot = panel[column * height + column];
+        !(pivot * pivot > SINGULAR * self.diagonal[column]) && !self.held[column]
+    }
+
+    /// At most so many columns to hold after a failure: the one that failed, and of those after it the ones that failed too, or,
+    /// where elimination broke down and they are unknown, the next ones.
+    fn failing(&self, failure: &Failure, panel: &[f64], most: usize) -> Vec<usize> {
+        let Failure { column, height, broke_down } = *failure;
+        let others = (column + 1..self.held.len()).filter(|&other| {
+            if broke_down { !self.held[other] } else { self.is_singular(panel, height, other) }
+        });
+        std::iter::once(column).chain(others).take(most).collect()
     }
 
     /// The column to hold after elimination broke down there: itself, or, where it is held already, the next one that is

@@ -1,6 +1,7 @@
 //! What the caller may choose.
 
 use super::IncrementalError;
+use crate::magnitude::translations;
 
 /// Settings of [`IncrementalSolver`](super::IncrementalSolver).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,9 +73,4 @@ impl IncrementalOptions {
             self.relinearise_rotation
         }
     }
-}
-
-/// Components of the translation in a tangent vector of so many degrees of freedom.
-pub(super) fn translations(degrees_of_freedom: usize) -> usize {
-    if degrees_of_freedom == 6 { 3 } else { 2 }
 }

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::{EdgeId, IncrementalOptions, IncrementalSolver};
 use crate::stage::{is_fixed, measured_edge};
+use crate::unusable::refuse_unless_finite;
 use crate::{EdgeKind, Kernel, PoseGroup};
 
 /// A record of a session.
@@ -259,6 +260,20 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
             seconds: started.elapsed().as_secs_f64(),
         });
         true
+    }
+
+    /// Refuses an estimate whose cost is not finite.
+    pub(super) fn refuse_unless_finite(&self) -> anyhow::Result<()> {
+        let cost = self.solver.cost();
+        if cost.is_finite() {
+            return Ok(());
+        }
+        let (ids, edges): (Vec<EdgeId>, Vec<_>) = self.solver.edges().into_iter().unzip();
+        let name = |index: usize| {
+            let standing = self.edges.values().find(|standing| standing.used == Some(ids[index]));
+            standing.map(|standing| self.graph.edges[standing.place].name()).unwrap_or_default()
+        };
+        refuse_unless_finite(cost, &edges, name)
     }
 
     /// Writes the estimates to the nodes.

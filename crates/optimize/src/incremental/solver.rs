@@ -11,6 +11,7 @@ use super::tree::{NONE, Tree};
 use super::update::Restarts;
 use super::{IncrementalError, IncrementalOptions, Split};
 use crate::PoseGroup;
+use crate::magnitude::distance;
 use crate::problem::{Edge, ProblemError, check_edge, is_finite};
 use crate::residual::Term as _;
 
@@ -65,6 +66,8 @@ pub struct IncrementalSolver<G, const DOF: usize> {
     /// Whether the last solution turned a pose too far to be trusted.
     pub(super) long_step: bool,
     pub(super) restarts: Restarts,
+    /// The sum of all measured distances, those of edges taken back included.
+    pub(super) reach: f64,
 }
 
 impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
@@ -98,6 +101,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
             strained: false,
             long_step: false,
             restarts: Restarts::default(),
+            reach: 0.0,
         })
     }
 
@@ -145,6 +149,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         }
         self.touched.extend([edge.from, edge.to]);
         self.new_ends.extend([edge.from, edge.to]);
+        self.reach += distance(&edge.measurement);
         Ok(EdgeId(self.edges.add(edge)))
     }
 

@@ -13,7 +13,8 @@ use super::replay::{Located, empty, for_each};
 use super::session::{Arrival, Kernels, Session};
 use super::{FinishReport, IncrementalOptions};
 use crate::PoseGroup;
-use crate::stage::StageOptions;
+use crate::figures::significant;
+use crate::stage::{StageOptions, warn_of_edges_and_components};
 
 /// Options of the incremental mode.
 #[derive(Clone, Debug, PartialEq, clap::Args)]
@@ -169,6 +170,7 @@ impl IncrementalStageOptions {
             write_checkpoint(&session, writer)?;
         }
         let finish = if self.unfinished { None } else { Some(session.solver.finish()) };
+        session.refuse_unless_finite()?;
         session.write_poses();
         tell(&session, finish.as_ref());
         note(&session, finish.as_ref(), context);
@@ -222,24 +224,22 @@ fn tell<G: PoseGroup<DOF>, const DOF: usize>(session: &Session<G, DOF>, finish: 
             split.gauge
         );
     }
-    if session.unmeasured > 0 {
-        warn!("{} edges in use have no measurement and take no part", session.unmeasured);
-    }
-    if session.solver.parts() > 1 {
+    warn_of_edges_and_components(session.unmeasured, session.solver.parts());
+    let converged = finish.is_none_or(|finish| finish.converged);
+    if let Some(finish) = finish.filter(|finish| !finish.converged) {
         warn!(
-            "no edge in use joins the {} parts of the graph: each is optimised by itself, its fixed nodes where they were, or its first",
-            session.solver.parts()
+            "the final relinearisation did not converge after {}: the poses are not a minimum of the cost",
+            counted(finish.iterations, "iteration")
         );
     }
-    if finish.is_some_and(|finish| !finish.converged) {
-        warn!("the last relinearisations did not converge");
-    }
     info!(
-        "cost {:.6} after {}, {} taken back, {} readmitted",
-        session.solver.cost(),
+        "cost {} after {}, {}, {} retracted, {} re-admitted{}",
+        significant(session.solver.cost()),
         counted(session.steps.len(), "step"),
-        session.retracted,
-        session.readmitted
+        counted(session.solver.parts(), "component"),
+        counted(session.retracted, "edge"),
+        session.readmitted,
+        if converged { "" } else { ", did not converge" }
     );
 }
 

@@ -7,33 +7,53 @@
 
 use nalgebra::SVector;
 
-use super::options::translations;
 use super::{IncrementalSolver, UpdateReport};
 use crate::PoseGroup;
+use crate::magnitude::translations;
 
-/// A rotation beyond which a Gauss-Newton step is not trusted without a look at the cost, radians.
+/// A rotation beyond which a Gauss-Newton step is not trusted without a look at the cost, radians. Translations beyond all measured
+/// distances together are not, either.
 const LONG_ROTATION: f64 = 0.5;
-/// Cost of an edge, squared standard deviations, below which linearisation errors are not compared to it but to this: a
-/// graph without noise needs no more.
-const LEAST_COST: f64 = 1e-6;
+/// Share of the cost if edges had measured nothing, in which linearisation errors are compared to this rather than to the cost:
+/// a graph without noise needs no more.
+const LEAST_COST: f64 = 1e-8;
 
-/// When to solve anew inside of an update. A restart takes as long as a batch solution, so that those that did not help
-/// make the next ones rarer.
+/// Steps of the batch solver that restarts may take for each update, on average over the session. Restarts that are of use are
+/// far rarer.
+const STEPS_PER_UPDATE: usize = 2;
+
+/// When to solve anew inside of an update. A restart takes as long as a batch solution: one that did not help, or did not
+/// converge and so will not hold, makes the next ones rarer, and all of them together have a budget.
 #[derive(Debug, Default)]
 pub(super) struct Restarts {
     not_before: usize,
     pause: usize,
+    /// Whether the last long step was not taken, and could not be answered by a restart.
+    stuck: bool,
+    /// Poses times steps: what has been spent, and what may be.
+    spent: usize,
+    allowance: usize,
+}
+
+impl Restarts {
+    fn is_due(&self, updates: usize) -> bool {
+        updates >= self.not_before && self.spent <= self.allowance
+    }
 }
 
 impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     /// Brings the estimate up to date with all changes.
     ///
     /// Gauss-Newton steps that turn a pose by more than half a radian and raise the cost are not taken: the batch solver
-    /// starts anew then, and the report says so.
+    /// starts anew then, and the report says so. Where such restarts do not help or do not converge they become rare; poses then
+    /// stay where they are.
     pub fn update(&mut self) -> UpdateReport {
         let mut report = UpdateReport { splits: std::mem::take(&mut self.splits), ..UpdateReport::default() };
         let due = self.updates.is_multiple_of(self.options.relinearise_every);
+        // To relinearise everything again would lead uphill again, until a restart finds a better start.
+        let due = due && (!self.restarts.stuck || self.restarts.is_due(self.updates + 1));
         self.updates += 1;
+        self.restarts.allowance += STEPS_PER_UPDATE * self.poses();
         if due {
             self.check(&mut report);
         }
@@ -41,16 +61,25 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         let mut is_uphill = self.is_uphill();
         if due {
             for _ in 1..self.options.iterations {
-                if !self.check(&mut report) {
+                // Points of linearisation do not follow a step that nothing can answer.
+                let unanswered = is_uphill && !self.restarts.is_due(self.updates);
+                if unanswered || !self.check(&mut report) {
                     break;
                 }
                 self.solve(&mut report, self.options.propagate);
                 is_uphill = self.is_uphill();
             }
         }
-        if is_uphill {
+        let is_due = self.restarts.is_due(self.updates);
+        self.restarts.stuck = is_uphill && !is_due;
+        if self.restarts.stuck {
+            self.go_to(self.estimate.points.clone());
+        } else if is_uphill {
             report.restarted = true;
-            self.restarts.pause = if self.restart() { 0 } else { (2 * self.restarts.pause).max(8) };
+            let fresh = self.fresh_start();
+            self.restarts.spent += fresh.steps * self.poses();
+            let helped = fresh.is_better && fresh.converged;
+            self.restarts.pause = if helped { 0 } else { (2 * self.restarts.pause).max(8) };
             self.restarts.not_before = self.updates + self.restarts.pause;
         }
         self.new_ends.clear();
@@ -59,12 +88,10 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         report
     }
 
-    /// Whether the last solution was a step too long to trust, and led uphill, and may be answered by a restart.
+    /// Whether the last solution was a step too long to trust, and led uphill.
     fn is_uphill(&mut self) -> bool {
         self.strained |= self.long_step;
-        self.long_step
-            && self.updates >= self.restarts.not_before
-            && !(self.cost() <= self.cost_at(&self.estimate.points))
+        self.long_step && !(self.cost() <= self.cost_at(&self.estimate.points))
     }
 
     /// Looks at the edges of variables that have moved, and, if linearisation errors have grown to more than is allowed,
@@ -100,8 +127,9 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     /// Whether a component exceeds its threshold.
     #[inline(always)]
     fn is_beyond(&self, value: &SVector<f64, DOF>) -> bool {
+        // Written so that NaN is beyond.
         let beyond =
-            |(component, value): (usize, &f64)| value.abs() > self.options.relinearise(component, DOF);
+            |(component, value): (usize, &f64)| !(value.abs() <= self.options.relinearise(component, DOF));
         value.iter().enumerate().any(beyond)
     }
 
@@ -127,8 +155,9 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         }
         if self.is_beyond(&(value - self.checked[node])) {
             self.moved.push(node);
-            self.long_step |=
-                value.iter().skip(translations(DOF)).any(|angle| !(angle.abs() <= LONG_ROTATION));
+            let (along, about) = value.as_slice().split_at(translations(DOF));
+            self.long_step |= about.iter().any(|angle| !(angle.abs() <= LONG_ROTATION))
+                || along.iter().any(|length| !(length.abs() <= self.reach));
         }
     }
 

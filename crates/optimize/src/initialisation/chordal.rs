@@ -155,7 +155,7 @@ where
             _ => {}
         }
     }
-    factor.factorize(&pattern.symbolic, &equations.diagonal, &equations.off_diagonal, 0.0, 0.0).ok()?;
+    factor.factorize(&pattern.symbolic, &equations.diagonal, &equations.off_diagonal, 0.0, [0.0; N]).ok()?;
     if let [first, second] = rows.as_mut_slice() {
         // Rotations of the plane commute: the second row is the first one turned.
         factor.solve(&pattern.symbolic, first);
@@ -214,7 +214,7 @@ where
         }
         equations.add_off_diagonal(slot, &-weight);
     }
-    factor.factorize(&pattern.symbolic, &equations.diagonal, &equations.off_diagonal, 0.0, 0.0).ok()?;
+    factor.factorize(&pattern.symbolic, &equations.diagonal, &equations.off_diagonal, 0.0, [0.0; N]).ok()?;
     factor.solve(&pattern.symbolic, &mut right);
     right.splice(0..0, held.iter().map(MatrixPose::translation_vector));
     right.iter().all(|translation| translation.iter().all(|value| value.is_finite())).then_some(right)

@@ -31,7 +31,7 @@ pub struct RobustOptions {
     #[serde(serialize_with = "kernel_word")]
     pub kernel_landmark: Option<Kernel>,
 
-    /// Graduated non-convexity over the landmark edges, which finds outliers without a good start
+    /// Graduate non-convexity over the landmark edges, which finds outliers without a good start; with an equals sign before the cost [default with --gnc alone: truncated-least-squares]
     #[arg(
         long,
         value_enum,

@@ -38,7 +38,7 @@ fn check<const D: usize>(variables: usize, pairs: &[(usize, usize)], seed: u64) 
     let mut factor = Factor::<D>::new(&symbolic);
     // Twice, so that what the first run leaves behind would show.
     for damping in [0.3, 0.0] {
-        factor.factorize(&symbolic, &diagonal, &off_diagonal, damping, 0.0).unwrap();
+        factor.factorize(&symbolic, &diagonal, &off_diagonal, damping, [0.0; D]).unwrap();
         let mut values: Vec<SVector<f64, D>> =
             (0..variables).map(|_| SVector::from_fn(|_, _| random.random_range(-1.0..1.0))).collect();
         let right = DVector::from_iterator(variables * D, values.iter().flat_map(|v| v.iter().copied()));
@@ -124,17 +124,17 @@ fn indefinite_and_singular_matrices_are_told_by_variable() {
     let mut last = identity;
     last[(1, 1)] = -1.0;
     let breakdown =
-        factor.factorize(&symbolic, &[identity, identity, last], &[zero, zero], 0.0, 0.0).unwrap_err();
+        factor.factorize(&symbolic, &[identity, identity, last], &[zero, zero], 0.0, [0.0; 2]).unwrap_err();
     assert_eq!((breakdown.variable, breakdown.component), (2, 1));
     assert!(breakdown.to_string().contains("component 1 of variable 2"), "{breakdown}");
     last[(1, 1)] = f64::NAN;
-    assert!(factor.factorize(&symbolic, &[identity, identity, last], &[zero, zero], 0.0, 0.0).is_err());
+    assert!(factor.factorize(&symbolic, &[identity, identity, last], &[zero, zero], 0.0, [0.0; 2]).is_err());
     // The chain 0 - 1 - 2 pulled together but held nowhere.
     let laplacian = [identity, identity * 2.0, identity * (1.0 + 1e-15)];
-    if factor.factorize(&symbolic, &laplacian, &[-identity, -identity], 0.0, 0.0).is_ok() {
+    if factor.factorize(&symbolic, &laplacian, &[-identity, -identity], 0.0, [0.0; 2]).is_ok() {
         assert!(factor.smallest_pivot().0 < 1e-14);
     }
-    factor.factorize(&symbolic, &[zero; 3], &[zero, zero], 1.0, 1.0).unwrap();
+    factor.factorize(&symbolic, &[zero; 3], &[zero, zero], 1.0, [1.0; 2]).unwrap();
 }
 
 /// A grid whose factorisation is divided among threads: the solution solves, and is the same to the bit on any number of them.
@@ -158,7 +158,7 @@ fn threads_change_no_bit() {
         // The analysis, too, depends on whether there are threads.
         let symbolic = pool.install(|| Symbolic::new(variables, &pairs, 6));
         let mut factor = Factor::<6>::new(&symbolic);
-        pool.install(|| factor.factorize(&symbolic, &diagonal, &off_diagonal, 0.0, 0.0)).unwrap();
+        pool.install(|| factor.factorize(&symbolic, &diagonal, &off_diagonal, 0.0, [0.0; 6])).unwrap();
         factor.solve(&symbolic, &mut values);
         (values, factor.smallest_pivot())
     };
@@ -182,7 +182,8 @@ fn threads_change_no_bit() {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let symbolic = pool.install(|| Symbolic::new(variables, &pairs, 6));
             let mut factor = Factor::<6>::new(&symbolic);
-            pool.install(|| factor.factorize(&symbolic, &indefinite, &off_diagonal, 0.0, 0.0)).unwrap_err()
+            pool.install(|| factor.factorize(&symbolic, &indefinite, &off_diagonal, 0.0, [0.0; 6]))
+                .unwrap_err()
         };
         assert_eq!(fail(1), fail(2), "{count}");
     }

@@ -84,6 +84,79 @@ fn kernels_that_make_no_sense_are_refused() {
 }
 
 #[test]
+fn the_cost_of_gnc_was_taken_for_the_input_file() {
+    for arguments in [&["--gnc", "geman-mcclure", "graph.jsonl"][..], &["-q", "--gnc", "tls"]] {
+        let error = fail(arguments);
+        let cost = arguments.iter().find(|word| ["geman-mcclure", "tls"].contains(word)).unwrap();
+        assert!(error.contains(&format!("write --gnc={cost} ")), "{error}");
+        assert_eq!(error.lines().count(), 1, "{error}");
+    }
+    // Both documented uses, with a file after them.
+    let folder = std::env::temp_dir().join(format!("posecut-gnc-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("geman-mcclure");
+    std::fs::write(&file, GRAPH).unwrap();
+    for option in ["--gnc", "--gnc=geman-mcclure", "--gnc=truncated-least-squares", "--gnc=tls"] {
+        let graph = succeed(&[option, file.to_str().unwrap()]);
+        assert!(field(&graph, "landmark", 6, "weight").unwrap() < 0.01, "{option}: {graph}");
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert!(succeed(&["--help"]).contains("--gnc[=<COST>]"));
+}
+
+#[test]
+fn an_infinite_cost_was_called_converged() {
+    let infinite = GRAPH.replace(
+        "[9,9,0],\"information\":[100,0,0,100,0,400]",
+        "[1e160,9,0],\"information\":[1e10,0,0,100,0,400]",
+    );
+    assert_ne!(infinite, GRAPH);
+    for arguments in
+        [&[][..], &["--solver", "isam2"], &["--solver", "isam2", "--unfinished"], &["--method", "dogleg"]]
+    {
+        let output = run_on(arguments, &infinite);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && output.stdout.is_empty(), "{arguments:?}: {error}");
+        assert!(
+            error.contains("the cost of the solution is not finite: landmark 6"),
+            "{arguments:?}: {error}"
+        );
+        assert!(!error.contains("NaN") && error.lines().count() == 1, "{arguments:?}: {error}");
+    }
+}
+
+#[test]
+fn small_costs_were_printed_as_zero() {
+    let weak = GRAPH.replace("[100,0,0,100,0,400]", "[1e-10,0,0,1e-10,0,4e-10]");
+    for (arguments, words) in
+        [(&[][..], " iterations, 1 component"), (&["--solver", "isam2"], "4 steps, 1 component")]
+    {
+        let error = String::from_utf8(run_on(arguments, &weak).stderr).unwrap();
+        let line = error.lines().find(|line| line.contains("optimize: cost ")).unwrap();
+        assert!(line.contains("e-") && line.contains(words), "{error}");
+    }
+}
+
+#[test]
+fn names_of_sessions_change_no_pose() {
+    let named = |name: &str| {
+        let record = |line: &str| {
+            line.replace("{\"kind\":\"node\",", &format!("{{\"kind\":\"node\",\"session\":\"{name}\","))
+        };
+        GRAPH.lines().map(|line| record(line) + "\n").collect::<String>()
+    };
+    let poses = |arguments: &[&str], name: &str| {
+        let output = run_on(arguments, &named(name));
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let text = String::from_utf8(output.stdout).unwrap().replace(&format!("\"session\":\"{name}\""), "");
+        text.lines().skip(1).map(str::to_owned).collect::<Vec<_>>()
+    };
+    for arguments in [&[][..], &["--method", "dogleg"], &["--gnc"], &["--solver", "isam2"]] {
+        assert_eq!(poses(arguments, "a"), poses(arguments, "zürich"), "{arguments:?}");
+    }
+}
+
+#[test]
 fn certificates_stand_in_the_statistics_and_exclude_kernels() {
     let file = std::env::temp_dir().join(format!("posecut-certificate-{}.json", std::process::id()));
     let poses = succeed(&["--certify", "--stats", file.to_str().unwrap()]);

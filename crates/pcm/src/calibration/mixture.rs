@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use statrs::function::gamma::ln_gamma;
 
 use super::loops::{CLASSES, Loop, Sample};
-use super::{ScaleEstimate, Scales};
+use super::{Ended, ScaleEstimate, Scales};
 use crate::gate::chi_square_quantile;
 
 /// Degrees of freedom of a correct loop's t distribution.
@@ -20,6 +20,8 @@ const TOLERANCE: f64 = 1e-3;
 const ITERATIONS: usize = 300;
 /// Both factors lie between e^-12 and e^12.
 const RANGE: f64 = 12.0;
+/// The share of correct loops is at least this, and at most as far from 1.
+const LEAST_CORRECT: f64 = 0.001;
 /// Loops that are summed one after the other; sums do not depend on the number of threads.
 const CHUNK: usize = 256;
 
@@ -163,7 +165,8 @@ impl Mixture {
         let sums = parts.iter().fold(Sums::default(), Sums::add);
         for class in 0..CLASSES {
             if sums.counts[class] > 0.0 {
-                self.correct[class] = (sums.correct[class] / sums.counts[class]).clamp(0.001, 0.999);
+                self.correct[class] =
+                    (sums.correct[class] / sums.counts[class]).clamp(LEAST_CORRECT, 1.0 - LEAST_CORRECT);
             }
         }
         let mut moved = 0.0;
@@ -179,22 +182,37 @@ impl Mixture {
         (moved, sums.log_likelihood)
     }
 
-    /// Steps until nothing moves; the mixture with its likelihood.
-    fn settle<const DOF: usize>(mut self, loops: &[Diagonal<DOF>], iterations: usize) -> (Self, f64) {
+    /// Steps until nothing moves; the mixture with its likelihood, and whether nothing moved at last.
+    fn settle<const DOF: usize>(mut self, loops: &[Diagonal<DOF>], iterations: usize) -> (Self, f64, bool) {
         let mut likelihood = f64::NEG_INFINITY;
         for _ in 0..iterations {
             let (moved, before) = self.step(loops);
             likelihood = before;
             if moved < TOLERANCE {
-                break;
+                return (self, likelihood, true);
             }
         }
-        (self, likelihood)
+        (self, likelihood, false)
+    }
+
+    /// The bound that a fit has ended at.
+    fn bound(&self) -> Option<Ended> {
+        let any = |factor: f64| self.factors.contains(&factor);
+        if any((-RANGE).exp()) {
+            Some(Ended::SmallestFactor)
+        } else if any(RANGE.exp()) {
+            Some(Ended::LargestFactor)
+        } else {
+            (self.correct[0] <= LEAST_CORRECT).then_some(Ended::Share)
+        }
     }
 }
 
 /// The start that leads farthest in a few iterations, with its likelihood.
-fn trial<const DOF: usize>(loops: &[Diagonal<DOF>], log_volumes: [f64; CLASSES]) -> Option<(Mixture, f64)> {
+fn trial<const DOF: usize>(
+    loops: &[Diagonal<DOF>],
+    log_volumes: [f64; CLASSES],
+) -> Option<(Mixture, f64, bool)> {
     STARTS
         .map(|start| Mixture::new::<DOF>(log_volumes, start).settle(loops, TRIALS))
         .into_iter()
@@ -206,8 +224,8 @@ pub(super) fn fit<const DOF: usize>(sample: &Sample<DOF>) -> Option<ScaleEstimat
     let diagonal =
         |loops: &[Loop<DOF>]| -> Vec<Diagonal<DOF>> { loops.par_iter().filter_map(Diagonal::of).collect() };
     let (loops, elsewhere) = (diagonal(&sample.loops), diagonal(&sample.elsewhere));
-    let (mixture, likelihood) = trial(&loops, sample.log_volumes)?.0.settle(&loops, ITERATIONS);
-    let (_, by_chance) = trial(&elsewhere, sample.log_volumes)?;
+    let (mixture, likelihood, settled) = trial(&loops, sample.log_volumes)?.0.settle(&loops, ITERATIONS);
+    let (_, by_chance, _) = trial(&elsewhere, sample.log_volumes)?;
     let mut seen: Vec<(f64, f64)> = loops
         .iter()
         .filter_map(|closed| mixture.see(closed))
@@ -224,6 +242,7 @@ pub(super) fn fit<const DOF: usize>(sample: &Sample<DOF>) -> Option<ScaleEstimat
         loops: seen.len(),
         edges: sample.edges,
         evidence: (likelihood - by_chance) * share,
+        ended: mixture.bound().or((!settled).then_some(Ended::Iterations)),
     })
 }
 

@@ -9,17 +9,19 @@ use std::time::Instant;
 pub struct Limits {
     /// Branch-and-bound nodes.
     pub work: u64,
+    /// Nodes that one branch of the root may take: without an end by then, its bound has stalled, and the search ends.
+    pub stall: u64,
     /// The moment to stop at.
     pub deadline: Option<Instant>,
 }
 
 impl Limits {
     /// No limit.
-    pub const NONE: Self = Self { work: u64::MAX, deadline: None };
+    pub const NONE: Self = Self { work: u64::MAX, stall: u64::MAX, deadline: None };
 
     /// A limit of branch-and-bound nodes alone.
     pub fn work(nodes: u64) -> Self {
-        Self { work: nodes, deadline: None }
+        Self { work: nodes, ..Self::NONE }
     }
 
     pub(super) fn is_over(&self) -> bool {

@@ -43,7 +43,7 @@ pub(super) fn search(graph: &BitGraph, known: usize, limits: Limits) -> Outcome 
     let mut candidates = all;
     let mut left = &branches[..];
     while let Some(round) = next_round(&mut left, size) {
-        let share = limits.work.saturating_sub(work).div_ceil(round.len() as u64);
+        let share = limits.work.saturating_sub(work).div_ceil(round.len() as u64).min(limits.stall);
         let run = |place: usize, share: u64| {
             let mut own = candidates.clone();
             round[..=place].iter().for_each(|&(vertex, _)| own.remove(vertex));
@@ -53,8 +53,8 @@ pub(super) fn search(graph: &BitGraph, known: usize, limits: Limits) -> Outcome 
             (0..round.len()).into_par_iter().map(|place| run(place, share)).collect();
         work += outcomes.iter().map(|found| found.work).sum::<u64>();
         for (place, found) in outcomes.iter_mut().enumerate() {
-            // A branch that used up its share may have what the others left.
-            let rest = limits.work.saturating_sub(work);
+            // A branch that used up its share may have what the others left, unless it has stalled.
+            let rest = limits.work.saturating_sub(work).min(limits.stall);
             if !found.complete && rest > share && !limits.is_over() {
                 *found = run(place, rest);
                 work += found.work;
