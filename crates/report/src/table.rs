@@ -1,11 +1,13 @@
 //! Methods against sessions.
 
 mod csv_rows;
+mod hostile_text;
 mod latex;
 mod markdown;
 
 pub use csv_rows::write_csv;
 pub use latex::latex;
+pub(crate) use hostile_text::{cell_text, inline};
 pub(crate) use markdown::grid;
 pub use markdown::markdown;
 

@@ -65,6 +65,10 @@ fn the_program_writes_tables_figure_and_document_and_the_page_has_them() {
         "the same bytes again"
     );
     assert!(String::from_utf8_lossy(&files[2]).contains("alert(1)> *{{data}}* \\| x"));
+    for file in &files {
+        let text = String::from_utf8_lossy(file);
+        assert!(!text.contains("<img") && !text.contains("</script"), "{text}");
+    }
 
     let (good, page, said) = run(&["html", "--trust", &path("r.jsonl")]);
     assert!(good, "{said}");
