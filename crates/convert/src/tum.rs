@@ -47,7 +47,7 @@ pub fn read(file: &str, reader: impl BufRead, session: &str) -> Result<PoseGraph
         }
         let time = microseconds(numbers[0]).ok_or_else(|| {
             let problem =
-                format!("the time {} s is beyond what microseconds in 64 bits can count", numbers[0]);
+                format!("the time {:?} s is beyond what microseconds in 64 bits can count", numbers[0]);
             ConvertError::line(file, place, problem, "the first number of a line is seconds; correct it")
         })?;
         if let Some((before, line)) = last.replace((time, place))

@@ -70,7 +70,8 @@ const FILES: [&str; 8] = [
 
 /// Whether a simulated session has a file of this name. A real one has others too.
 pub fn is_session_file(name: &str) -> bool {
-    FILES.contains(&name) || (name.starts_with("groundtruth_") && name.ends_with(".csv"))
+    FILES.contains(&name)
+        || name.strip_prefix("groundtruth_").is_some_and(|rest| rest.strip_suffix(".csv").is_some())
 }
 
 /// Simulates a session and writes its files into an existing directory; `name` is the session's date, which

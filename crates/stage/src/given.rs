@@ -6,12 +6,15 @@ use std::path::{Path, PathBuf};
 
 use clap::{ArgMatches, Command};
 
-/// Everything on a command line that could be a file, with how messages refer to it.
+/// What the value of an option is called that is a file.
+const FILE: &str = "FILE";
+
+/// Everything on a command line that is a file, with how messages refer to it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Given(Vec<(String, PathBuf)>);
 
 impl Given {
-    /// The values of all arguments, defaults too. A value `NAME=FILE` counts as a file as well.
+    /// The values of arguments and of options that take a `FILE`, defaults too. A value `NAME=FILE` counts as a file as well.
     pub(crate) fn of(command: &Command, matches: &ArgMatches) -> Self {
         let mut given = Self::default();
         given.collect(command, matches);
@@ -20,22 +23,18 @@ impl Given {
 
     fn collect(&mut self, command: &Command, matches: &ArgMatches) {
         for argument in command.get_arguments().filter(|argument| argument.get_action().takes_values()) {
-            let value_name = || {
-                argument.get_value_names().and_then(|names| names.first()).map(|name| format!("as {name}"))
-            };
-            let Some(what) = argument.get_long().map(|long| format!("for --{long}")).or_else(value_name)
-            else {
-                continue;
+            let Some(name) = argument.get_value_names().and_then(|names| names.first()) else { continue };
+            // Other options take numbers and words, which may look like the name of a file.
+            let what = match argument.get_long() {
+                Some(long) if name == FILE => format!("for --{long}"),
+                None => format!("as {name}"),
+                Some(_) => continue,
             };
             let Ok(Some(values)) = matches.try_get_raw(argument.get_id().as_str()) else { continue };
             for value in values.filter(|value| *value != OsStr::new("-")) {
                 let file = value.to_str().and_then(|value| value.split_once('=')).map(|(_, file)| file);
-                self.0.extend(
-                    [Some(value), file.map(OsStr::new)]
-                        .into_iter()
-                        .flatten()
-                        .map(|path| (what.clone(), path.into())),
-                );
+                let files = [Some(value), file.map(OsStr::new)].into_iter().flatten();
+                self.0.extend(files.map(|path| (what.clone(), path.into())));
             }
         }
         if let Some((name, matches)) = matches.subcommand()

@@ -4,7 +4,7 @@ use std::num::NonZero;
 
 use anyhow::Context as _;
 
-use crate::warn;
+use crate::{counted, warn};
 
 /// The variable by which rayon learns how many threads to start.
 const VARIABLE: &str = "RAYON_NUM_THREADS";
@@ -17,8 +17,10 @@ fn processors() -> usize {
 pub(crate) fn bounded(threads: usize) -> usize {
     let processors = processors();
     if threads > processors {
-        let plural = if processors == 1 { "processor" } else { "processors" };
-        warn!("--threads {threads} is more than the {processors} {plural} here; {processors} is used");
+        warn!(
+            "--threads {threads} is more than this machine has use for; using {}",
+            counted(processors, "thread")
+        );
     }
     threads.min(processors)
 }

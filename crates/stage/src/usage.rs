@@ -21,7 +21,8 @@ pub(crate) fn end(name: &str, command: &Command, error: &clap::Error) -> ExitCod
 /// What clap says in several paragraphs, in one line: the cause and its suggestions, without usage.
 fn sentence(command: &Command, error: &clap::Error) -> String {
     if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        let tasks: Vec<&str> = command.get_subcommands().map(Command::get_name).collect();
+        let tasks: Vec<&str> =
+            command.get_subcommands().map(Command::get_name).filter(|name| *name != "help").collect();
         return format!("the command line does not say what to do; name one of {}", tasks.join(", "));
     }
     let text = error.render().to_string();
