@@ -9,7 +9,7 @@ use serde::Deserialize;
 use toml::Value;
 
 use crate::names::{check, check_value};
-use crate::{Graphs, Halves};
+use crate::{Graphs, Halves, toml_text};
 
 /// The longest chain of declarations that build on each other.
 const LONGEST_CHAIN: usize = 16;
@@ -167,8 +167,8 @@ impl Experiment {
     fn read_above(path: &Path, above: &mut Vec<PathBuf>) -> anyhow::Result<Self> {
         let place = path.display();
         let text = text(path).with_context(|| format!("{place}: cannot be read"))?;
-        let file: File =
-            toml::from_str(&text).with_context(|| format!("{place}: is no declaration of an experiment"))?;
+        let file: File = toml_text::parse(&text)
+            .with_context(|| format!("{place}: is no declaration of an experiment"))?;
         above.push(std::fs::canonicalize(path).with_context(|| format!("{place}: cannot be read"))?);
         let mut experiment = match &file.base {
             Some(base) => {

@@ -7,12 +7,15 @@ use anyhow::{Context as _, bail};
 
 use crate::{Plan, Source};
 
+/// Endings of the files beside a group.
+const BESIDE: [&str; 3] = ["tasks.jsonl", "tasks.jsonl.damaged", "times.jsonl"];
+
 /// Refuses a plan with a file that would be written elsewhere.
 pub(crate) fn check(plan: &Plan, source: &Source) -> anyhow::Result<()> {
     let roots = [resolved(&source.results)?, resolved(&source.simulated)?];
     let mut folders: HashMap<PathBuf, PathBuf> = HashMap::new();
     for task in &plan.tasks {
-        let beside = ["tasks.jsonl", "times.jsonl"].map(|ending| format!("{}.{ending}", task.group));
+        let beside = BESIDE.map(|ending| format!("{}.{ending}", task.group));
         for file in task.outputs.iter().chain(&task.statistics).chain(&beside) {
             let path = Path::new(file);
             let real = if path.is_symlink() { resolved(path)? } else { in_folder(path, &mut folders)? };

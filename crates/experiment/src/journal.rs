@@ -98,7 +98,7 @@ fn read(path: &Path, bytes: &[u8]) -> (BTreeMap<String, Entry>, bool) {
     }
     if let Some(first) = broken.first() {
         warn!(
-            "{}, line {first}: is no finished task; {} ignored, what they may have noted runs again",
+            "{}, line {first}: is no finished task; ignored {}, whose tasks run again",
             path.display(),
             counted(broken.len(), "such line")
         );

@@ -33,6 +33,7 @@ mod schedule;
 mod selection;
 mod size;
 mod times;
+mod toml_text;
 
 pub use collect::{Collected, collect};
 pub use declaration::{Experiment, Grid, Keep, Origin, Step};

@@ -40,7 +40,8 @@ pub(crate) fn read(group: &str) -> anyhow::Result<BTreeMap<String, (String, f64)
         Err(error) => return Err(error).with_context(|| format!("{}: cannot be read", path.display())),
     };
     // A broken line costs a time, and no result.
-    let times = bytes.split(|byte| *byte == b'\n').filter_map(|line| serde_json::from_slice::<Time>(line).ok());
+    let times =
+        bytes.split(|byte| *byte == b'\n').filter_map(|line| serde_json::from_slice::<Time>(line).ok());
     Ok(times.map(|time| (time.id, (time.digest, time.cpu_seconds))).collect())
 }
 

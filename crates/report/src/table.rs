@@ -6,8 +6,8 @@ mod latex;
 mod markdown;
 
 pub use csv_rows::write_csv;
-pub use latex::latex;
 pub(crate) use hostile_text::{cell_text, inline};
+pub use latex::latex;
 pub(crate) use markdown::grid;
 pub use markdown::markdown;
 

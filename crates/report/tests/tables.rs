@@ -134,10 +134,16 @@ fn hostile_labels_stay_text_in_every_table() {
     let results = read_all(&[folder.path().to_owned()]).unwrap();
     let csv = String::from_utf8(write_csv(&results).unwrap()).unwrap();
     let row = csv.split_once('\n').unwrap().1;
-    assert!(row.starts_with("\"'+paper\n\\input{x}\",'=HYPERLINK('x')|<script>,'@SUM(A1)<img src=x>,1,"), "{csv}");
+    assert!(
+        row.starts_with("\"'+paper\n\\input{x}\",'=HYPERLINK('x')|<script>,'@SUM(A1)<img src=x>,1,"),
+        "{csv}"
+    );
     let tables = tables(&results, &[], &[]);
     let text = markdown(&tables, &published());
-    assert!(text.contains("### +paper \\input{x}\n") && text.contains("| =HYPERLINK('x')\\|&lt;script> |"), "{text}");
+    assert!(
+        text.contains("### +paper \\input{x}\n") && text.contains("| =HYPERLINK('x')\\|&lt;script> |"),
+        "{text}"
+    );
     assert!(!text.contains("<script") && !text.contains("<img"), "{text}");
     let tex = latex(&tables, &published());
     assert!(!tex.contains("\\input"), "{tex}");

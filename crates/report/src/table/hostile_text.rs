@@ -7,7 +7,10 @@ pub(crate) fn inline(text: &str) -> String {
     while let Some(character) = characters.next() {
         match character {
             '|' => escaped.push_str("\\|"),
-            '<' if characters.peek().is_some_and(|next| next.is_ascii_alphabetic() || "/!?".contains(*next)) => {
+            '<' if characters
+                .peek()
+                .is_some_and(|next| next.is_ascii_alphabetic() || "/!?".contains(*next)) =>
+            {
                 escaped.push_str("&lt;");
             }
             other if other.is_control() => escaped.push(' '),

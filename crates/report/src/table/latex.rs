@@ -10,8 +10,11 @@ pub fn latex(tables: &[Table], published: &Published) -> String {
     let mut text = String::new();
     for table in tables {
         // Writing to a string cannot fail.
-        let _ =
-            writeln!(text, "% {}: RMSE in metres, mean and standard deviation over seeds", escape(&table.pipeline));
+        let _ = writeln!(
+            text,
+            "% {}: RMSE in metres, mean and standard deviation over seeds",
+            escape(&table.pipeline)
+        );
         let _ = writeln!(text, "\\begin{{tabular}}{{l{}}}", "r".repeat(table.sessions.len() + 1));
         let _ = writeln!(text, "\\hline");
         let sessions: Vec<String> = table.sessions.iter().map(|session| escape(session)).collect();
