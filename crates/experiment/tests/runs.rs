@@ -211,6 +211,7 @@ fn a_damaged_journal_costs_only_the_tasks_that_it_lost() {
     let kept = std::fs::read(workshop.path(&format!("{journal}.damaged"))).unwrap();
     assert_eq!(kept, damaged);
     workshop.remove(&format!("{journal}.damaged"));
+    workshop.remove("results/trial-simulated/one/1.times.jsonl");
     assert_same(&workshop.left(), &whole, "after the damage");
     // A line that a killed run did not finish is nobody's damage.
     let unfinished = text.trim_end().len() - 5;

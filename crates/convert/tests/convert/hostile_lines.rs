@@ -1,5 +1,7 @@
 //! Text that no tool should have written.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use posecut_convert::{g2o, kitti, toro, tum};
 
 fn g2o_error(bytes: &[u8]) -> String {
