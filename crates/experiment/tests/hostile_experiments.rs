@@ -146,12 +146,8 @@ fn declaration(random: &mut ChaCha8Rng) -> Vec<u8> {
     for _ in 0..random.random_range(0..2) {
         let (key, value) = (pick(random, KEYS), pick(random, VALUES));
         // Not twice: that is a mistake of TOML alone.
-        let rest: String = text
-            .lines()
-            .filter(|line| !line.starts_with(&format!("{key} =")))
-            .map(|line| format!("{line}\n"))
-            .collect();
-        text = format!("{key} = {value}\n{rest}");
+        let rest: Vec<&str> = text.lines().filter(|line| !line.starts_with(&format!("{key} ="))).collect();
+        text = format!("{key} = {value}\n{}\n", rest.join("\n"));
     }
     for _ in 0..random.random_range(0..2) {
         let mut table = pick(random, TABLES).to_owned();

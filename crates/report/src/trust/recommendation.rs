@@ -10,8 +10,7 @@ use super::benchmark::{BOUND, Benchmark, Status};
 use super::records::Half;
 use super::summary::{LARGE_REGRET, Summary, summary};
 use super::tables::{finished, percent, whole};
-use crate::table::inline;
-use crate::table::metres;
+use crate::table::{inline, metres};
 
 /// The method with the most runs within the bound on the tuning half, of those that have a record for each of
 /// its runs; of equals the one with the smaller worst regret, then the first by name. A method with a failed

@@ -86,6 +86,9 @@ fn the_program_writes_tables_figure_and_document_and_the_page_has_them() {
     let (good, _, said) = run(&["trust", &path("r.jsonl"), "--figure", &path("f.gif"), "-o", &path("n.md")]);
     assert!(!good && said.contains("f.gif") && !Path::new(&path("n.md")).exists(), "{said}");
     let (good, _, said) = run(&["trust", &path("r.jsonl"), "--document", &path("r.jsonl")]);
+    assert!(!good && said.contains("would overwrite the other"), "{said}");
+    fs::write(path("other.md"), "no markers\n").unwrap();
+    let (good, _, said) = run(&["trust", &path("r.jsonl"), "--document", &path("other.md")]);
     assert!(!good && said.contains("has no line <!-- begin: answer -->"), "{said}");
     fs::write(path("half.jsonl"), sample("tuning")).unwrap();
     let (good, _, said) = run(&["trust", &path("half.jsonl")]);
