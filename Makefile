@@ -9,6 +9,30 @@ METHODS   ?= pcm pcm+gc
 RESULTS   ?= results
 SIMULATED ?= data/simulated
 
+# ---- names that could become commands ---------------------------------------------------------------------
+# These names become parts of command lines, of file names and of rules, none of which can hold every character. They are
+# refused before anything is expanded: $(value) is what was written.
+define newline
+
+
+endef
+empty         :=
+space         := $(empty) $(empty)
+tab           := $(empty)	$(empty)
+open          := (
+close         := )
+marks         := ; & | < > $(open) $(close) ' " ` \ * ? [ ] { } ! \# : = % $$
+cannot         = $(error $(1) cannot be used: $(2); name it with letters, digits and . _ - + / alone)
+plain          = $(foreach mark,$(marks),$(if $(findstring $(mark),$(value $(1))),$(call cannot,$(1),it contains $(mark))))\
+                 $(if $(findstring $(newline),$(value $(1))),$(call cannot,$(1),it contains the end of a line))\
+                 $(if $(filter -%,$(value $(1))),$(call cannot,$(1),it starts with a dash))
+one            = $(if $(or $(findstring $(space),$(value $(1))),$(findstring $(tab),$(value $(1)))),$(call cannot,$(1),it contains a space))
+given_folder   = $(if $(strip $(value $(1))),,$(call cannot,$(1),it is empty))
+checked       := $(foreach name,NCLT RESULTS SIMULATED SESSIONS,$(call plain,$(name)))\
+                 $(foreach name,NCLT RESULTS SIMULATED,$(call one,$(name)))\
+                 $(foreach name,RESULTS SIMULATED,$(call given_folder,$(name)))\
+                 $(if $(findstring /,$(value SESSIONS)),$(call cannot,SESSIONS,a session contains /))
+
 # ---- programs: swap a stage by naming another program -----------------------------------------------------
 # pipelines/stages.toml lists them. To swap one for this run: make table PCM=./my-stage
 BIN        := $(or $(CARGO_TARGET_DIR),target)/release
@@ -51,7 +75,7 @@ help:
 	@echo '  make install [PREFIX=DIR]      programs, manual pages and shell completions'
 	@echo '  make bench                     benchmarks'
 	@echo '  make data [SESSIONS=…]         download NCLT sessions into data/nclt (large)'
-	@echo '  make clean                     remove results and simulated sessions'
+	@echo '  make clean                     remove results and simulated sessions that a run made'
 	@echo
 	@echo 'Any stage can be another program: make table PCM=./my-stage. -j runs things in parallel.'
 
@@ -63,16 +87,17 @@ present       := $(foreach session,$(SESSIONS),$(if $(call source_of,$(session))
 missing       := $(filter-out $(present),$(SESSIONS))
 said           = @printf '  %-9s %s\n' '$(1)' '$@'
 comma         := ,
-empty         :=
-space         := $(empty) $(empty)
 listed         = $(subst $(space),$(comma),$(strip $(1)))
+# Notes which folders a run made, for `make clean`.
+marked         = @scripts/folders.sh mark $(call quoted,$(RESULTS)) $(call quoted,$(SIMULATED))
 declared       = $(foreach name,$(1),pipelines/$(name).toml)
 
 # ---- what the runner of experiments is told ---------------------------------------------------------------
 # As many tasks at once as -j allows, or as there are processors.
 threads        = $(or $(patsubst -j%,%,$(filter -j%,$(MAKEFLAGS))),0)
 quoted         = '$(subst ','\'',$(1))'
-places         = --programs $(BIN) --simulated $(SIMULATED) --results $(RESULTS) $(if $(NCLT),--nclt $(NCLT))
+places         = --programs $(BIN) --simulated $(call quoted,$(SIMULATED)) --results $(call quoted,$(RESULTS)) \
+                 $(if $(NCLT),--nclt $(call quoted,$(NCLT)))
 swapped        = $(foreach stage,$(stages),$(if $($(stage)),--program $(shell echo $(stage) | tr A-Z a-z)=$($(stage))))
 # make table 'paper.pcm=--probability 0.95'
 settings       = $(foreach name,$(filter $(addsuffix .%,$(PIPELINES) $(EXPERIMENT) regimes),$(.VARIABLES)),\
@@ -100,6 +125,7 @@ $(binaries): $(BIN)/.posecut-built ;
 # changed does.
 run: $(EXPERIMENTS)
 	@$(if $(present),,echo 'No session of "$(SESSIONS)" has data in $(NCLT).'; exit 1)
+	$(marked)
 	@$(EXPERIMENTS) run $(table_of) --methods $(call listed,$(methods)) --threads $(threads)
 
 table_arguments = $$($(EXPERIMENTS) plan --quiet --format results $(table_of) --methods $(call listed,$(METHODS))) \
@@ -123,6 +149,7 @@ collected      = $(RESULTS)/$(EXPERIMENT)$(suffix)/results.jsonl
 
 sweep: $(EXPERIMENTS)
 	@$(if $(EXPERIMENT),,echo 'Name an experiment: make sweep EXPERIMENT=regimes'; exit 1)
+	$(marked)
 	@# What could not be run is said, and fails in the end; what there is, is collected.
 	@status=0; $(EXPERIMENTS) run $(sweep_of) --threads $(threads) || status=$$?; \
 	  $(EXPERIMENTS) collect $(sweep_of) -o $(collected) && echo '  results in $(collected)' && exit $$status
@@ -197,6 +224,7 @@ include pipelines/trust.mk
 # The contract tests run the programs, so these are built too, at once. Optimised, because tests run real experiments,
 # and because `make table` has built most of it already.
 test:
+	scripts/check-makefile.sh
 	cargo build --release --workspace --bins --tests --examples --locked
 	cargo test --release --workspace --locked
 
@@ -236,4 +264,4 @@ data:
 	scripts/fetch-nclt.sh $(SESSIONS)
 
 clean:
-	rm -rf $(RESULTS) $(SIMULATED)
+	@scripts/folders.sh clean $(call quoted,$(RESULTS)) $(call quoted,$(SIMULATED))

@@ -15,6 +15,7 @@ online_place   := $(RESULTS)/online$(suffix)/$(online_session)/1
 .PHONY: online
 online: $(EXPERIMENTS) $(ONLINE)
 	@$(if $(present),,echo 'No session of "$(SESSIONS)" has data in $(NCLT).'; exit 1)
+	$(marked)
 	@$(EXPERIMENTS) run pipelines/online.toml $(both) --sessions $(online_session) --threads $(threads)
 	@$(ONLINE) $(online_place)/graph.jsonl $(online_place)/online.svg $(online_place)/online.csv $(ONLINE_EVERY)
 	@echo 'Figure and series: $(online_place)/online.svg, $(online_place)/online.csv'

@@ -27,6 +27,7 @@ trust: $(if $(DATA),$(EXPERIMENTS) $(REPORT))
 	  echo 'FAMILIES="clean kitti" needs those of these families alone; docs/methods.md says where to get them.'; exit 2; }
 	@test -d $(call quoted,$(DATA)) || { printf '%s: there is no such folder; name the one with g2o/, false_closures/ and nclt/\n' $(call quoted,$(DATA)); exit 2; }
 	@$(if $(trust_unknown),echo 'No family is called $(trust_unknown); there are: $(sort $(patsubst %-real,%,$(patsubst %-simulated,%,$(filter-out methods sessions constants sample,$(basename $(notdir $(wildcard pipelines/trust/*.toml)))))))'; exit 2)
+	$(marked)
 	@mkdir -p $(call quoted,$(trust_results)) $(if $(DOCUMENT),docs/results)
 	@# What could not be run is said, and fails in the end; what there is, is collected.
 	@status=0; $(EXPERIMENTS) run $(trust_of) --threads $(threads) || status=$$?; \
@@ -47,6 +48,7 @@ ingredients    = calibration coherent heavy-tails shift far-partners multicut ro
 ablation_of    = $(trust_files) $(trust_places) --methods $(call listed,none verify $(addprefix verify-without-,$(ingredients)))
 ablation: $(EXPERIMENTS)
 	@test -d $(call quoted,$(or $(DATA),missing)) || { echo 'Name the folder of graphs: make ablation DATA=DIR'; exit 2; }
+	$(marked)
 	@$(EXPERIMENTS) run $(ablation_of) --threads $(threads)
 	@for half in tuning test; do \
 	  $(EXPERIMENTS) collect $(ablation_of) --half $$half --quiet -o $(call quoted,$(trust_results))/ablation-$$half.jsonl && \
@@ -57,6 +59,7 @@ ablation: $(EXPERIMENTS)
 constants_of   = pipelines/trust/constants.toml --half tuning $(trust_places)
 constants: $(EXPERIMENTS)
 	@test -d $(call quoted,$(or $(DATA),missing)) || { echo 'Name the folder of graphs: make constants DATA=DIR'; exit 2; }
+	$(marked)
 	@$(EXPERIMENTS) run $(constants_of) --threads $(threads)
 	@$(EXPERIMENTS) collect $(constants_of) --quiet -o $(call quoted,$(trust_results)/constants.jsonl)
 	@scripts/edges-table.py $(call quoted,$(trust_results)/constants.jsonl) --rows method,chance,grow --cell kept-lost-rmse \
@@ -67,6 +70,7 @@ constants: $(EXPERIMENTS)
 gates_of       = pipelines/pcm-gates.toml --programs $(BIN) --data $(call quoted,$(DATA)) --results $(call quoted,$(RESULTS))
 pcm-gates: $(EXPERIMENTS)
 	@test -d $(call quoted,$(or $(DATA),missing)) || { echo 'Name the folder of graphs: make pcm-gates DATA=DIR'; exit 2; }
+	$(marked)
 	@$(EXPERIMENTS) run $(gates_of) --threads $(threads)
 	@$(EXPERIMENTS) collect $(gates_of) --quiet -o $(call quoted,$(RESULTS)/pcm-gates/results.jsonl)
 	@scripts/edges-table.py $(call quoted,$(RESULTS)/pcm-gates/results.jsonl) --rows session --columns method \

@@ -3,11 +3,13 @@
 /// What is wrong, where, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum ConvertError {
-    /// The system refused to give the bytes.
-    #[error("{file}: cannot be read: {error}")]
+    /// The system refused to give the bytes of a line, or the line is no text.
+    #[error("{file}, line {line}: cannot be read: {error}")]
     Io {
         /// The file.
         file: String,
+        /// The line, counted from 1.
+        line: u64,
         /// What the system said.
         error: std::io::Error,
     },

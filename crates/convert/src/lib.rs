@@ -16,6 +16,7 @@ pub mod format;
 pub mod g2o;
 mod information;
 pub mod kitti;
+mod lines;
 mod printed_digits;
 mod record;
 pub mod toro;

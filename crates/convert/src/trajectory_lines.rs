@@ -2,10 +2,9 @@
 
 use std::io::BufRead;
 
-use posecut_stage::bounded_lines;
-
 use crate::ConvertError;
 use crate::error::number;
+use crate::lines::lines;
 
 /// What the lines of a format hold.
 pub(crate) struct Layout {
@@ -25,10 +24,10 @@ pub(crate) fn numbers<'a>(
     reader: impl BufRead + 'a,
     layout: &'a Layout,
 ) -> impl Iterator<Item = Result<(u64, Vec<f64>), ConvertError>> + 'a {
-    bounded_lines(reader).zip(1..).filter_map(move |(line, place)| {
-        let line = match line {
-            Ok(line) => line,
-            Err(error) => return Some(Err(ConvertError::Io { file: file.to_owned(), error })),
+    lines(file, reader).filter_map(move |read| {
+        let (place, line) = match read {
+            Ok(read) => read,
+            Err(error) => return Some(Err(error)),
         };
         let fields: Vec<&str> = line.split_whitespace().collect();
         let first = fields.first()?;

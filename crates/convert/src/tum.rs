@@ -21,9 +21,19 @@ pub enum Poses {
 const LAYOUT: Layout =
     Layout { count: 8, described: "8 numbers (seconds x y z qx qy qz qw)", format: "TUM", comments: true };
 
-/// Reads a trajectory as a graph of dimension 3 without edges.
+/// Seconds as microseconds, if 64 bits can count them.
+fn microseconds(seconds: f64) -> Option<i64> {
+    // 2^63, the first number that is too large.
+    const END: f64 = 9_223_372_036_854_775_808.0;
+    let time = (seconds * 1e6).round();
+    (-END..END).contains(&time).then_some(time as i64)
+}
+
+/// Reads a trajectory as a graph of dimension 3 without edges. Times increase.
 pub fn read(file: &str, reader: impl BufRead, session: &str) -> Result<PoseGraph, ConvertError> {
     let mut graph = PoseGraph::new(Header::new(Dimension::Three));
+    // Time and line of the last pose.
+    let mut last: Option<(i64, u64)> = None;
     for line in numbers(file, reader, &LAYOUT) {
         let (place, numbers) = line?;
         let norm = numbers[4..].iter().map(|component| component * component).sum::<f64>().sqrt();
@@ -35,12 +45,28 @@ pub fn read(file: &str, reader: impl BufRead, session: &str) -> Result<PoseGraph
                 "the order is qx qy qz qw",
             ));
         }
+        let time = microseconds(numbers[0]).ok_or_else(|| {
+            let problem =
+                format!("the time {:?} s is beyond what microseconds in 64 bits can count", numbers[0]);
+            ConvertError::line(file, place, problem, "the first number of a line is seconds; correct it")
+        })?;
+        if let Some((before, line)) = last.replace((time, place))
+            && time <= before
+        {
+            let relation = if time == before { "that" } else { "before that" };
+            return Err(ConvertError::line(
+                file,
+                place,
+                format!("the time {} s is {relation} of line {line}, in microseconds", numbers[0]),
+                "a trajectory has one pose for each time; sort the lines, and keep one of those with one time",
+            ));
+        }
         let id = graph.nodes.len() as u64;
         graph.nodes.push(Node {
             id,
             session: Some(session.to_owned()),
             frame: Some(id as i64),
-            utime: Some((numbers[0] * 1e6).round() as i64),
+            utime: Some(time),
             pose: Some(numbers[1..].to_vec()),
             ..Node::default()
         });

@@ -151,6 +151,9 @@ pub(crate) fn execute(command: &Command, context: &mut Context) -> anyhow::Resul
             Ok(if collected.missing == 0 { Outcome::Done } else { Outcome::CheckFailed })
         }
         Task::Check { selection, expected, junit: file } => {
+            if let Some(file) = file {
+                context.check_further_output("--junit", file)?;
+            }
             let plan = selection.plan()?;
             let report = check(&Expected::read(expected)?, &plan, &selection.results);
             if let Some(file) = file {

@@ -1,13 +1,21 @@
 //! An experiment as its TOML file declares it.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use serde::Deserialize;
 use toml::Value;
 
-use crate::{Graphs, Halves};
+use crate::names::{check, check_value};
+use crate::{Graphs, Halves, toml_text};
+
+/// The longest chain of declarations that build on each other.
+const LONGEST_CHAIN: usize = 16;
+
+/// A longer file is no declaration: 16 MiB.
+const LARGEST_FILE: u64 = 16 << 20;
 
 /// A declared experiment.
 #[derive(Clone, Debug, PartialEq)]
@@ -152,16 +160,37 @@ struct File {
 impl Experiment {
     /// Reads a declaration; what it does not say comes from the file that it names as `base`, beside it.
     pub fn read(path: &Path) -> anyhow::Result<Self> {
+        Self::read_above(path, &mut Vec::new())
+    }
+
+    /// Reads a declaration and its bases; `above` are the resolved paths of the declarations that build on it.
+    fn read_above(path: &Path, above: &mut Vec<PathBuf>) -> anyhow::Result<Self> {
         let place = path.display();
-        let text = std::fs::read_to_string(path).with_context(|| format!("{place}: cannot be read"))?;
-        let file: File =
-            toml::from_str(&text).with_context(|| format!("{place}: is no declaration of an experiment"))?;
+        let text = text(path).with_context(|| format!("{place}: cannot be read"))?;
+        let file: File = toml_text::parse(&text)
+            .with_context(|| format!("{place}: is no declaration of an experiment"))?;
+        above.push(std::fs::canonicalize(path).with_context(|| format!("{place}: cannot be read"))?);
         let mut experiment = match &file.base {
-            Some(base) if path.file_name().is_some_and(|name| name == base.as_str()) => {
-                bail!("{place}: names itself as its base; name another file or none")
+            Some(base) => {
+                let path = path.with_file_name(base);
+                let real = std::fs::canonicalize(&path).ok();
+                if real.is_some() && real.as_ref() == above.last() {
+                    bail!("{place}: names itself as its base; name another file or none");
+                }
+                if real.is_some_and(|real| above.contains(&real)) {
+                    bail!(
+                        "{place}: its base \"{base}\" builds on it in turn; remove `base` from one of them"
+                    );
+                }
+                if above.len() == LONGEST_CHAIN {
+                    bail!(
+                        "{place}: is base {} of a chain, and a chain has at most {LONGEST_CHAIN} declarations; join some of them",
+                        LONGEST_CHAIN - 1
+                    );
+                }
+                Self::read_above(&path, above)
+                    .with_context(|| format!("{place}: its base \"{base}\" cannot be used"))?
             }
-            Some(base) => Self::read(&path.with_file_name(base))
-                .with_context(|| format!("{place}: its base \"{base}\" cannot be used"))?,
             None => Self::empty(),
         };
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
@@ -226,7 +255,9 @@ impl Experiment {
         Ok(())
     }
 
-    fn validate(&self) -> anyhow::Result<()> {
+    /// Refuses what contradicts itself, and names that would leave the folder of results.
+    pub(crate) fn validate(&self) -> anyhow::Result<()> {
+        self.check_names()?;
         let every = self.grids.iter().filter_map(|grid| grid.methods.as_ref()).flatten();
         for method in self.methods.iter().chain(every).chain([&self.reference]) {
             self.chain(method)?;
@@ -251,6 +282,24 @@ impl Experiment {
             if LABELS.contains(&name.as_str()) {
                 bail!("\"{name}\" cannot be a parameter, since results have a label of that name");
             }
+        }
+        Ok(())
+    }
+
+    /// Sessions and graphs are checked where they are found, since these lists may hold patterns.
+    fn check_names(&self) -> anyhow::Result<()> {
+        check("the experiment's name", &self.name)?;
+        for (method, steps) in &self.chains {
+            check("method", method)?;
+            steps.iter().try_for_each(|step| check("step", step))?;
+        }
+        for (name, value) in &self.parameters {
+            check("parameter", name)?;
+            check_value(&format!("parameters.{name}: the value"), value)?;
+        }
+        for (name, values) in self.grids.iter().flat_map(|grid| &grid.axes) {
+            check("parameter", name)?;
+            values.iter().try_for_each(|value| check_value(&format!("grid, {name}: the value"), value))?;
         }
         Ok(())
     }
@@ -280,6 +329,15 @@ impl Experiment {
 
 /// Labels of results that are no parameters.
 const LABELS: &[&str] = &["pipeline", "family", "half", "cluster", "session", "seed", "method"];
+
+fn text(path: &Path) -> anyhow::Result<String> {
+    let mut text = String::new();
+    let read = std::fs::File::open(path)?.take(LARGEST_FILE + 1).read_to_string(&mut text)?;
+    if read as u64 > LARGEST_FILE {
+        bail!("it is larger than {} MiB, which is no declaration", LARGEST_FILE >> 20);
+    }
+    Ok(text)
+}
 
 fn words(options: &str) -> Vec<String> {
     options.split_whitespace().map(str::to_owned).collect()

@@ -105,8 +105,8 @@ impl Expected {
     pub fn read(path: &Path) -> anyhow::Result<Self> {
         let place = path.display();
         let text = std::fs::read_to_string(path).with_context(|| format!("{place}: cannot be read"))?;
-        let expected: Self =
-            toml::from_str(&text).with_context(|| format!("{place}: does not state expectations"))?;
+        let expected: Self = crate::toml_text::parse(&text)
+            .with_context(|| format!("{place}: does not state expectations"))?;
         for row in &expected.close {
             for name in row.values.keys() {
                 expected.tolerance_of(name).with_context(|| format!("{place}: {}", row.file))?;

@@ -7,6 +7,7 @@ use anyhow::{Context as _, bail};
 
 use crate::graphs::GraphFile;
 use crate::halves::any;
+use crate::names::check;
 use crate::{Experiment, Half, Halves, Origin, Source};
 
 /// One session, several that are joined (`A+B`), or one given graph.
@@ -110,6 +111,7 @@ pub(crate) fn items(
             bail!("there is no graph \"{name}\"; it has {}", names(&found));
         }
         let parts: Vec<&str> = name.split('+').collect();
+        parts.iter().try_for_each(|part| check("session", part))?;
         let data: Option<Vec<(String, String)>> =
             parts.iter().map(|part| Some(((*part).to_owned(), source.session(experiment, part)?))).collect();
         let Some(data) = data else {
@@ -124,6 +126,7 @@ pub(crate) fn items(
             kind: Kind::Sessions(data),
         });
     }
+    found.iter().try_for_each(|item| check("session or graph", &item.name))?;
     let mut seen = BTreeSet::new();
     if let Some(twice) = found.iter().find(|item| !seen.insert(&item.name)) {
         bail!(

@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
-use posecut_stage::write_atomically;
+use posecut_stage::{counted, warn, write_atomically};
 use serde::{Deserialize, Serialize};
 
 /// A finished task.
@@ -36,15 +36,16 @@ impl Journals {
             return Ok(());
         }
         let path = path(group);
-        let text = match fs::read_to_string(&path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+        let bytes = match fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Vec::new(),
             Err(error) => return Err(error).with_context(|| format!("{}: cannot be read", path.display())),
         };
-        // A line that a killed run did not finish is no line.
-        let entries = text.lines().filter_map(|line| serde_json::from_str::<Entry>(line).ok());
-        let entries: BTreeMap<String, Entry> = entries.map(|entry| (entry.id.clone(), entry)).collect();
-        if text.lines().count() != entries.len() {
+        let (entries, damaged) = read(&path, &bytes);
+        if damaged {
+            set_aside(&path, &bytes)?;
+        }
+        if damaged || lines(&bytes).count() != entries.len() {
             write(&path, &entries)?;
         }
         self.0.insert(group.to_owned(), entries);
@@ -70,6 +71,49 @@ impl Journals {
     pub(crate) fn sort(&self, group: &str) -> anyhow::Result<()> {
         self.0.get(group).map_or(Ok(()), |entries| write(&path(group), entries))
     }
+}
+
+fn lines(bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
+    bytes.split(|byte| *byte == b'\n').filter(|line| !line.trim_ascii().is_empty())
+}
+
+/// The tasks of a journal that can be read, and whether another line than the last is broken. A last line without an end is one
+/// that a killed run did not finish.
+fn read(path: &Path, bytes: &[u8]) -> (BTreeMap<String, Entry>, bool) {
+    let mut entries = BTreeMap::new();
+    let mut broken: Vec<usize> = Vec::new();
+    let unfinished = !bytes.ends_with(b"\n");
+    let mut numbered = (1..).zip(bytes.split(|byte| *byte == b'\n')).peekable();
+    while let Some((number, line)) = numbered.next() {
+        if line.trim_ascii().is_empty() {
+            continue;
+        }
+        match serde_json::from_slice::<Entry>(line) {
+            Ok(entry) => {
+                entries.insert(entry.id.clone(), entry);
+            }
+            Err(_) if unfinished && numbered.peek().is_none() && line.starts_with(b"{") => {}
+            Err(_) => broken.push(number),
+        }
+    }
+    if let Some(first) = broken.first() {
+        warn!(
+            "{}, line {first}: is no finished task; ignored {}, whose tasks run again",
+            path.display(),
+            counted(broken.len(), "such line")
+        );
+    }
+    (entries, !broken.is_empty())
+}
+
+/// Keeps a damaged journal under another name: whoever put something else there may want it.
+fn set_aside(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".damaged");
+    let aside = PathBuf::from(name);
+    write_atomically(&aside, |writer| Ok(writer.write_all(bytes)?))?;
+    warn!("{}: the damaged file is kept there", aside.display());
+    Ok(())
 }
 
 fn write(path: &Path, entries: &BTreeMap<String, Entry>) -> anyhow::Result<()> {

@@ -7,7 +7,8 @@ use anyhow::Context as _;
 
 use crate::items::{Item, Kind, items, matches};
 use crate::parameters::used;
-use crate::{Experiment, Grid, Half, Keep, Plan, Point, Programs};
+use crate::size::Size;
+use crate::{Experiment, Grid, Half, Keep, Plan, Point, Programs, held};
 
 mod steps;
 mod task;
@@ -37,12 +38,14 @@ pub fn plan(
 ) -> anyhow::Result<(Plan, Vec<String>)> {
     let mut planner = Planner { programs, source, plan: Plan::default(), known: HashMap::new() };
     let mut missing = BTreeSet::new();
+    let mut size = Size::default();
     for experiment in experiments {
         let named = || format!("experiment {}", experiment.name);
         let items = items(experiment, source, &mut missing).with_context(named)?;
         let single = [Grid::default()];
         let grids = if experiment.grids.is_empty() { &single[..] } else { &experiment.grids };
         for grid in grids {
+            let methods = grid.methods.as_ref().unwrap_or(&experiment.methods);
             for item in &items {
                 if !runs(experiment, grid, item).with_context(named)? {
                     continue;
@@ -52,13 +55,13 @@ pub fn plan(
                     Kind::Sessions(_) => grid.seeds.unwrap_or(experiment.seeds),
                     Kind::Graph(_) => 1,
                 };
+                size.add(grid, seeds, methods.len()).with_context(named)?;
                 for point in Point::all(experiment, grid) {
                     for seed in 1..=seeds {
                         let half = item.half_with(experiment, seed).with_context(named)?;
                         if source.half.is_some() && half != source.half {
                             continue;
                         }
-                        let methods = grid.methods.as_ref().unwrap_or(&experiment.methods);
                         let run = Run { experiment, item, point: &point, seed, half, methods };
                         planner.add_run(&run).with_context(named)?;
                     }
@@ -66,6 +69,7 @@ pub fn plan(
             }
         }
     }
+    held::check(&planner.plan, source)?;
     planner.plan.seal()?;
     Ok((planner.plan, missing.into_iter().collect()))
 }

@@ -38,8 +38,8 @@ impl Programs {
     pub fn read(path: &Path, folder: Option<&Path>) -> anyhow::Result<Self> {
         let place = path.display();
         let text = std::fs::read_to_string(path).with_context(|| format!("{place}: cannot be read"))?;
-        let mut programs: BTreeMap<String, Program> =
-            toml::from_str(&text).with_context(|| format!("{place}: is no list of stage programs"))?;
+        let mut programs: BTreeMap<String, Program> = crate::toml_text::parse(&text)
+            .with_context(|| format!("{place}: is no list of stage programs"))?;
         for program in programs.values_mut() {
             if let Some(found) = folder.and_then(|folder| beside(folder, &program.path)) {
                 program.path = found;

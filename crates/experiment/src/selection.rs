@@ -84,9 +84,7 @@ impl Selection {
                 grid.seeds = grid.seeds.filter(|_| self.seeds.is_none());
                 grid.methods = grid.methods.take().filter(|_| self.methods.is_empty());
             }
-            for method in &experiment.methods {
-                experiment.chain(method)?;
-            }
+            experiment.validate().with_context(|| format!("experiment {}", experiment.name))?;
         }
         for (stage, program) in self.replacements()? {
             // The declared options are those of our program: another one gets what the command line says for it.

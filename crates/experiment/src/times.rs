@@ -34,12 +34,14 @@ pub(crate) fn add(group: &str, id: &str, digest: &str, cpu_seconds: f64) -> anyh
 /// The times of a group's tasks, by id, with the digest that each had.
 pub(crate) fn read(group: &str) -> anyhow::Result<BTreeMap<String, (String, f64)>> {
     let path = path(group);
-    let text = match fs::read_to_string(&path) {
-        Ok(text) => text,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+    let bytes = match fs::read(&path) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Vec::new(),
         Err(error) => return Err(error).with_context(|| format!("{}: cannot be read", path.display())),
     };
-    let times = text.lines().filter_map(|line| serde_json::from_str::<Time>(line).ok());
+    // A broken line costs a time, and no result.
+    let times =
+        bytes.split(|byte| *byte == b'\n').filter_map(|line| serde_json::from_slice::<Time>(line).ok());
     Ok(times.map(|time| (time.id, (time.digest, time.cpu_seconds))).collect())
 }
 

@@ -184,3 +184,39 @@ fn make_one_at_a_time_gives_the_same_bytes() {
         }
     }
 }
+
+/// Bytes that are no text blocked every later run until somebody deleted the file.
+#[test]
+fn a_damaged_journal_costs_only_the_tasks_that_it_lost() {
+    let workshop = Workshop::new(EXPERIMENT);
+    workshop.run(&[]);
+    let whole = workshop.left();
+    let journal = "results/trial-simulated/one/1.tasks.jsonl";
+    let path = workshop.path(journal);
+    let text = std::fs::read_to_string(&path).unwrap();
+    let mut lines: Vec<Vec<u8>> = text.lines().map(|line| line.as_bytes().to_vec()).collect();
+    lines[0] = b"\xff\x00\xfe{".to_vec();
+    lines.insert(3, b"not a task".to_vec());
+    lines.push(Vec::new());
+    let damaged = lines.join(&b'\n');
+    std::fs::write(&path, &damaged).unwrap();
+    std::fs::write(workshop.path("results/trial-simulated/one/1.times.jsonl"), b"\xff\n{").unwrap();
+    workshop.take_log();
+    let output = workshop.call("run", &[]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains("one/1.tasks.jsonl, line 1: is no finished task; ignored 2 such lines"), "{said}");
+    let ran: usize = workshop.take_log().values().sum();
+    assert_eq!(ran, 1, "what can be read is finished");
+    let kept = std::fs::read(workshop.path(&format!("{journal}.damaged"))).unwrap();
+    assert_eq!(kept, damaged);
+    workshop.remove(&format!("{journal}.damaged"));
+    workshop.remove("results/trial-simulated/one/1.times.jsonl");
+    assert_same(&workshop.left(), &whole, "after the damage");
+    // A line that a killed run did not finish is nobody's damage.
+    let unfinished = text.trim_end().len() - 5;
+    std::fs::write(&path, &text[..unfinished]).unwrap();
+    let output = workshop.call("run", &[]);
+    assert!(output.status.success() && !String::from_utf8_lossy(&output.stderr).contains("warning"));
+    assert_same(&workshop.left(), &whole, "after the kill");
+}

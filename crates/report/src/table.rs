@@ -1,10 +1,12 @@
 //! Methods against sessions.
 
 mod csv_rows;
+mod hostile_text;
 mod latex;
 mod markdown;
 
 pub use csv_rows::write_csv;
+pub(crate) use hostile_text::{cell_text, inline};
 pub use latex::latex;
 pub(crate) use markdown::grid;
 pub use markdown::markdown;

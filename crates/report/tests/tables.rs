@@ -119,3 +119,32 @@ fn figures_are_drawn_in_all_formats_and_the_same_each_time() {
     assert!(draw("gif").unwrap_err().to_string().contains(".svg, .pdf or .png"));
     assert!(charts(&[], 2).is_err());
 }
+
+/// Labels of a stranger's result became formulas of spreadsheets, cells and elements of Markdown, and commands of LaTeX.
+#[test]
+fn hostile_labels_stay_text_in_every_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = result(folder.path(), "METHOD", "SESSION", 1, 2.0, 1);
+    let text = fs::read_to_string(&path).unwrap();
+    let text = text
+        .replace("METHOD", "=HYPERLINK('x')|<script>")
+        .replace("SESSION", "@SUM(A1)<img src=x>")
+        .replace("\"paper\"", r#""+paper\n\\input{x}""#);
+    fs::write(&path, text).unwrap();
+    let results = read_all(&[folder.path().to_owned()]).unwrap();
+    let csv = String::from_utf8(write_csv(&results).unwrap()).unwrap();
+    let row = csv.split_once('\n').unwrap().1;
+    assert!(
+        row.starts_with("\"'+paper\n\\input{x}\",'=HYPERLINK('x')|<script>,'@SUM(A1)<img src=x>,1,"),
+        "{csv}"
+    );
+    let tables = tables(&results, &[], &[]);
+    let text = markdown(&tables, &published());
+    assert!(
+        text.contains("### +paper \\input{x}\n") && text.contains("| =HYPERLINK('x')\\|&lt;script> |"),
+        "{text}"
+    );
+    assert!(!text.contains("<script") && !text.contains("<img"), "{text}");
+    let tex = latex(&tables, &published());
+    assert!(!tex.contains("\\input"), "{tex}");
+}

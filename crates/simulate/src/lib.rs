@@ -17,4 +17,4 @@ pub mod sensors;
 pub mod session;
 
 pub use route::Route;
-pub use session::{Options, simulate};
+pub use session::{Options, is_session_file, simulate};

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
 use clap::Parser;
-use posecut_simulate::{Options, simulate};
+use posecut_simulate::{Options, is_session_file, simulate};
 use posecut_stage::{CommonArguments, Identity, Outcome, info, run, write_directory};
 
 #[derive(Parser)]
@@ -12,7 +12,7 @@ struct Command {
     #[command(flatten)]
     options: Options,
 
-    /// Replace the output directory if it exists
+    /// Replace the output directory if it exists and holds nothing but a simulated session
     #[arg(long)]
     overwrite: bool,
 
@@ -39,7 +39,7 @@ fn main() -> ExitCode {
                 .file_name()
                 .map(|name| name.to_string_lossy().into_owned())
                 .with_context(|| format!("{}: has no name to call the session by", directory.display()))?;
-            context.statistics = write_directory(directory, command.overwrite, |folder| {
+            context.statistics = write_directory(directory, command.overwrite, is_session_file, |folder| {
                 simulate(folder, &name, &command.options)
             })?;
             info!("simulated session {name} in {}", directory.display());

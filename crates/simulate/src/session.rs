@@ -56,6 +56,24 @@ pub(crate) fn time(start: i64, seconds: f64) -> i64 {
     start + (seconds * 1e6).round() as i64
 }
 
+/// Names of the files of a session beside its ground truth.
+const FILES: [&str; 8] = [
+    "odometry_mu_100hz.csv",
+    "odometry_mu.csv",
+    "odometry_cov.csv",
+    "wheels.csv",
+    "ms25.csv",
+    "ms25_euler.csv",
+    "kvh.csv",
+    "gps.csv",
+];
+
+/// Whether a simulated session has a file of this name. A real one has others too.
+pub fn is_session_file(name: &str) -> bool {
+    FILES.contains(&name)
+        || name.strip_prefix("groundtruth_").is_some_and(|rest| rest.strip_suffix(".csv").is_some())
+}
+
 /// Simulates a session and writes its files into an existing directory; `name` is the session's date, which
 /// its ground-truth file carries, and with the seed fixes the route.
 pub fn simulate(directory: &Path, name: &str, options: &Options) -> anyhow::Result<Statistics> {
@@ -70,21 +88,18 @@ pub fn simulate(directory: &Path, name: &str, options: &Options) -> anyhow::Resu
     let start = start_time(name);
     let odometry = sensors::odometry(&instants, start, period, &mut draw("odometry"));
     let truth = sensors::ground_truth(&instants, start, period, &mut draw("truth"));
-    let files: [(String, Vec<Row>); 9] = [
-        (format!("groundtruth_{name}.csv"), truth),
-        ("odometry_mu_100hz.csv".to_owned(), odometry.integrated),
-        ("odometry_mu.csv".to_owned(), odometry.relative),
-        ("odometry_cov.csv".to_owned(), odometry.covariance),
-        ("wheels.csv".to_owned(), sensors::wheels(&instants, start, period, &mut draw("wheels"))),
-        ("ms25.csv".to_owned(), sensors::imu(&campus, &instants, start, period, &mut draw("imu"))),
-        (
-            "ms25_euler.csv".to_owned(),
-            sensors::euler(&campus, &instants, start, period, &mut draw("compass")),
-        ),
-        ("kvh.csv".to_owned(), sensors::fibre_optic_gyro(&instants, start, period, &mut draw("gyro"))),
-        ("gps.csv".to_owned(), sensors::gps(&instants, start, period, &mut draw("gps"))),
+    write(&directory.join(format!("groundtruth_{name}.csv")), &truth)?;
+    let rows: [Vec<Row>; FILES.len()] = [
+        odometry.integrated,
+        odometry.relative,
+        odometry.covariance,
+        sensors::wheels(&instants, start, period, &mut draw("wheels")),
+        sensors::imu(&campus, &instants, start, period, &mut draw("imu")),
+        sensors::euler(&campus, &instants, start, period, &mut draw("compass")),
+        sensors::fibre_optic_gyro(&instants, start, period, &mut draw("gyro")),
+        sensors::gps(&instants, start, period, &mut draw("gps")),
     ];
-    for (file, rows) in &files {
+    for (file, rows) in FILES.into_iter().zip(&rows) {
         write(&directory.join(file), rows)?;
     }
     Ok(statistics(name, &instants, &campus))

@@ -1,7 +1,7 @@
 //! What a running stage has at hand.
 
 use std::io::Read as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context as _, bail};
@@ -9,13 +9,17 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use posecut_graph::{InputDigest, PoseGraph, Provenance};
 use serde::Serialize;
 
-use crate::{CommonArguments, Identity, Source, Statistics, input, output};
+use crate::given::{Given, overwrites, same_file};
+use crate::{CommonArguments, Identity, Source, Statistics, input, output, threads};
 
 /// The largest input that is held whole: 1 GiB.
 const LARGEST_WHOLE: u64 = 1 << 30;
 
 /// What says where the statistics go.
 const STATS: &str = "--stats";
+
+/// What says where the result goes.
+const OUTPUT: &str = "--output";
 
 /// Inputs read so far, statistics, and the common arguments.
 pub struct Context {
@@ -26,6 +30,9 @@ pub struct Context {
     identity: Identity,
     common: CommonArguments,
     started: Instant,
+    given: Given,
+    /// Files read so far, some of which no argument names.
+    opened: Vec<PathBuf>,
 }
 
 impl Context {
@@ -37,10 +44,22 @@ impl Context {
             identity,
             common,
             started: Instant::now(),
+            given: Given::default(),
+            opened: Vec::new(),
         }
     }
 
-    /// The number of threads the user allows; 0 means all processors.
+    /// The same, for a program whose command line names these files.
+    pub(crate) fn with_files(self, given: Given) -> Self {
+        Self { given, ..self }
+    }
+
+    /// Takes no more threads than there are processors.
+    pub(crate) fn bound_threads(&mut self) {
+        self.common.threads = threads::bounded(self.common.threads);
+    }
+
+    /// The number of threads the user allows, at most one for each processor; 0 means all processors.
     pub fn threads(&self) -> usize {
         self.common.threads
     }
@@ -49,6 +68,7 @@ impl Context {
     /// give the same bytes.
     pub fn read_graph(&mut self, source: &Source, role: &str) -> anyhow::Result<PoseGraph> {
         let mut input = input::open(source)?;
+        self.note_opened(source);
         let name = input.name.clone();
         let graph = PoseGraph::read(&name, &mut input)?;
         let sha256 = input.finish().with_context(|| format!("{name}: cannot be read to its end"))?;
@@ -59,6 +79,7 @@ impl Context {
     /// Reads an input that is no pose graph, whole: what messages call it, and its bytes.
     pub fn read_bytes(&mut self, source: &Source, role: &str) -> anyhow::Result<(String, Vec<u8>)> {
         let mut input = input::open(source)?;
+        self.note_opened(source);
         let name = input.name.clone();
         let mut bytes = Vec::new();
         (&mut input)
@@ -74,6 +95,12 @@ impl Context {
         let sha256 = input.finish().with_context(|| format!("{name}: cannot be read to its end"))?;
         self.inputs.push(InputDigest { name: role.to_owned(), sha256 });
         Ok((name, bytes))
+    }
+
+    fn note_opened(&mut self, source: &Source) {
+        if let Source::File(path) = source {
+            self.opened.push(path.clone());
+        }
     }
 
     /// Adds this run to the history of a graph.
@@ -99,8 +126,9 @@ impl Context {
         output::write_output(&self.common.output, |writer| Ok(graph.write(writer)?))
     }
 
-    /// Writes the stage's output, whatever it is.
+    /// Writes the stage's output, whatever it is. It may not take the place of an input.
     pub fn write_bytes(&self, bytes: &[u8]) -> anyhow::Result<()> {
+        self.check_output()?;
         output::write_output(&self.common.output, |writer| Ok(writer.write_all(bytes)?))
     }
 
@@ -113,23 +141,36 @@ impl Context {
         ProgressBar::with_draw_target(Some(length), target).with_style(style).with_message(what.to_owned())
     }
 
-    /// Refuses a file to be written beside the result, named by `option`, that would overwrite another output or be called `-`.
+    /// Refuses a file to be written beside the result, named by `option`, that would overwrite the result, an input or another
+    /// file of the command line, or that is called `-`.
     ///
-    /// To be asked before the work is done.
+    /// To be called before the work is done.
     pub fn check_further_output(&self, option: &str, path: &Path) -> anyhow::Result<()> {
         if path == Path::new("-") {
             bail!("{option} is -, which stands for standard output and belongs to --output; name a file");
         }
         let stats = self.common.stats.as_deref().filter(|_| option != STATS);
         for (other, what) in [(self.common.output.path(), "as output"), (stats, "for --stats")] {
-            if other.is_some_and(|other| same_file(other, path) && !is_device(other)) {
-                bail!(
-                    "{}: is named both {what} and for {option}, and one would overwrite the other; name two files",
-                    path.display()
-                );
+            if other.is_some_and(|other| overwrites(path, other)) {
+                return Err(overwritten(path, what, option));
             }
         }
-        Ok(())
+        let output = self.common.output.path().filter(|output| output.is_dir());
+        if output.zip(path.parent()).is_some_and(|(output, folder)| same_file(output, folder)) {
+            bail!(
+                "{}: {option} lies in the folder that --output replaces; name a file elsewhere",
+                path.display()
+            );
+        }
+        self.given.other(option, path).map_or(Ok(()), |what| Err(overwritten(path, what, option)))
+    }
+
+    /// Refuses a result that is no graph and would overwrite an input. A graph may take its own place.
+    fn check_output(&self) -> anyhow::Result<()> {
+        let Some(path) = self.common.output.path() else { return Ok(()) };
+        let opened = self.opened.iter().any(|opened| overwrites(path, opened)).then_some("as input");
+        let what = opened.or_else(|| self.given.other(OUTPUT, path));
+        what.map_or(Ok(()), |what| Err(overwritten(path, what, OUTPUT)))
     }
 
     /// Refuses outputs that every program has and that would overwrite each other.
@@ -139,6 +180,9 @@ impl Context {
 
     pub(crate) fn write_statistics(&self) -> anyhow::Result<()> {
         let Some(path) = &self.common.stats else { return Ok(()) };
+        if self.opened.iter().any(|opened| overwrites(path, opened)) {
+            return Err(overwritten(path, "as input", STATS));
+        }
         let mut all = Statistics::default();
         all.note("stage", self.identity.name);
         all.note("version", self.identity.version);
@@ -153,16 +197,9 @@ impl Context {
     }
 }
 
-fn same_file(first: &Path, second: &Path) -> bool {
-    let real = |path: &Path| {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        std::fs::canonicalize(path)
-            .ok()
-            .or_else(|| Some(std::fs::canonicalize(folder).ok()?.join(path.file_name()?)))
-    };
-    first == second || real(first).is_some_and(|first| Some(first) == real(second))
-}
-
-fn is_device(path: &Path) -> bool {
-    std::fs::metadata(path).is_ok_and(|metadata| !metadata.is_file())
+fn overwritten(path: &Path, what: &str, option: &str) -> anyhow::Error {
+    anyhow::anyhow!(
+        "{}: is named both {what} and for {option}, and one would overwrite the other; name two files",
+        path.display()
+    )
 }

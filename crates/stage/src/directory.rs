@@ -1,6 +1,7 @@
 //! Directories that appear whole or not at all.
 
 use std::fs;
+use std::io;
 use std::path::Path;
 
 use anyhow::{Context as _, bail};
@@ -8,10 +9,11 @@ use anyhow::{Context as _, bail};
 use crate::interrupt;
 
 /// Fills a directory through a temporary neighbour that takes its name at the end. One that exists and is
-/// not empty is refused, or replaced if `overwrite` says so.
+/// not empty is refused, or replaced if `overwrite` says so; with a file that is not `ours`, by its name, it is refused anyway.
 pub fn write_directory<T>(
     path: &Path,
     overwrite: bool,
+    ours: impl Fn(&str) -> bool,
     fill: impl FnOnce(&Path) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
     let place = || format!("{}: cannot be written, and nothing was left there", path.display());
@@ -19,10 +21,16 @@ pub fn write_directory<T>(
     if path.is_file() || (occupied && !overwrite) {
         bail!("{}: exists already; name another directory, or say --overwrite", path.display());
     }
+    if occupied && let Some(foreign) = foreign(path, ours).with_context(place)? {
+        bail!(
+            "{}: holds \"{foreign}\", which this program does not write, and is not replaced; name another directory, or move that away",
+            path.display()
+        );
+    }
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     fs::create_dir_all(parent).with_context(place)?;
     let neighbour = || tempfile::Builder::new().prefix(".posecut-").suffix(".tmp").tempdir_in(parent);
-    let (temporary, guard) = interrupt::create(neighbour).with_context(place)?;
+    let (guard, temporary) = interrupt::create(neighbour).with_context(place)?;
     let result = fill(temporary.path())?;
     #[cfg(unix)]
     {
@@ -30,7 +38,7 @@ pub fn write_directory<T>(
         fs::set_permissions(temporary.path(), fs::Permissions::from_mode(0o755)).with_context(place)?;
     }
     // The old one steps aside whole: deleting it takes time, in which half of it would stand there.
-    let (aside, aside_guard) = interrupt::create(neighbour).with_context(place)?;
+    let (aside_guard, aside) = interrupt::create(neighbour).with_context(place)?;
     interrupt::uninterrupted(|| {
         let old = aside.path().join("old");
         let stepped_aside = path.exists();
@@ -51,4 +59,13 @@ pub fn write_directory<T>(
     aside.close().with_context(|| format!("{}: what it replaces cannot be deleted", path.display()))?;
     drop(aside_guard);
     Ok(result)
+}
+
+/// The first name in a directory that is not one of ours.
+fn foreign(path: &Path, ours: impl Fn(&str) -> bool) -> io::Result<Option<String>> {
+    let mut names: Vec<String> = fs::read_dir(path)?
+        .map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned()))
+        .collect::<io::Result<_>>()?;
+    names.retain(|name| !ours(name));
+    Ok(names.into_iter().min())
 }

@@ -10,6 +10,8 @@ use std::process::ExitCode;
 use clap::{Arg, ArgAction, Command, ValueEnum as _};
 use clap_complete::Shell;
 
+use crate::program::{answer, fail};
+
 /// The heading of the options that every program has.
 const COMMON_HEADING: &str = "Output";
 
@@ -26,7 +28,7 @@ pub(crate) fn requested(mut arguments: impl Iterator<Item = OsString>) -> Option
     arguments.next().is_none().then(|| what.to_string_lossy().into_owned())
 }
 
-pub(crate) fn print(mut command: Command, what: &str) -> ExitCode {
+pub(crate) fn print(program: &str, mut command: Command, what: &str) -> ExitCode {
     command.build();
     let text = match what {
         "man" => manual(&command),
@@ -35,10 +37,7 @@ pub(crate) fn print(mut command: Command, what: &str) -> ExitCode {
         "common" => table(command.get_arguments().filter(|argument| is_common(argument))).into_bytes(),
         shell => {
             let Ok(shell) = Shell::from_str(shell, false) else {
-                let name = command.get_name();
-                let _ =
-                    writeln!(io::stderr(), "{name}: error: --generate \"{what}\" is unknown; say {KNOWN}");
-                return ExitCode::from(2);
+                return fail(program, &format!("--generate {what:?} is unknown; say {KNOWN}"));
             };
             let name = command.get_name().to_owned();
             let mut bytes = Vec::new();
@@ -46,9 +45,7 @@ pub(crate) fn print(mut command: Command, what: &str) -> ExitCode {
             bytes
         }
     };
-    // A closed pipe is no error here either.
-    let _ = io::stdout().write_all(&text);
-    ExitCode::SUCCESS
+    answer(program, || io::stdout().write_all(&text))
 }
 
 /// The manual page, with the options of each subcommand in a section of its own.

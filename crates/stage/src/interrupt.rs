@@ -10,6 +10,9 @@ static TEMPORARY: Registry = Registry(Mutex::new(Vec::new()));
 /// Exit status after an interrupt, as shells have it: 128 + SIGINT.
 const INTERRUPTED: i32 = 130;
 
+/// How often the deletion of a folder is tried.
+const DELETIONS: usize = 100;
+
 /// Paths to delete on an interrupt. Who holds the lock makes the handler, which runs in a thread of its own, wait.
 struct Registry(Mutex<Vec<PathBuf>>);
 
@@ -18,23 +21,43 @@ impl Registry {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Makes something that has a path, and registers it before an interrupt can happen.
-    fn create<T: AsRef<Path>>(&'static self, make: impl FnOnce() -> io::Result<T>) -> io::Result<(T, Guard)> {
+    /// Makes something that has a path, and registers it before an interrupt can happen. The guard comes first, so that a
+    /// function that ends early drops it last: it is still registered while it is deleted.
+    fn create<T: AsRef<Path>>(&'static self, make: impl FnOnce() -> io::Result<T>) -> io::Result<(Guard, T)> {
         let mut paths = self.lock();
         let made = make()?;
         paths.push(made.as_ref().to_owned());
         let guard = Guard { registry: self, path: made.as_ref().to_owned() };
-        Ok((made, guard))
+        Ok((guard, made))
     }
 
     /// Deletes what is registered. As long as the lock that it returns is held, nothing new is made.
     fn tidy_up(&self) -> MutexGuard<'_, Vec<PathBuf>> {
         let mut paths = self.lock();
         for path in paths.drain(..) {
-            // Nothing is left to tell of a failure: the process ends.
-            let _ = std::fs::remove_file(&path).or_else(|_| std::fs::remove_dir_all(&path));
+            delete(&path, || ());
         }
         paths
+    }
+}
+
+/// Deletes a file or a folder that another thread may be filling: under another name first, where nothing new is made in it.
+/// `begun` is called when the deletion of a folder begins.
+fn delete(path: &Path, begun: impl Fn()) {
+    // Nothing is left to tell of a failure: the process ends.
+    if std::fs::remove_file(path).is_ok() {
+        return;
+    }
+    let mut name = path.as_os_str().to_owned();
+    name.push(".removed.tmp");
+    let renamed = Path::new(&name);
+    let path = if std::fs::rename(path, renamed).is_ok() { renamed } else { path };
+    begun();
+    for _ in 0..DELETIONS {
+        // The other thread may be deleting it too, entry by entry.
+        if std::fs::remove_dir_all(path).is_ok() || !path.exists() {
+            return;
+        }
     }
 }
 
@@ -51,7 +74,7 @@ impl Drop for Guard {
 }
 
 /// Makes a temporary file or folder that an interrupt deletes, however early it comes.
-pub(crate) fn create<T: AsRef<Path>>(make: impl FnOnce() -> io::Result<T>) -> io::Result<(T, Guard)> {
+pub(crate) fn create<T: AsRef<Path>>(make: impl FnOnce() -> io::Result<T>) -> io::Result<(Guard, T)> {
     TEMPORARY.create(make)
 }
 
@@ -92,7 +115,7 @@ mod tests {
             interrupt.recv().unwrap();
             drop(REGISTRY.tidy_up());
         });
-        let (_, guard) = REGISTRY
+        let (guard, _) = REGISTRY
             .create(|| {
                 std::fs::write(&path, "half")?;
                 made.send(()).unwrap();
@@ -111,9 +134,44 @@ mod tests {
         static REGISTRY: Registry = Registry(Mutex::new(Vec::new()));
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("whole");
-        let (_, guard) = REGISTRY.create(|| std::fs::write(&path, "whole").map(|()| path.clone())).unwrap();
+        let (guard, _) = REGISTRY.create(|| std::fs::write(&path, "whole").map(|()| path.clone())).unwrap();
         drop(guard);
         drop(REGISTRY.tidy_up());
         assert!(path.exists());
+    }
+
+    /// A folder stayed, because the main thread made another file in it between the deletion of its files and its own.
+    #[test]
+    fn nothing_new_is_made_in_a_folder_that_is_being_deleted() {
+        let parent = tempfile::tempdir().unwrap();
+        let folder = parent.path().join(".posecut-x.tmp");
+        std::fs::create_dir(&folder).unwrap();
+        std::fs::write(folder.join("first"), "half").unwrap();
+        delete(&folder, || {
+            assert!(std::fs::write(folder.join("second"), "half").is_err(), "the folder still has its name");
+        });
+        assert_eq!(std::fs::read_dir(parent.path()).unwrap().count(), 0);
+    }
+
+    /// A function that ended early told the handler to forget its folder before it deleted it.
+    #[test]
+    fn a_folder_is_registered_until_it_is_deleted() {
+        static REGISTRY: Registry = Registry(Mutex::new(Vec::new()));
+        struct Folder(PathBuf);
+        impl AsRef<Path> for Folder {
+            fn as_ref(&self) -> &Path {
+                &self.0
+            }
+        }
+        impl Drop for Folder {
+            fn drop(&mut self) {
+                assert!(REGISTRY.lock().contains(&self.0));
+            }
+        }
+        let ends_early = || {
+            let (_guard, _folder) = REGISTRY.create(|| Ok(Folder(PathBuf::from("x")))).unwrap();
+        };
+        ends_early();
+        assert!(REGISTRY.lock().is_empty());
     }
 }

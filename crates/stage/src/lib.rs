@@ -14,6 +14,7 @@ mod context;
 mod directory;
 mod documentation;
 mod expansion;
+mod given;
 mod graph_stage;
 mod input;
 mod interrupt;
@@ -22,7 +23,10 @@ mod logging;
 mod output;
 mod program;
 mod randomness;
+mod standard_output;
 mod statistics;
+mod threads;
+mod usage;
 mod words;
 
 pub use arguments::{CommonArguments, Source, Target};

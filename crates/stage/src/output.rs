@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use flate2::{Compression, GzBuilder};
 
-use crate::{Target, interrupt};
+use crate::{Target, interrupt, standard_output};
 
 /// Writes to a target: a file through a temporary neighbour that takes its name at the end, standard output
 /// or a device directly.
@@ -17,9 +17,11 @@ pub fn write_output(
 ) -> anyhow::Result<()> {
     match target {
         Target::Standard => {
+            let place = "standard output: cannot be written";
+            standard_output::check().context(place)?;
             let mut writer = BufWriter::new(io::stdout().lock());
-            write(&mut writer)?;
-            writer.flush().context("standard output: cannot be written")
+            write(&mut writer).context(place)?;
+            writer.flush().context(place)
         }
         Target::File(path) => write_atomically(path, write),
     }
@@ -57,7 +59,7 @@ pub fn write_atomically(
         use std::os::unix::fs::PermissionsExt as _;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    let (temporary, guard) = interrupt::create(|| builder.tempfile_in(&folder)).with_context(place)?;
+    let (guard, temporary) = interrupt::create(|| builder.tempfile_in(&folder)).with_context(place)?;
     let compress = path.extension().is_some_and(|extension| extension == "gz");
     let temporary = fill(temporary, compress, write).with_context(place)?;
     temporary.persist(&real).map_err(|error| error.error).with_context(place)?;

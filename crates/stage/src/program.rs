@@ -3,10 +3,10 @@
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
-use anyhow::Context as _;
 use clap::{CommandFactory, FromArgMatches};
 
-use crate::{CommonArguments, Context, documentation, interrupt, logging};
+use crate::given::Given;
+use crate::{CommonArguments, Context, documentation, interrupt, logging, standard_output, threads, usage};
 
 /// The name and version of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,35 +35,49 @@ pub fn run<A: CommandFactory + FromArgMatches>(
     common: impl FnOnce(&A) -> &CommonArguments,
     body: impl FnOnce(&A, &mut Context) -> anyhow::Result<Outcome>,
 ) -> ExitCode {
-    let command = A::command()
+    let mut command = A::command()
         .name(format!("posecut-{}", identity.name))
         .bin_name(format!("posecut-{}", identity.name))
         .version(identity.version)
         .about(identity.about)
         .long_about(None);
     if let Some(what) = documentation::requested(std::env::args_os()) {
-        return documentation::print(command, &what);
+        return documentation::print(identity.name, command, &what);
     }
-    let arguments = match command.try_get_matches().and_then(|matches| A::from_arg_matches(&matches)) {
-        Ok(arguments) => arguments,
-        Err(error) => {
-            // Help and version are answers, not errors; a closed pipe does not matter to either.
-            let _ = error.print();
-            return ExitCode::from(u8::from(error.use_stderr()) * 2);
-        }
+    let read = command.try_get_matches_from_mut(std::env::args_os()).and_then(|matches| {
+        let given = Given::of(&command, &matches);
+        Ok((A::from_arg_matches(&matches)?, given))
+    });
+    let (arguments, given) = match read {
+        Ok(read) => read,
+        Err(error) => return usage::end(identity.name, &command, &error),
     };
     let common = common(&arguments).clone();
     logging::install(identity.name, &common);
     interrupt::install();
-    let mut context = Context::new(identity, common);
+    let mut context = Context::new(identity, common).with_files(given);
     match execute(&arguments, &mut context, body) {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::CheckFailed) => ExitCode::from(1),
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
-        Err(error) => {
-            let _ = writeln!(io::stderr(), "posecut-{}: error: {error:#}", identity.name);
-            ExitCode::from(2)
+        Err(error) => fail(identity.name, &format!("{error:#}")),
+    }
+}
+
+/// Ends with an error.
+pub(crate) fn fail(name: &str, sentence: &str) -> ExitCode {
+    let _ = writeln!(io::stderr(), "posecut-{name}: error: {sentence}");
+    ExitCode::from(2)
+}
+
+/// Prints an answer such as help to standard output. Whoever closes the pipe has seen enough; everything else that fails
+/// is an error.
+pub(crate) fn answer(name: &str, print: impl FnOnce() -> io::Result<()>) -> ExitCode {
+    match standard_output::check().and_then(|()| print()).and_then(|()| io::stdout().flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            fail(name, &format!("standard output: cannot be written: {error}"))
         }
+        _ => ExitCode::SUCCESS,
     }
 }
 
@@ -73,12 +87,8 @@ fn execute<A>(
     body: impl FnOnce(&A, &mut Context) -> anyhow::Result<Outcome>,
 ) -> anyhow::Result<Outcome> {
     context.check_outputs()?;
-    if context.threads() > 0 {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(context.threads())
-            .build_global()
-            .context("the threads cannot be started; try fewer with --threads")?;
-    }
+    context.bound_threads();
+    threads::start(context.threads())?;
     let outcome = match body(arguments, context) {
         // Whoever reads the pipe has seen enough. The work is done, and its summary is wanted all the same.
         Err(error) if is_closed_pipe(&error) => {

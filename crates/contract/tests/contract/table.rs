@@ -10,19 +10,19 @@ use std::process::{Command, Stdio};
 use posecut_contract::{program, run, samples, succeed, workspace};
 
 /// A program as the contract sees it.
-struct Row {
-    name: &'static str,
+pub(crate) struct Row {
+    pub(crate) name: &'static str,
     /// Arguments before the input; `{sample}` is replaced by a sample's path, `{posecut-NAME}` by a program's.
-    arguments: &'static [&'static str],
+    pub(crate) arguments: &'static [&'static str],
     /// The sample that it reads, if one file.
-    input: Option<&'static str>,
+    pub(crate) input: Option<&'static str>,
     /// Whether it takes that input from standard input too.
-    pipe: bool,
+    pub(crate) pipe: bool,
     /// Whether it writes one file or standard output.
     writes_stream: bool,
 }
 
-const TABLE: &[Row] = &[
+pub(crate) const TABLE: &[Row] = &[
     Row {
         name: "conform",
         arguments: &["--", "{posecut-islands}"],
@@ -102,7 +102,7 @@ const TABLE: &[Row] = &[
 ];
 
 impl Row {
-    fn arguments(&self) -> Vec<String> {
+    pub(crate) fn arguments(&self) -> Vec<String> {
         let sample =
             |argument: &&str| match argument.strip_prefix('{').and_then(|rest| rest.strip_suffix('}')) {
                 Some(name) => match name.strip_prefix("posecut-") {
@@ -115,7 +115,7 @@ impl Row {
         self.arguments.iter().map(sample).chain(input).collect()
     }
 
-    fn run(&self, more: &[&str]) -> std::process::Output {
+    pub(crate) fn run(&self, more: &[&str]) -> std::process::Output {
         let arguments = self.arguments();
         let mut all: Vec<&str> = arguments.iter().map(String::as_str).collect();
         // What stands after `--` is somebody else's command.
@@ -125,7 +125,7 @@ impl Row {
     }
 }
 
-fn streams() -> impl Iterator<Item = &'static Row> {
+pub(crate) fn streams() -> impl Iterator<Item = &'static Row> {
     TABLE.iter().filter(|row| row.writes_stream)
 }
 

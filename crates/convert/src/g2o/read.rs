@@ -4,13 +4,13 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::io::BufRead;
 
 use posecut_graph::{Dimension, Edge, EdgeKind, FIXED, Header, Node, PoseGraph, negative_eigenvalue};
-use posecut_stage::bounded_lines;
 use serde_json::Value;
 
 use super::{inferred_kind, kind_of_comment};
 use crate::ConvertError;
 use crate::error::number;
 use crate::information::{Repair, clamp};
+use crate::lines::lines;
 use crate::printed_digits::leave_singularity_open;
 use crate::toro;
 
@@ -122,10 +122,10 @@ pub(crate) fn read_dialect(
         summary: ReadSummary::default(),
     };
     for (file, reader) in files {
-        state.begin(file);
-        for line in bounded_lines(reader) {
-            state.line += 1;
-            let line = line.map_err(|error| ConvertError::Io { file: state.file.clone(), error })?;
+        state.begin(file.clone());
+        for read in lines(&file, reader) {
+            let (number, line) = read?;
+            state.line = number;
             let fields: Vec<&str> = line.split_whitespace().collect();
             if fields.first().is_some_and(|tag| !tag.starts_with('#')) {
                 state.record(&fields)?;

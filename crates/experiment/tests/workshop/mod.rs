@@ -116,7 +116,12 @@ pub(crate) struct Workshop {
 
 impl Workshop {
     pub(crate) fn new(experiment: &str) -> Self {
-        let folder = tempfile::tempdir().unwrap();
+        Self::within(&std::env::temp_dir(), experiment)
+    }
+
+    /// A workshop in a folder of this one.
+    pub(crate) fn within(parent: &Path, experiment: &str) -> Self {
+        let folder = tempfile::Builder::new().prefix("workshop").tempdir_in(parent).unwrap();
         let workshop = Self { folder };
         workshop.write("stage.sh", STAGE);
         workshop.write("stages.toml", STAGES);

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use anyhow::Context as _;
 
 use super::{Map, Verdict};
-use crate::table::{grid, metres};
+use crate::table::{cell_text, grid, inline, metres};
 
 /// How a false-edge rate is written: `5 %`.
 pub fn percent(rate: f64) -> String {
@@ -36,13 +36,13 @@ pub fn markdown(map: &Map, sessions: &[String], kinds: &[String]) -> String {
 
 fn section(text: &mut String, map: &Map, session: &str, kind: &str) {
     // Writing to a string cannot fail.
-    let _ = writeln!(text, "### {session}, {kind} false edges\n");
+    let _ = writeln!(text, "### {}, {} false edges\n", inline(session), inline(kind));
     for method in &map.methods {
         let Some(own) = map.of(session, kind, method) else { continue };
         let seeds = own.cells.iter().flatten().map(|cell| cell.seeds);
         let (least, most) = (seeds.clone().min().unwrap_or(0), seeds.max().unwrap_or(0));
         let runs = if least == most { most.to_string() } else { format!("{least} to {most}") };
-        let _ = writeln!(text, "**{method}**, RMSE in metres ({runs} runs a cell)\n");
+        let _ = writeln!(text, "**{}**, RMSE in metres ({runs} runs a cell)\n", inline(method));
         rows(text, map, |index| {
             own.cells[index]
                 .map(|cell| format!("{} [{}, {}]", metres(cell.mean), metres(cell.low), metres(cell.high)))
@@ -54,8 +54,8 @@ fn section(text: &mut String, map: &Map, session: &str, kind: &str) {
         let _ = writeln!(
             text,
             "**{} against {}**, difference in metres: helps in {}, neutral in {}, hurts in {} of {} cells\n",
-            comparison.with,
-            comparison.without,
+            inline(&comparison.with),
+            inline(&comparison.without),
             count(Verdict::Helps),
             count(Verdict::Neutral),
             count(Verdict::Hurts),
@@ -127,9 +127,9 @@ pub fn csv(map: &Map, sessions: &[String], kinds: &[String]) -> anyhow::Result<V
         for (index, cell) in own.cells.iter().enumerate() {
             let Some(cell) = cell else { continue };
             let mut row = vec![
-                own.session.clone(),
-                own.kind.clone(),
-                own.method.clone(),
+                cell_text(own.session.clone()),
+                cell_text(own.kind.clone()),
+                cell_text(own.method.clone()),
                 short(map.rates[index / map.scales.len()]),
                 short(map.scales[index % map.scales.len()]),
                 cell.seeds.to_string(),

@@ -2,6 +2,7 @@
 
 use anyhow::Context as _;
 
+use super::hostile_text::cell_text;
 use crate::results::RunResult;
 
 /// All runs, one a row.
@@ -24,10 +25,10 @@ pub fn write_csv(results: &[RunResult]) -> anyhow::Result<Vec<u8>> {
             result.edges.as_ref().map_or_else(String::new, |edges| pick(edges).to_string())
         };
         writer.write_record([
-            result.label("pipeline"),
-            result.label("method"),
-            result.label("session"),
-            result.label("seed"),
+            cell_text(result.label("pipeline")),
+            cell_text(result.label("method")),
+            cell_text(result.label("session")),
+            cell_text(result.label("seed")),
             result.rmse.to_string(),
             result.components.to_string(),
             count(|edges| edges.true_positive),

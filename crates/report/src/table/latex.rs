@@ -10,8 +10,11 @@ pub fn latex(tables: &[Table], published: &Published) -> String {
     let mut text = String::new();
     for table in tables {
         // Writing to a string cannot fail.
-        let _ =
-            writeln!(text, "% {}: RMSE in metres, mean and standard deviation over seeds", table.pipeline);
+        let _ = writeln!(
+            text,
+            "% {}: RMSE in metres, mean and standard deviation over seeds",
+            escape(&table.pipeline)
+        );
         let _ = writeln!(text, "\\begin{{tabular}}{{l{}}}", "r".repeat(table.sessions.len() + 1));
         let _ = writeln!(text, "\\hline");
         let sessions: Vec<String> = table.sessions.iter().map(|session| escape(session)).collect();
@@ -62,6 +65,8 @@ fn escape(text: &str) -> String {
             '\\' => "\\textbackslash{}".to_owned(),
             '~' => "\\textasciitilde{}".to_owned(),
             '^' => "\\textasciicircum{}".to_owned(),
+            // The end of a line would end a comment.
+            other if other.is_control() => " ".to_owned(),
             other => other.to_string(),
         })
         .collect()
@@ -74,5 +79,6 @@ mod tests {
     #[test]
     fn special_characters_are_escaped() {
         assert_eq!(escape("a_b & 5 %"), "a\\_b \\& 5 \\%");
+        assert_eq!(escape("a\n\\input{x}"), "a \\textbackslash{}input\\{x\\}");
     }
 }

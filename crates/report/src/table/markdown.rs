@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Cell, Table, metres};
+use super::{Cell, Table, inline, metres};
 use posecut_stage::counted;
 
 use crate::published::Published;
@@ -23,7 +23,7 @@ fn section(text: &mut String, table: &Table, published: &Published) {
     let seeds =
         table.methods.iter().flat_map(|row| &row.cells).flatten().map(|cell| cell.seeds).max().unwrap_or(0);
     // Writing to a string cannot fail.
-    let _ = writeln!(text, "### {}\n", table.pipeline);
+    let _ = writeln!(text, "### {}\n", inline(&table.pipeline));
     let _ = writeln!(
         text,
         "RMSE in metres against the pseudo ground truth, mean ± standard deviation over {}.\n",
@@ -89,6 +89,8 @@ fn edges(cell: &Cell) -> String {
 
 /// A Markdown table whose columns line up in a terminal too.
 pub(crate) fn grid(text: &mut String, rows: &[Vec<String>]) {
+    let rows: Vec<Vec<String>> =
+        rows.iter().map(|row| row.iter().map(|cell| inline(cell)).collect()).collect();
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |column: usize| {
         rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)

@@ -10,7 +10,7 @@ use super::benchmark::{BOUND, Benchmark, Status};
 use super::records::Half;
 use super::summary::{LARGE_REGRET, Summary, summary};
 use super::tables::{finished, percent, whole};
-use crate::table::metres;
+use crate::table::{inline, metres};
 
 /// The method with the most runs within the bound on the tuning half, of those that have a record for each of
 /// its runs; of equals the one with the smaller worst regret, then the first by name. A method with a failed
@@ -96,7 +96,7 @@ fn wrong(text: &mut String, benchmark: &Benchmark, chosen: usize) {
         .families_of(Half::Test)
         .filter_map(|family| {
             let wrong = mistakes(&summary(benchmark, Half::Test, Some(family), chosen));
-            (!wrong.is_empty()).then(|| format!("- **{family}**: {}.", wrong.join("; ")))
+            (!wrong.is_empty()).then(|| format!("- **{}**: {}.", inline(family), wrong.join("; ")))
         })
         .collect();
     let families =

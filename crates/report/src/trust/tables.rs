@@ -6,7 +6,7 @@ use super::benchmark::{BOUND, Benchmark, Status};
 use super::records::{BINS, Half};
 use super::reliability::{Point, Reliability, reliability};
 use super::summary::{Estimate, LARGE_REGRET, Summary, median, summary};
-use crate::table::{grid, metres};
+use crate::table::{grid, inline, metres};
 
 /// A table with a heading and a sentence on how to read it.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,12 +23,9 @@ impl Table {
     /// The table as Markdown, under a heading of the third level.
     pub fn markdown(&self) -> String {
         let note = if self.note.is_empty() { String::new() } else { format!("{}\n\n", self.note) };
-        let mut text = format!("### {}\n\n{note}", self.title);
-        // A bar would end its cell.
-        let cells: Vec<Vec<String>> =
-            self.cells.iter().map(|row| row.iter().map(|cell| cell.replace('|', "\\|")).collect()).collect();
-        if cells.len() > 1 {
-            grid(&mut text, &cells);
+        let mut text = format!("### {}\n\n{note}", inline(&self.title));
+        if self.cells.len() > 1 {
+            grid(&mut text, &self.cells);
         }
         text
     }

@@ -65,6 +65,10 @@ fn the_program_writes_tables_figure_and_document_and_the_page_has_them() {
         "the same bytes again"
     );
     assert!(String::from_utf8_lossy(&files[2]).contains("alert(1)> *{{data}}* \\| x"));
+    for file in &files {
+        let text = String::from_utf8_lossy(file);
+        assert!(!text.contains("<img") && !text.contains("</script"), "{text}");
+    }
 
     let (good, page, said) = run(&["html", "--trust", &path("r.jsonl")]);
     assert!(good, "{said}");
@@ -82,6 +86,9 @@ fn the_program_writes_tables_figure_and_document_and_the_page_has_them() {
     let (good, _, said) = run(&["trust", &path("r.jsonl"), "--figure", &path("f.gif"), "-o", &path("n.md")]);
     assert!(!good && said.contains("f.gif") && !Path::new(&path("n.md")).exists(), "{said}");
     let (good, _, said) = run(&["trust", &path("r.jsonl"), "--document", &path("r.jsonl")]);
+    assert!(!good && said.contains("would overwrite the other"), "{said}");
+    fs::write(path("other.md"), "no markers\n").unwrap();
+    let (good, _, said) = run(&["trust", &path("r.jsonl"), "--document", &path("other.md")]);
     assert!(!good && said.contains("has no line <!-- begin: answer -->"), "{said}");
     fs::write(path("half.jsonl"), sample("tuning")).unwrap();
     let (good, _, said) = run(&["trust", &path("half.jsonl")]);

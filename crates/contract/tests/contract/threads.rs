@@ -1,0 +1,17 @@
+//! The number of threads is what the machine has.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use crate::table::streams;
+
+/// A program with a hundred thousand threads never started.
+#[test]
+fn more_threads_than_processors_are_named_and_not_started() {
+    for row in streams() {
+        let output = row.run(&["--threads", "100000"]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{}: {said}", row.name);
+        assert!(said.contains("warning: --threads 100000 is more than"), "{}: {said}", row.name);
+        assert_eq!(output.stdout, row.run(&[]).stdout, "{}", row.name);
+    }
+}

@@ -1,0 +1,61 @@
+//! Nothing is written outside the folders of results and simulated sessions, not through links either.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+
+use crate::{Plan, Source};
+
+/// Endings of the files beside a group.
+const BESIDE: [&str; 3] = ["tasks.jsonl", "tasks.jsonl.damaged", "times.jsonl"];
+
+/// Refuses a plan with a file that would be written elsewhere.
+pub(crate) fn check(plan: &Plan, source: &Source) -> anyhow::Result<()> {
+    let roots = [resolved(&source.results)?, resolved(&source.simulated)?];
+    let mut folders: HashMap<PathBuf, PathBuf> = HashMap::new();
+    for task in &plan.tasks {
+        let beside = BESIDE.map(|ending| format!("{}.{ending}", task.group));
+        for file in task.outputs.iter().chain(&task.statistics).chain(&beside) {
+            let path = Path::new(file);
+            let real = if path.is_symlink() { resolved(path)? } else { in_folder(path, &mut folders)? };
+            if !roots.iter().any(|root| real.starts_with(root) && real != *root) {
+                bail!(
+                    "{file}: would be written as {}, outside the folders of --results and --simulated; remove the link that leads there, or name the other folder",
+                    real.display()
+                );
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The resolved path of a file that is no link itself. Each folder is resolved once.
+fn in_folder(path: &Path, folders: &mut HashMap<PathBuf, PathBuf>) -> anyhow::Result<PathBuf> {
+    let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else { return resolved(path) };
+    if !folders.contains_key(folder) {
+        folders.insert(folder.to_owned(), resolved(folder)?);
+    }
+    Ok(folders[folder].join(name))
+}
+
+/// A path without links, whose last parts need not exist yet.
+fn resolved(path: &Path) -> anyhow::Result<PathBuf> {
+    let place = || format!("{}: cannot be resolved; name another folder", path.display());
+    let mut existing = path;
+    let mut missing = Vec::new();
+    loop {
+        let start = if existing.as_os_str().is_empty() { Path::new(".") } else { existing };
+        match std::fs::canonicalize(start) {
+            Ok(real) => return Ok(missing.iter().rev().fold(real, |real, part| real.join(part))),
+            Err(_) if start.is_symlink() => {
+                bail!("{}: is a link that leads nowhere; remove it", start.display())
+            }
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+                missing.push(existing.components().next_back().with_context(place)?);
+                existing = existing.parent().with_context(place)?;
+            }
+            Err(error) => return Err(error).with_context(place),
+        }
+    }
+}

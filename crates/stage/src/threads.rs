@@ -1,0 +1,43 @@
+//! As many threads as asked for, and no more than processors.
+
+use std::num::NonZero;
+
+use anyhow::Context as _;
+
+use crate::{counted, warn};
+
+/// The variable by which rayon learns how many threads to start.
+const VARIABLE: &str = "RAYON_NUM_THREADS";
+
+fn processors() -> usize {
+    std::thread::available_parallelism().map_or(1, NonZero::get)
+}
+
+/// The number asked for, or that of processors if it is less, with a warning; 0 stays 0.
+pub(crate) fn bounded(threads: usize) -> usize {
+    let processors = processors();
+    if threads > processors {
+        warn!(
+            "--threads {threads} is more than this machine has use for; using {}",
+            counted(processors, "thread")
+        );
+    }
+    threads.min(processors)
+}
+
+/// Starts the threads of computations: this number, or for 0 what the environment or the processors say.
+pub(crate) fn start(threads: usize) -> anyhow::Result<()> {
+    let of_environment = || std::env::var(VARIABLE).ok()?.trim().parse().ok();
+    let threads = match threads {
+        // Many more would never start.
+        0 => of_environment().filter(|&threads: &usize| threads > processors()).map_or(0, |_| processors()),
+        threads => threads,
+    };
+    if threads == 0 {
+        return Ok(());
+    }
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build_global()
+        .context("the threads cannot be started; try fewer with --threads")
+}

@@ -1,0 +1,37 @@
+//! Errors of the command line, in the shape of all other errors: one sentence with cause and remedy.
+
+use std::process::ExitCode;
+
+use clap::Command;
+use clap::error::ErrorKind;
+
+use crate::program::{answer, fail};
+
+/// Prints help or the version, or what is wrong with a command line.
+pub(crate) fn end(name: &str, command: &Command, error: &clap::Error) -> ExitCode {
+    if error.use_stderr() {
+        return fail(
+            name,
+            &format!("{}; posecut-{name} --help shows what it takes", sentence(command, error)),
+        );
+    }
+    answer(name, || error.print())
+}
+
+/// What clap says in several paragraphs, in one line: the cause and its suggestions, without usage.
+fn sentence(command: &Command, error: &clap::Error) -> String {
+    if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
+        let tasks: Vec<&str> =
+            command.get_subcommands().map(Command::get_name).filter(|name| *name != "help").collect();
+        return format!("the command line does not say what to do; name one of {}", tasks.join(", "));
+    }
+    let text = error.render().to_string();
+    let ends = ["\n\nUsage:", "\n\nFor more information"].map(|end| text.find(end).unwrap_or(text.len()));
+    let said = &text[..ends.into_iter().fold(text.len(), usize::min)];
+    let one_line = |paragraph: &str| {
+        let words: Vec<&str> = paragraph.split_whitespace().filter(|word| *word != "tip:").collect();
+        words.join(" ").chars().filter(|character| !character.is_control()).collect::<String>()
+    };
+    let paragraphs = said.trim_start_matches("error: ").split("\n\n").flat_map(|part| part.split("\n  tip:"));
+    paragraphs.map(one_line).filter(|part| !part.is_empty()).collect::<Vec<_>>().join("; ")
+}

@@ -1,0 +1,68 @@
+#!/bin/sh
+# The Makefile's variables never become commands, and `make clean` deletes only what a run made. Needs no programs.
+set -eu
+cd "$(dirname "$0")/.."
+unset MAKEFLAGS MAKELEVEL MFLAGS NCLT RESULTS SIMULATED SESSIONS 2>/dev/null || true
+work=$(mktemp -d)
+trap 'rm -rf -- "$work"' EXIT
+
+fail() { echo "check-makefile: $1"; exit 1; }
+
+# NAME VALUE: `make help`, `make -n table` and `make clean` refuse it with a sentence that names the variable, and run nothing of it.
+refused() {
+  for target in help '-n table' clean; do
+    # shellcheck disable=SC2086 # -n is an option.
+    if said=$(make --no-print-directory $target "$1=$2" 2>&1); then
+      fail "make $target accepts $1=$2"
+    fi
+    case $said in
+      *"$1"*"cannot be used"*) ;;
+      *) fail "make $target $1=$2 says: $said" ;;
+    esac
+    [ ! -e "$work/owned" ] || fail "make $target runs $1=$2"
+  done
+}
+
+for name in NCLT RESULTS SIMULATED; do
+  refused $name "$work/a b"
+  refused $name "-rf"
+done
+for name in NCLT RESULTS SIMULATED SESSIONS; do
+  for value in "x;touch $work/owned" "x'; touch $work/owned; '" "x\"; touch $work/owned; \"" "\$(shell touch $work/owned)" \
+    "x\`touch $work/owned\`" "x|y" "x&y" "x>y" "x*" "x(y)" "x#y" "x:y" 'x\y' "x
+y"; do
+    refused $name "$value"
+  done
+done
+refused SESSIONS ../x
+refused RESULTS ''
+refused SIMULATED ''
+
+# The environment is refused like the command line.
+if RESULTS="x;touch $work/owned" make help >/dev/null 2>&1; then fail 'make accepts RESULTS of the environment'; fi
+
+# What somebody else put there stays.
+clean() { make --no-print-directory clean "RESULTS=$work/results" "SIMULATED=$work/simulated"; }
+mkdir "$work/results" "$work/other"
+touch "$work/results/precious" "$work/other/precious"
+if said=$(clean 2>&1); then fail "make clean deletes a folder that no run made: $said"; fi
+case $said in *"has no .posecut-made"*) ;; *) fail "make clean says: $said" ;; esac
+[ -f "$work/results/precious" ] || fail 'make clean deleted what no run made'
+scripts/folders.sh mark "$work/results"
+[ ! -e "$work/results/.posecut-made" ] || fail "a folder with other content was marked"
+rm -r "$work/results"
+
+# What a run made goes.
+scripts/folders.sh mark "$work/results" "$work/simulated"
+touch "$work/results/made" "$work/simulated/made"
+clean
+[ ! -e "$work/results" ] && [ ! -e "$work/simulated" ] || fail 'make clean left what a run made'
+
+# A link is not followed.
+scripts/folders.sh mark "$work/linked"
+ln -s "$work/linked" "$work/results"
+if clean >/dev/null 2>&1; then fail 'make clean deletes a link'; fi
+[ -d "$work/linked" ] || fail 'make clean followed a link'
+
+make --no-print-directory help RESULTS=../results SIMULATED=~/x_1.0 SESSIONS='2012-01-22 a+b' >/dev/null || fail 'make refuses plain names'
+echo 'the Makefile keeps to its folders'
