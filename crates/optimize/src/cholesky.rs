@@ -22,5 +22,6 @@ mod task;
 
 pub(crate) use elimination::Adjacency;
 pub use factor::{Breakdown, Factor};
+pub use inverse_column::Workspace;
 pub use selected_inverse::SelectedInverse;
 pub use symbolic::Symbolic;

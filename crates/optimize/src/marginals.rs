@@ -1,12 +1,11 @@
 //! Covariances of poses and of pairs of poses at a solution.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use nalgebra::SMatrix;
 use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::between_correlated;
+use rayon::prelude::*;
 
-use crate::cholesky::{Factor, SelectedInverse, Symbolic};
+use crate::cholesky::{Factor, SelectedInverse, Symbolic, Workspace};
 use crate::components::connected_components;
 use crate::levenberg_marquardt::SINGULAR;
 use crate::normal_equations::{NormalEquations, Pattern};
@@ -51,8 +50,6 @@ struct Part<const DOF: usize> {
     /// Node and component that the edges leave undetermined.
     undetermined: Option<(usize, usize)>,
 }
-
-type Blocks<const DOF: usize> = BTreeMap<(usize, usize), SMatrix<f64, DOF, DOF>>;
 
 impl<G, const DOF: usize> std::fmt::Debug for Marginals<G, DOF> {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -117,7 +114,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
                 between_correlated(&self.poses[a], &joint.first, &self.poses[b], &joint.second, &joint.cross)
             })
         };
-        joints.into_iter().zip(pairs).map(propagate).collect()
+        joints.into_par_iter().zip(pairs).map(propagate).collect()
     }
 
     /// Covariances of pairs of poses.
@@ -125,14 +122,18 @@ impl<G: LieGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
     /// A request for many nodes costs about two factorisations, plus triangular solves along the elimination tree for the
     /// first node of each pair that no edge and no fill joins; a request for few costs the latter for each.
     pub fn joint(&mut self, pairs: &[(usize, usize)]) -> Vec<Option<Joint<DOF>>> {
-        let mut wanted: Vec<BTreeSet<(usize, usize)>> = vec![BTreeSet::new(); self.parts.len()];
+        let mut wanted: Vec<Vec<(usize, usize)>> = vec![Vec::new(); self.parts.len()];
         for (part, a, b) in pairs.iter().filter_map(|&pair| self.place(pair)) {
             wanted[part].extend([(a, a), (a.min(b), a.max(b)), (b, b)]);
+        }
+        for wanted in &mut wanted {
+            wanted.sort_unstable();
+            wanted.dedup();
         }
         let blocks: Vec<_> =
             self.parts.iter_mut().zip(&wanted).map(|(part, wanted)| part.blocks(wanted)).collect();
         let find = |part: usize, a: usize, b: usize| {
-            let block = blocks[part].get(&(a.min(b), a.max(b))).copied()?;
+            let block = blocks[part][wanted[part].binary_search(&(a.min(b), a.max(b))).ok()?];
             Some(if a <= b { block } else { block.transpose() })
         };
         let join = |&pair: &(usize, usize)| {
@@ -166,37 +167,48 @@ impl<const DOF: usize> Part<DOF> {
         Self { held, symbolic, factor, inverse: None, undetermined }
     }
 
-    /// The wanted blocks `(a, b)`, `a <= b`, of the covariance, by numbers of nodes.
-    fn blocks(&mut self, wanted: &BTreeSet<(usize, usize)>) -> Blocks<DOF> {
+    /// The wanted blocks `(a, b)`, `a <= b`, of the covariance, by numbers of nodes in ascending order.
+    fn blocks(&mut self, wanted: &[(usize, usize)]) -> Vec<SMatrix<f64, DOF, DOF>> {
         let distinct = wanted.iter().filter(|(a, b)| a == b).count();
         if distinct > MANY_NODES && self.inverse.is_none() {
             self.inverse = Some(SelectedInverse::new(&self.symbolic, &self.factor));
         }
-        let mut blocks = Blocks::new();
-        let mut columns: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-        for &(a, b) in wanted {
-            let (Some(row), Some(column)) = (a.checked_sub(self.held), b.checked_sub(self.held)) else {
-                blocks.insert((a, b), SMatrix::zeros());
-                continue;
-            };
-            match self.inverse.as_ref().and_then(|inverse| inverse.block(&self.symbolic, row, column)) {
-                Some(block) => {
-                    blocks.insert((a, b), block);
-                }
-                None => columns.entry(row).or_default().push(column),
-            }
+        let part = &*self;
+        // Nodes that are held have no uncertainty.
+        let variable = |node: usize| node.checked_sub(part.held);
+        let mut blocks: Vec<Option<SMatrix<f64, DOF, DOF>>> = wanted
+            .par_iter()
+            .map(|&(a, b)| match variable(a).zip(variable(b)) {
+                Some((row, column)) => part.inverse.as_ref()?.block(&part.symbolic, row, column),
+                None => Some(SMatrix::zeros()),
+            })
+            .collect();
+        // Where the factor has no block, a column of the inverse for each first node.
+        let missing: Vec<usize> = (0..wanted.len()).filter(|&place| blocks[place].is_none()).collect();
+        let columns: Vec<&[usize]> = missing.chunk_by(|&one, &other| wanted[one].0 == wanted[other].0).collect();
+        let found: Vec<_> = columns
+            .par_iter()
+            .map_init(|| part.factor.workspace(), |workspace, column| part.column(wanted, column, workspace))
+            .collect();
+        for (&place, block) in columns.iter().copied().flatten().zip(found.into_iter().flatten()) {
+            blocks[place] = Some(block.transpose());
         }
-        for (first, others) in columns {
-            let found = self.factor.inverse_column(&self.symbolic, first, &others);
-            for (other, block) in others.into_iter().zip(found) {
-                blocks.insert((self.held + first, self.held + other), block.transpose());
-            }
-        }
-        for ((a, b), block) in &mut blocks {
-            if a == b {
-                *block = (*block + block.transpose()) * 0.5;
-            }
-        }
-        blocks
+        let symmetric = |(block, (a, b)): (Option<SMatrix<f64, DOF, DOF>>, &(usize, usize))| {
+            let block = block.unwrap_or_else(SMatrix::zeros);
+            if a == b { (block + block.transpose()) * 0.5 } else { block }
+        };
+        blocks.into_iter().zip(wanted).map(symmetric).collect()
+    }
+
+    /// The blocks of the wanted pairs at these places, all with the same first node.
+    fn column(
+        &self,
+        wanted: &[(usize, usize)],
+        places: &[usize],
+        workspace: &mut Workspace,
+    ) -> Vec<SMatrix<f64, DOF, DOF>> {
+        let first = wanted[places[0]].0 - self.held;
+        let others: Vec<usize> = places.iter().map(|&place| wanted[place].1 - self.held).collect();
+        self.factor.inverse_column(&self.symbolic, first, &others, workspace)
     }
 }

@@ -3,6 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 use posecut_graph::PoseGraph;
 use posecut_optimize::{Edge, EdgeKind, Initialisation, Marginals, Options, Problem, optimize};
+use rayon::prelude::*;
 
 use crate::calibration::Calibration;
 use crate::evidence::{CLIP, Evidence, chi_square_quantile, compare};
@@ -129,16 +130,23 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
         let mut found: Vec<Option<Innovation<DOF>>> = vec![None; self.accepted.len()];
         let posterior = self.relative(&members);
         let mut held: Vec<Option<SMatrix<f64, DOF, DOF>>> = vec![None; self.accepted.len()];
+        let own = members
+            .par_iter()
+            .zip(&posterior)
+            .map(|(&member, covariance)| covariance.and_then(|covariance| self.without(member, &covariance)));
+        for (&member, innovation) in members.iter().zip(own.collect::<Vec<_>>()) {
+            found[member] = innovation;
+        }
         for (&member, covariance) in members.iter().zip(posterior) {
             held[member] = covariance;
-            found[member] = covariance.and_then(|covariance| self.without(member, &covariance));
         }
         self.scale = spread(members.iter().filter_map(|&member| found[member]));
         self.neighbours(partners, asked, &held, &mut found);
         self.exactly(asked, first, &mut found);
+        let map = &*self;
         asked
-            .iter()
-            .map(|&closure| found[closure].and_then(|innovation| self.evidence(closure, &innovation)))
+            .par_iter()
+            .map(|&closure| found[closure].and_then(|innovation| map.evidence(closure, &innovation)))
             .collect()
     }
 
@@ -160,14 +168,15 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
         held: &[Option<SMatrix<f64, DOF, DOF>>],
         found: &mut [Option<Innovation<DOF>>],
     ) {
-        for &closure in asked.iter().filter(|closure| !self.accepted[**closure]) {
-            let neighbour = partners.near(closure).iter().find(|&&other| held[other].is_some());
-            let Some((&neighbour, covariance)) = neighbour.and_then(|other| Some((other, held[*other]?)))
-            else {
-                continue;
-            };
-            let between = self.model.between(neighbour, closure, &covariance, self.calibration);
-            found[closure] = Some(self.innovation(closure, &between));
+        let near = |closure: usize| {
+            let neighbour = partners.near(closure).iter().find(|&&other| held[other].is_some())?;
+            let between = self.model.between(*neighbour, closure, &held[*neighbour]?, self.calibration);
+            Some(self.innovation(closure, &between))
+        };
+        let others: Vec<usize> = asked.iter().copied().filter(|&closure| !self.accepted[closure]).collect();
+        let innovations: Vec<_> = others.par_iter().map(|&closure| near(closure)).collect();
+        for (closure, innovation) in others.into_iter().zip(innovations) {
+            found[closure] = innovation.or(found[closure]);
         }
     }
 

@@ -2,6 +2,7 @@
 
 use posecut_pcm::consistency::Pairs;
 use posecut_pcm::nearest::Nearest;
+use rayon::prelude::*;
 
 use crate::ingredients::Ingredient;
 use crate::model::{Model, Motion};
@@ -30,18 +31,23 @@ impl Partners {
             let pairs = Pairs::new(&model.chains, group);
             let all: Vec<usize> = (0..group.candidates.len()).collect();
             let nearest = Nearest::new(&pairs, &all);
-            for candidate in 0..all.len() {
+            let partners = all.par_iter().map(|&candidate| {
                 let found = nearest.of(pairs.position(candidate), candidate, most);
                 let between = ranks.iter().filter_map(|rank| found.get(rank - 1));
-                middle.push(between.map(|other| span.first + other).collect());
+                let middle: Vec<usize> = between.map(|other| span.first + other).collect();
                 let found = &found[..NEAR.min(found.len())];
                 let others = (1..=far_ones).map(|turn| elsewhere(candidate, turn, all.len()));
                 let mut others: Vec<usize> =
                     others.filter(|other| *other != candidate && !found.contains(other)).collect();
                 others.sort_unstable();
                 others.dedup();
-                near.push(found.iter().map(|other| span.first + other).collect());
-                far.push(others.iter().map(|other| span.first + other).collect());
+                let near: Vec<usize> = found.iter().map(|other| span.first + other).collect();
+                (near, middle, others.iter().map(|other| span.first + other).collect::<Vec<_>>())
+            });
+            for (of_near, of_middle, of_far) in partners.collect::<Vec<_>>() {
+                near.push(of_near);
+                middle.push(of_middle);
+                far.push(of_far);
             }
         }
         Self { near, middle, far }

@@ -1,5 +1,7 @@
 //! Rounds of map and verdicts.
 
+use std::mem::replace;
+
 use petgraph::unionfind::UnionFind;
 
 use crate::bridges::{Bridge, Seams};
@@ -69,7 +71,7 @@ pub(crate) struct Rounds<'a, G, const DOF: usize> {
 }
 
 impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
-    /// Rounds until nothing changes, then what bridges say of closures that nothing else places, and so on. Returns the number
+    /// Rounds until nothing changes, or two alternate, then what bridges say of closures that nothing else places, and so on. Returns the number
     /// of rounds.
     pub(crate) fn all(&mut self, bridges: &[Bridge<G, DOF>]) -> anyhow::Result<usize> {
         let mut number = 0;
@@ -83,11 +85,11 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         loop {
             let mut settling = 0;
             while settling < ROUNDS && number < ROUNDS_IN_ALL {
-                self.accepted = next;
+                let last = replace(&mut self.accepted, next);
                 number += 1;
                 before.clone_from(&self.ratio);
                 next = self.round()?;
-                if next == self.accepted {
+                if next == self.accepted || next == last {
                     break;
                 }
                 let size = |set: &[bool]| set.iter().filter(|member| **member).count() as f64;

@@ -12,20 +12,34 @@ use super::factor::Factor;
 use super::substitution::{backward, forward};
 use super::symbolic::Symbolic;
 
+/// What solves along the elimination tree work on: a right-hand side, and the rows of one front.
+#[derive(Clone)]
+pub struct Workspace {
+    values: Vec<f64>,
+    local: Vec<f64>,
+}
+
 impl<const D: usize> Factor<D> {
+    /// Working memory for [`Self::inverse_column`]: one for each thread.
+    pub fn workspace(&self) -> Workspace {
+        Workspace { values: vec![0.0; self.permuted.len()], local: vec![0.0; self.local.len()] }
+    }
+
     /// The blocks of `A^-1` in block column `column` and the given block rows.
     ///
     /// The triangular solves visit only the fronts on the ways from these variables to the roots of the elimination tree.
     pub fn inverse_column(
-        &mut self,
+        &self,
         symbolic: &Symbolic,
         column: usize,
         rows: &[usize],
+        workspace: &mut Workspace,
     ) -> Vec<SMatrix<f64, D, D>> {
         let own = symbolic.path_to_root([column].into_iter());
         let all = symbolic.path_to_root(rows.iter().copied().chain([column]));
         let mut blocks = vec![SMatrix::<f64, D, D>::zeros(); rows.len()];
-        let (panels, values, local) = (&self.panels[..], &mut self.permuted[..], &mut self.local[..]);
+        let (panels, values, local) =
+            (&self.panels[..], &mut workspace.values[..], &mut workspace.local[..]);
         let arch = Arch::new();
         for component in 0..D {
             for &front in &all {
