@@ -185,7 +185,8 @@ impl<const DOF: usize> Part<DOF> {
             .collect();
         // Where the factor has no block, a column of the inverse for each first node.
         let missing: Vec<usize> = (0..wanted.len()).filter(|&place| blocks[place].is_none()).collect();
-        let columns: Vec<&[usize]> = missing.chunk_by(|&one, &other| wanted[one].0 == wanted[other].0).collect();
+        let columns: Vec<&[usize]> =
+            missing.chunk_by(|&one, &other| wanted[one].0 == wanted[other].0).collect();
         let found: Vec<_> = columns
             .par_iter()
             .map_init(|| part.factor.workspace(), |workspace, column| part.column(wanted, column, workspace))

@@ -38,8 +38,7 @@ impl<const D: usize> Factor<D> {
         let own = symbolic.path_to_root([column].into_iter());
         let all = symbolic.path_to_root(rows.iter().copied().chain([column]));
         let mut blocks = vec![SMatrix::<f64, D, D>::zeros(); rows.len()];
-        let (panels, values, local) =
-            (&self.panels[..], &mut workspace.values[..], &mut workspace.local[..]);
+        let (panels, values, local) = (&self.panels[..], &mut workspace.values[..], &mut workspace.local[..]);
         let arch = Arch::new();
         for component in 0..D {
             for &front in &all {
