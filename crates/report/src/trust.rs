@@ -5,11 +5,12 @@
 //! - [`bootstrap`]: intervals from clusters of runs that are not independent.
 //! - [`summary`]: what a method does on a family, or on all of them.
 //! - [`reliability`]: how well probabilities of edges are calibrated.
-//! - [`tables`], [`recommendation`]: the tables, and the answer in sentences.
+//! - [`tables`], [`comparison`], [`recommendation`]: the tables, and the answer in sentences.
 //! - [`document`]: both, as the sections of docs/trust.md.
 
 pub mod benchmark;
 pub mod bootstrap;
+pub mod comparison;
 pub mod document;
 pub mod recommendation;
 pub mod records;

@@ -1,7 +1,8 @@
 //! The sections of docs/trust.md.
 
 use super::benchmark::Benchmark;
-use super::recommendation::answer;
+use super::comparison::comparison;
+use super::recommendation::{answer, recommended};
 use super::records::Half;
 use super::reliability::{reliability, sentence};
 use super::tables::{self, Table};
@@ -15,6 +16,7 @@ pub fn sections(benchmark: &Benchmark) -> anyhow::Result<Vec<(&'static str, Stri
     let joined = |tables: Vec<Table>| -> String { tables.iter().map(Table::markdown).collect() };
     Ok(vec![
         ("answer", answer(benchmark)?),
+        ("comparison", joined(vec![comparison(benchmark, half, recommended(benchmark)?)])),
         ("overall", joined(vec![tables::overall(benchmark, half), tables::matrix(benchmark, half)])),
         ("counts", joined(vec![tables::counts(benchmark)])),
         ("families", joined(tables::families(benchmark, half))),

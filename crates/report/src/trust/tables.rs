@@ -32,7 +32,7 @@ impl Table {
 }
 
 /// What replaces a value that does not exist.
-const NONE: &str = "–";
+pub(super) const NONE: &str = "–";
 
 /// All tables of a half, in the order of the page.
 pub fn tables(benchmark: &Benchmark, half: Half) -> Vec<Table> {
@@ -236,7 +236,7 @@ pub fn counts(benchmark: &Benchmark) -> Table {
     }
 }
 
-fn with_head(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Vec<Vec<String>> {
+pub(super) fn with_head(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Vec<Vec<String>> {
     std::iter::once(head.iter().map(|&name| name.to_owned()).collect()).chain(rows).collect()
 }
 
@@ -275,7 +275,7 @@ pub fn percent(share: Estimate) -> String {
 }
 
 /// Three decimals; 1.000 means that nothing was lost, and 0.000 that nothing was kept.
-fn recall(own: Estimate) -> String {
+pub(super) fn recall(own: Estimate) -> String {
     let brief = |value: f64| {
         let inside = value > 0.0 && value < 1.0;
         format!("{:.3}", if inside { value.clamp(0.001, 0.999) } else { value })

@@ -4,6 +4,7 @@ use posecut_report::figure::plotting::lanes;
 use posecut_report::figure::regret::{figure, position, regrets};
 use posecut_report::regimes::document::splice;
 use posecut_report::trust::Half;
+use posecut_report::trust::comparison::comparison;
 use posecut_report::trust::document::sections;
 use posecut_report::trust::recommendation::{answer, recommended};
 use posecut_report::trust::summary::summary;
@@ -93,6 +94,17 @@ fn the_tuning_half_chooses_and_the_test_half_reports() {
     ] {
         assert!(said.contains(part), "{part}\n{said}");
     }
+    // Of the others only one that finished every run can be the best.
+    let some = text.clone() + &done(test("f", 1), "lucky", 0.0, [1, 0, 0]);
+    let benchmark = read(&some).unwrap();
+    let table = comparison(&benchmark, Half::Test, 0);
+    assert_eq!(benchmark.methods[0], "bold");
+    let table_of_careful = comparison(&benchmark, Half::Test, 1);
+    let row = |table: &Table, row: usize| table.cells[row].join(" ");
+    assert_eq!(row(&table_of_careful, 1), "f 2 4.50 0 1.000 bold 0.00 0 1.000 0.00");
+    assert_eq!(row(&table_of_careful, 2), "g 1 1.00 1 1.000 bold 1.00 0 1.000 1.00");
+    assert_eq!(row(&table_of_careful, 3), "all 3 3.33 1 1.000 bold 0.33 0 1.000 0.33");
+    assert_eq!(row(&table, 1), "f 2 0.00 0 1.000 careful 4.50 0 1.000 0.00");
     // A method with a gap in the tuning half cannot be chosen, however good it is on the rest.
     let gap = text.clone() + &done(tuning("a"), "lucky", 0.0, [1, 0, 0]);
     assert_eq!(benchmark.methods[recommended(&read(&gap).unwrap()).unwrap()], "careful");

@@ -1,0 +1,67 @@
+//! The recommended method beside the best of all others, family by family.
+
+use super::benchmark::Benchmark;
+use super::records::Half;
+use super::summary::{Estimate, Summary, summary};
+use super::tables::{NONE, Table, recall, with_head};
+use crate::table::metres;
+
+/// A row a family: the chosen method, the other one with the smallest mean RMSE, and the mean of the smallest RMSE of all methods, run
+/// by run, which nobody can reach without knowing the answer.
+pub fn comparison(benchmark: &Benchmark, half: Half, chosen: usize) -> Table {
+    let rows = benchmark.families_of(half).map(Some).chain([None]).map(|family| {
+        let own = summary(benchmark, half, family, chosen);
+        let others = (0..benchmark.methods.len()).filter(|&method| method != chosen);
+        // A mean over the runs that a method happened to finish is no comparison.
+        let best = others
+            .map(|method| (method, summary(benchmark, half, family, method)))
+            .filter(|(_, other)| other.done() == other.runs)
+            .min_by(|(_, one), (_, other)| mean(one).total_cmp(&mean(other)));
+        let smallest: Vec<f64> = benchmark.of(half, family).filter_map(|run| run.best).collect();
+        let smallest = smallest.iter().sum::<f64>() / smallest.len() as f64;
+        let mut row = vec![family.unwrap_or("all").to_owned(), own.runs.to_string()];
+        row.extend(figures(&own));
+        match best {
+            Some((method, other)) => {
+                row.push(benchmark.methods[method].clone());
+                row.extend(figures(&other));
+            }
+            None => row.extend([NONE; 4].map(str::to_owned)),
+        }
+        row.push(metres(smallest));
+        row
+    });
+    let name = &benchmark.methods[chosen];
+    let head = [
+        "family",
+        "runs",
+        "RMSE mean, m",
+        "with a false edge",
+        "recall",
+        "best other",
+        "RMSE mean, m",
+        "with a false edge",
+        "recall",
+        "best by the answer, m",
+    ];
+    Table {
+        title: format!("{name} beside the best other method, {half} half"),
+        note: format!(
+            "The first figures are those of {name}. *Best other*: the method that finished all runs with the smallest mean RMSE. *Best by the answer*: the mean over runs of the smallest RMSE of any method, {name} among them; to choose it, one has to know the true map."
+        ),
+        cells: with_head(&head, rows),
+    }
+}
+
+fn mean(own: &Summary) -> f64 {
+    own.mean.map_or(f64::INFINITY, |mean| mean.value)
+}
+
+fn figures(own: &Summary) -> [String; 3] {
+    let recall = own.recall.map(|own| recall(Estimate { interval: None, ..own }));
+    [
+        own.mean.map_or_else(|| NONE.to_owned(), |mean| metres(mean.value)),
+        own.with_false.to_string(),
+        recall.unwrap_or_else(|| NONE.to_owned()),
+    ]
+}
