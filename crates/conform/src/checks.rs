@@ -76,7 +76,9 @@ impl<'a> Bench<'a> {
 fn temporary_folder() -> anyhow::Result<TempDir> {
     let parent = std::env::temp_dir();
     tempfile::tempdir_in(&parent).with_context(|| {
-        format!("{}: no temporary folder can be made there; name another one by TMPDIR", parent.display())
+        // In one line, whatever the variable holds.
+        let place = parent.to_string_lossy().escape_debug().to_string();
+        format!("{place}: no temporary folder can be made there; name another one by TMPDIR")
     })
 }
 
