@@ -33,11 +33,7 @@ fn errors_of_published_figures_are_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("published.toml");
     for (text, line, part) in [
-        (
-            "source = \"a\"\n\n[rmse.pcm]\ns = \"x\"\n",
-            "published.toml, line 4, rmse.pcm.s: ",
-            "expected f64",
-        ),
+        ("source = \"a\"\n\n[rmse.pcm]\ns = \"x\"\n", "published.toml, line 4, rmse.pcm.s: ", "expected f64"),
         ("source = \"a\"\nyear = 2020\n", "published.toml, line 2", "unknown field `year`"),
         ("[rmse.pcm]\n", "published.toml", "missing field `source`"),
         ("source = \"a\"\n[rmse.pcm\n", "published.toml, line 2", "rmse.METHOD"),
