@@ -28,17 +28,24 @@ plain          = $(foreach mark,$(marks),$(if $(findstring $(mark),$(value $(1))
                  $(if $(filter -%,$(value $(1))),$(call cannot,$(1),it starts with a dash))
 one            = $(if $(or $(findstring $(space),$(value $(1))),$(findstring $(tab),$(value $(1)))),$(call cannot,$(1),it contains a space))
 given_folder   = $(if $(strip $(value $(1))),,$(call cannot,$(1),it is empty))
-checked       := $(foreach name,NCLT RESULTS SIMULATED SESSIONS,$(call plain,$(name)))\
-                 $(foreach name,NCLT RESULTS SIMULATED,$(call one,$(name)))\
-                 $(foreach name,RESULTS SIMULATED,$(call given_folder,$(name)))\
+# A variable that nobody gives has its own value, which may be made of others.
+foreign        = $(filter environment% command% override,$(origin $(1)))
+folders       := NCLT RESULTS SIMULATED $(foreach name,DATA DOCUMENT PREFIX,$(if $(call foreign,$(name)),$(name)))
+words         := SESSIONS $(foreach name,SEEDS PIPELINES METHODS FAMILIES HALF EXPERIMENT FIGURES CASES,$(if $(call foreign,$(name)),$(name)))
+checked       := $(foreach name,$(folders) $(words),$(call plain,$(name)))\
+                 $(foreach name,$(folders),$(call one,$(name)))\
+                 $(foreach name,RESULTS SIMULATED $(if $(call foreign,PREFIX),PREFIX),$(call given_folder,$(name)))\
                  $(if $(findstring /,$(value SESSIONS)),$(call cannot,SESSIONS,a session contains /))
 
 # ---- programs: swap a stage by naming another program -----------------------------------------------------
 # pipelines/stages.toml lists them. To swap one for this run: make table PCM=./my-stage
+stages     := SIMULATE INGEST CONSTRUCT CONVERT LABEL ORACLE PCM VERIFY RANSAC ISLANDS DENSEST VOTING MULTICUT OPTIMIZE EVALUATE
+# Paths of programs become parts of rules and command lines, like the names above.
+checked       += $(foreach name,BIN CARGO_TARGET_DIR REPORT $(stages),$(if $(call foreign,$(name)),\
+                 $(call plain,$(name))$(call one,$(name))))
 BIN        := $(or $(CARGO_TARGET_DIR),target)/release
 EXPERIMENTS = $(BIN)/posecut-experiment
 REPORT     ?= $(BIN)/posecut-report
-stages     := SIMULATE INGEST CONSTRUCT CONVERT LABEL ORACLE PCM VERIFY RANSAC ISLANDS DENSEST VOTING MULTICUT OPTIMIZE EVALUATE
 
 SHELL := /bin/sh
 .DELETE_ON_ERROR:
@@ -245,17 +252,18 @@ documentation:
 
 # Programs, manual pages and completions below PREFIX.
 PREFIX ?= $(HOME)/.local
+prefix  = $(call quoted,$(PREFIX))
 programs := $(patsubst crates/%/src/main.rs,$(BIN)/posecut-%,$(wildcard crates/*/src/main.rs))
 install: $(BIN)/.posecut-built
-	@mkdir -p $(PREFIX)/bin $(PREFIX)/share/man/man1 $(PREFIX)/share/bash-completion/completions \
-	  $(PREFIX)/share/zsh/site-functions $(PREFIX)/share/fish/vendor_completions.d
+	@mkdir -p $(prefix)/bin $(prefix)/share/man/man1 $(prefix)/share/bash-completion/completions \
+	  $(prefix)/share/zsh/site-functions $(prefix)/share/fish/vendor_completions.d
 	@for program in $(programs); do name=$$(basename $$program); \
-	  install -m 755 $$program $(PREFIX)/bin/ && \
-	  $$program --generate man  > $(PREFIX)/share/man/man1/$$name.1 && \
-	  $$program --generate bash > $(PREFIX)/share/bash-completion/completions/$$name && \
-	  $$program --generate zsh  > $(PREFIX)/share/zsh/site-functions/_$$name && \
-	  $$program --generate fish > $(PREFIX)/share/fish/vendor_completions.d/$$name.fish || exit 1; done
-	@echo 'installed programs, manual pages and completions below $(PREFIX)'
+	  install -m 755 $$program $(prefix)/bin/ && \
+	  $$program --generate man  > $(prefix)/share/man/man1/$$name.1 && \
+	  $$program --generate bash > $(prefix)/share/bash-completion/completions/$$name && \
+	  $$program --generate zsh  > $(prefix)/share/zsh/site-functions/_$$name && \
+	  $$program --generate fish > $(prefix)/share/fish/vendor_completions.d/$$name.fish || exit 1; done
+	@printf 'installed programs, manual pages and completions below %s\n' $(prefix)
 
 bench:
 	cargo bench --workspace --locked

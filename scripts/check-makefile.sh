@@ -2,7 +2,8 @@
 # The Makefile's variables never become commands, and `make clean` deletes only what a run made. Needs no programs.
 set -eu
 cd "$(dirname "$0")/.."
-unset MAKEFLAGS MAKELEVEL MFLAGS NCLT RESULTS SIMULATED SESSIONS 2>/dev/null || true
+unset MAKEFLAGS MAKELEVEL MFLAGS NCLT RESULTS SIMULATED SESSIONS DATA PREFIX DOCUMENT SEEDS PIPELINES METHODS FAMILIES HALF \
+  EXPERIMENT FIGURES CASES 2>/dev/null || true
 work=$(mktemp -d)
 trap 'rm -rf -- "$work"' EXIT
 
@@ -23,11 +24,11 @@ refused() {
   done
 }
 
-for name in NCLT RESULTS SIMULATED; do
+for name in NCLT RESULTS SIMULATED DATA PREFIX DOCUMENT; do
   refused $name "$work/a b"
   refused $name "-rf"
 done
-for name in NCLT RESULTS SIMULATED SESSIONS; do
+for name in CARGO_TARGET_DIR BIN REPORT PCM VERIFY NCLT RESULTS SIMULATED SESSIONS DATA PREFIX DOCUMENT SEEDS PIPELINES METHODS FAMILIES HALF EXPERIMENT FIGURES CASES; do
   for value in "x;touch $work/owned" "x'; touch $work/owned; '" "x\"; touch $work/owned; \"" "\$(shell touch $work/owned)" \
     "x\`touch $work/owned\`" "x|y" "x&y" "x>y" "x*" "x(y)" "x#y" "x:y" 'x\y' "x
 y"; do
@@ -35,11 +36,14 @@ y"; do
   done
 done
 refused SESSIONS ../x
+refused PREFIX ''
 refused RESULTS ''
 refused SIMULATED ''
 
 # The environment is refused like the command line.
-if RESULTS="x;touch $work/owned" make help >/dev/null 2>&1; then fail 'make accepts RESULTS of the environment'; fi
+for name in RESULTS DATA PREFIX CARGO_TARGET_DIR PCM; do
+  if env "$name=x;touch $work/owned" make help >/dev/null 2>&1; then fail "make accepts $name of the environment"; fi
+done
 
 # What somebody else put there stays.
 clean() { make --no-print-directory clean "RESULTS=$work/results" "SIMULATED=$work/simulated"; }

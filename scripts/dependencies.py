@@ -92,8 +92,8 @@ def main():
         "# Dependencies and their licences\n\n"
         "Made by `scripts/dependencies.py` from Cargo.lock, for all platforms; it fails where a licence could not be met.\n"
         "Crates of the second kind are linked into tests and benches alone. Which licences are allowed,\n"
-        "`deny.toml` says, so that `cargo deny check` (cargo-deny 0.20) tells the same. Security advisories are not checked here:\n"
-        "they need a data base that is fetched. With a network, `cargo deny check advisories` reads the same Cargo.lock.\n\n"
+        "`deny.toml` says, so that `cargo deny check` (cargo-deny 0.20) tells the same. `scripts/check-advisories.sh` checks\n"
+        "Cargo.lock against security advisories where cargo-deny or cargo-audit is installed, and says where it cannot.\n\n"
         f"{len(rows)} crates.\n\n| crate | version | licence | used by |\n|---|---|---|---|\n" + "\n".join(rows) + "\n"
     )
     if "--check" not in sys.argv[1:]:

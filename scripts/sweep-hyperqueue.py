@@ -28,6 +28,8 @@ def main():
     parser.add_argument("--program", type=Path, default=Path("target/release/posecut-experiment"))
     parser.add_argument("--shares", type=int, default=0, help="shares of the runs; 0: about 20 runs each, at least 4")
     parser.add_argument("--logs", type=Path, default=Path("results/hyperqueue"), help="where messages of the shares go")
+    parser.add_argument("--results", default="results", help="where results go, as it was planned")
+    parser.add_argument("--simulated", default="data/simulated", help="where simulated sessions go, as it was planned")
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--workers", type=int, default=2, help="workers to start on this machine, one core each")
     where.add_argument("--server-dir", type=Path, help="directory of a running server")
@@ -38,7 +40,8 @@ def main():
     arguments.logs.mkdir(parents=True, exist_ok=True)
 
     def call(job, name, options, dependencies=()):
-        command = [str(arguments.program.resolve()), "run", str(arguments.plan), "--threads", "1", *options]
+        command = [str(arguments.program.resolve()), "run", str(arguments.plan), "--threads", "1",
+                   "--results", arguments.results, "--simulated", arguments.simulated, *options]
         output = arguments.logs / f"{name}.log"
         return job.program(command, cwd=Path.cwd(), stdout=None, stderr=output.resolve(), deps=dependencies, name=name,
                            env={"RAYON_NUM_THREADS": "1"})

@@ -6,7 +6,11 @@ mod manners;
 mod refusals;
 mod streams;
 
+use std::path::Path;
+
+use anyhow::Context as _;
 use posecut_graph::{EdgeKind, PoseGraph};
+use posecut_stage::{warn, write_atomically};
 use tempfile::TempDir;
 
 use crate::program::{Program, Run};
@@ -42,7 +46,7 @@ impl<'a> Bench<'a> {
         let input = sample::bytes(&graph)?;
         let base = program.run(&[], &input)?;
         let output = graph_of(&base);
-        Ok(Self { program, folder: tempfile::tempdir()?, graph, input, base, output })
+        Ok(Self { program, folder: temporary_folder()?, graph, input, base, output })
     }
 
     /// The path of a file in the bench's own folder.
@@ -53,7 +57,7 @@ impl<'a> Bench<'a> {
     /// The sample as a file.
     fn input_file(&self) -> anyhow::Result<String> {
         let path = self.path("input.jsonl");
-        std::fs::write(&path, &self.input)?;
+        write_atomically(Path::new(&path), |writer| Ok(writer.write_all(&self.input)?))?;
         Ok(path)
     }
 
@@ -65,6 +69,24 @@ impl<'a> Bench<'a> {
     /// Reports name no folder of this machine: the same program gives the same report.
     fn scrub(&self, text: &str) -> String {
         text.replace(&self.folder.path().display().to_string(), "FOLDER")
+    }
+}
+
+/// A folder for the files of a check.
+fn temporary_folder() -> anyhow::Result<TempDir> {
+    let parent = std::env::temp_dir();
+    tempfile::tempdir_in(&parent).with_context(|| {
+        // In one line, whatever the variable holds.
+        let place = parent.to_string_lossy().escape_debug().to_string();
+        format!("{place}: no temporary folder can be made there; name another one by TMPDIR")
+    })
+}
+
+/// Removes it. The report does not hang on that.
+fn remove(folder: TempDir) {
+    let path = folder.path().display().to_string();
+    if let Err(error) = folder.close() {
+        warn!("{path}: the temporary folder cannot be removed ({error}); remove it");
     }
 }
 
@@ -106,5 +128,6 @@ pub fn check(program: &Program) -> anyhow::Result<Report> {
             bench.graph.edges_of(EdgeKind::Landmark).count(),
         )
     });
+    remove(bench.folder);
     Ok(Report { program: program.arguments.clone(), rejected, checks })
 }

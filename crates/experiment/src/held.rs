@@ -1,7 +1,7 @@
 //! Nothing is written outside the folders of results and simulated sessions, not through links either.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 
@@ -21,7 +21,7 @@ pub(crate) fn check(plan: &Plan, source: &Source) -> anyhow::Result<()> {
             let real = if path.is_symlink() { resolved(path)? } else { in_folder(path, &mut folders)? };
             if !roots.iter().any(|root| real.starts_with(root) && real != *root) {
                 bail!(
-                    "{file}: would be written as {}, outside the folders of --results and --simulated; remove the link that leads there, or name the other folder",
+                    "{file}: would be written as {}, outside the folders of --results and --simulated; name the folder by --results or --simulated, or remove the link that leads there",
                     real.display()
                 );
             }
@@ -52,7 +52,15 @@ fn resolved(path: &Path) -> anyhow::Result<PathBuf> {
                 bail!("{}: is a link that leads nowhere; remove it", start.display())
             }
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-                missing.push(existing.components().next_back().with_context(place)?);
+                let part = existing.components().next_back().with_context(place)?;
+                if part == Component::ParentDir {
+                    // Once the missing folder is made, it would lead elsewhere.
+                    bail!(
+                        "{}: leads back (..) out of a folder that does not exist; name it directly",
+                        path.display()
+                    );
+                }
+                missing.push(part);
                 existing = existing.parent().with_context(place)?;
             }
             Err(error) => return Err(error).with_context(place),

@@ -1,13 +1,14 @@
 //! What has been finished: one line a task, beside the group that it belongs to.
 
 use std::collections::{BTreeMap, HashMap};
-use std::fs::{self, File};
-use std::io::Write as _;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use posecut_stage::{counted, warn, write_atomically};
 use serde::{Deserialize, Serialize};
+
+use crate::append::append;
 
 /// A finished task.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -57,19 +58,18 @@ impl Journals {
     }
 
     pub(crate) fn add(&mut self, group: &str, entry: Entry) -> anyhow::Result<()> {
-        let path = path(group);
-        let place = || format!("{}: cannot be written", path.display());
-        let mut line = serde_json::to_vec(&entry)?;
-        line.push(b'\n');
-        let mut file = File::options().create(true).append(true).open(&path).with_context(place)?;
-        file.write_all(&line).with_context(place)?;
+        append(&path(group), &entry)?;
         self.0.entry(group.to_owned()).or_default().insert(entry.id.clone(), entry);
         Ok(())
     }
 
     /// Writes a group's lines in order of their tasks' names.
     pub(crate) fn sort(&self, group: &str) -> anyhow::Result<()> {
-        self.0.get(group).map_or(Ok(()), |entries| write(&path(group), entries))
+        // A group of which no task was finished need not have a folder.
+        self.0
+            .get(group)
+            .filter(|entries| !entries.is_empty())
+            .map_or(Ok(()), |entries| write(&path(group), entries))
     }
 }
 

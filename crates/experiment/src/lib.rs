@@ -7,6 +7,7 @@
 //! as JSON Lines or as rules for Make, for other engines. [`collect()`] gathers the results, [`check`] holds them
 //! to expectations.
 
+mod append;
 mod call;
 pub mod check;
 mod collect;

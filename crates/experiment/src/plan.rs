@@ -1,16 +1,17 @@
 //! A plan: tasks in an order in which they can run.
 
 use std::collections::{BTreeMap, HashMap};
-use std::io::{BufRead, BufReader, Write};
+use std::io::{BufReader, Write};
 use std::path::Path;
 
 use anyhow::{Context as _, bail};
-use posecut_stage::digest;
+use posecut_stage::{bounded_lines, digest};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::digest::Digests;
 use crate::programs::locate;
+use crate::{Source, held};
 
 /// One call of a stage program.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -58,17 +59,19 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Reads a task list, and refuses one whose programs or sessions have changed since.
-    pub fn read(path: &Path) -> anyhow::Result<Self> {
+    /// Reads a task list, and refuses one that writes outside the folders of results and simulated sessions, or whose programs or
+    /// sessions have changed since.
+    pub fn read(path: &Path, source: &Source) -> anyhow::Result<Self> {
         let place = path.display();
         let file = std::fs::File::open(path).with_context(|| format!("{place}: cannot be opened"))?;
         let mut plan = Self::default();
-        for (number, line) in BufReader::new(file).lines().enumerate() {
+        for (number, line) in bounded_lines(BufReader::new(file)).enumerate() {
             let line = line.with_context(|| format!("{place}: cannot be read"))?;
             let task = serde_json::from_str(&line)
                 .with_context(|| format!("{place}, line {}: is no task; write it with `plan`", number + 1))?;
             plan.tasks.push(task);
         }
+        held::check(&plan, source).with_context(|| place.to_string())?;
         let stated: Vec<String> = plan.tasks.iter().map(|task| task.digest.clone()).collect();
         plan.seal()?;
         for (task, stated) in plan.tasks.iter().zip(stated) {

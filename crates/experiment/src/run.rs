@@ -96,13 +96,14 @@ pub fn run(plan: &Plan, options: &RunOptions, progress: &ProgressBar) -> anyhow:
     });
     let mut shared = shared.into_inner().unwrap_or_else(PoisonError::into_inner);
     let groups: HashSet<&str> = plan.tasks.iter().map(|task| task.group.as_str()).collect();
-    for group in groups {
-        shared.journals.sort(group)?;
-        times::sort(group)?;
-    }
+    let sorted: Vec<anyhow::Result<()>> = groups
+        .into_iter()
+        .map(|group| shared.journals.sort(group).and_then(|()| times::sort(group)))
+        .collect();
     if let Some(error) = shared.broken {
         return Err(error);
     }
+    sorted.into_iter().collect::<anyhow::Result<()>>()?;
     // What a killed run left, and what a stage that outlived it wrote.
     for &place in shared.schedule.temporary.iter().filter(|&&place| shared.schedule.wanted[place] == 0) {
         plan.tasks[place].outputs.iter().try_for_each(|output| remove(output))?;

@@ -133,15 +133,9 @@ impl Selection {
         if let [list] = self.experiments.as_slice()
             && is_list(list)
         {
-            return Plan::read(list);
+            return Plan::read(list, &self.source());
         }
-        let source = Source {
-            nclt: self.nclt.clone(),
-            data: self.data.clone(),
-            half: self.half,
-            simulated: self.simulated.clone(),
-            results: self.results.clone(),
-        };
+        let source = self.source();
         let (plan, missing) = plan(&self.declared()?, &self.programs()?, &source)?;
         if !missing.is_empty() {
             let nclt = self.nclt.clone().or(self.data.as_ref().map(|data| data.join("nclt")));
@@ -152,5 +146,16 @@ impl Selection {
             bail!("there is nothing to run: no session has data, or there is no graph, seed or method");
         }
         Ok(plan)
+    }
+
+    /// Where from and where to.
+    fn source(&self) -> Source {
+        Source {
+            nclt: self.nclt.clone(),
+            data: self.data.clone(),
+            half: self.half,
+            simulated: self.simulated.clone(),
+            results: self.results.clone(),
+        }
     }
 }

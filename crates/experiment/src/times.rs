@@ -1,13 +1,14 @@
 //! CPU seconds of tasks: one line a task, beside its group. They differ from run to run, so they are in files of their own.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::Write as _;
+use std::fs;
 use std::path::PathBuf;
 
 use anyhow::Context as _;
 use posecut_stage::write_atomically;
 use serde::{Deserialize, Serialize};
+
+use crate::append::append;
 
 /// A task and its time.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -23,12 +24,7 @@ fn path(group: &str) -> PathBuf {
 
 /// Notes the time of a task; the last line of a task counts.
 pub(crate) fn add(group: &str, id: &str, digest: &str, cpu_seconds: f64) -> anyhow::Result<()> {
-    let path = path(group);
-    let place = || format!("{}: cannot be written", path.display());
-    let mut line = serde_json::to_vec(&Time { id: id.to_owned(), digest: digest.to_owned(), cpu_seconds })?;
-    line.push(b'\n');
-    let mut file = File::options().create(true).append(true).open(&path).with_context(place)?;
-    file.write_all(&line).with_context(place)
+    append(&path(group), &Time { id: id.to_owned(), digest: digest.to_owned(), cpu_seconds })
 }
 
 /// The times of a group's tasks, by id, with the digest that each had.

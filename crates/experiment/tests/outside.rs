@@ -68,6 +68,30 @@ fn names_that_leave_the_folder_of_results_are_refused() {
     assert!(refused(&workshop, "run", &[]).contains("is 300 bytes long"));
 }
 
+/// A task list wrote wherever its paths led.
+#[test]
+fn task_lists_that_leave_the_folder_of_results_are_refused() {
+    let workshop = Workshop::new(EXPERIMENT);
+    let list = String::from_utf8(workshop.call("plan", &[]).stdout).unwrap();
+    let elsewhere = tempfile::tempdir().unwrap();
+    let outside = elsewhere.path().to_str().unwrap();
+    for folder in [outside, "../posecut-nowhere", "results/missing/../../x", "results/..", "elsewhere"] {
+        let moved = list.replace("results/trial-simulated", folder);
+        workshop.write("plan.jsonl", &moved);
+        let output = workshop.call("run", &["plan.jsonl"]);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{folder}: {said}");
+        assert!(said.contains("plan.jsonl: ") && said.lines().count() == 1, "{folder}: {said}");
+        assert!(said.contains("outside the folders of --results") || said.contains("leads back"), "{said}");
+        assert!(workshop.left().is_empty() && !workshop.path("elsewhere").exists(), "{folder}");
+        assert_eq!(std::fs::read_dir(outside).unwrap().count(), 0, "{folder}");
+    }
+    workshop.write("plan.jsonl", &list.replace("results/", "elsewhere/"));
+    let output = workshop.call("plan", &["plan.jsonl", "--results", "elsewhere"]);
+    // Where the folder is named, only the digests are wrong.
+    assert!(String::from_utf8_lossy(&output.stderr).contains("plan again"));
+}
+
 #[cfg(unix)]
 #[test]
 fn links_that_leave_the_folder_of_results_are_refused() {

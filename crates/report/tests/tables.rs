@@ -27,6 +27,26 @@ fn published() -> Published {
     Published::read(&path).unwrap()
 }
 
+/// The TOML library's drawing of the line took several lines.
+#[test]
+fn errors_of_published_figures_are_one_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("published.toml");
+    for (text, line, part) in [
+        ("source = \"a\"\n\n[rmse.pcm]\ns = \"x\"\n", "published.toml, line 4, rmse.pcm.s: ", "expected f64"),
+        ("source = \"a\"\nyear = 2020\n", "published.toml, line 2", "unknown field `year`"),
+        ("[rmse.pcm]\n", "published.toml", "missing field `source`"),
+        ("source = \"a\"\n[rmse.pcm\n", "published.toml, line 2", "rmse.METHOD"),
+        ("source = 1\n", "published.toml, line 1, source: ", "string"),
+        ("source = \"a\"\n[rmse.pcm]\ns = nan\n", "published.toml: rmse.pcm.s is NaN", "finite"),
+    ] {
+        fs::write(&path, text).unwrap();
+        let said = format!("{:#}", Published::read(&path).unwrap_err());
+        assert_eq!(said.lines().count(), 1, "{said}");
+        assert!(said.contains(line) && said.contains(part), "{said}");
+    }
+}
+
 #[test]
 fn means_spreads_and_published_figures_stand_where_they_belong() {
     let folder = tempfile::tempdir().unwrap();

@@ -39,6 +39,7 @@ fn main() -> ExitCode {
                 .file_name()
                 .map(|name| name.to_string_lossy().into_owned())
                 .with_context(|| format!("{}: has no name to call the session by", directory.display()))?;
+            command.options.check()?;
             context.statistics = write_directory(directory, command.overwrite, is_session_file, |folder| {
                 simulate(folder, &name, &command.options)
             })?;

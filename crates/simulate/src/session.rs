@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::{Context as _, bail};
-use posecut_stage::{Statistics, random};
+use posecut_stage::{Statistics, close, random};
 use rand::RngExt as _;
 use serde::Serialize;
 
@@ -38,7 +38,8 @@ pub struct Options {
 }
 
 impl Options {
-    fn check(&self) -> anyhow::Result<()> {
+    /// Refuses what no session can be simulated with.
+    pub fn check(&self) -> anyhow::Result<()> {
         if !(5.0..=200.0).contains(&self.rate) {
             bail!("--rate is {}, and must lie between 5 (the camera's) and 200 Hz", self.rate);
         }
@@ -129,7 +130,8 @@ fn start_time(name: &str) -> i64 {
 }
 
 fn write(path: &Path, rows: &[Row]) -> anyhow::Result<()> {
-    let place = || format!("{}: cannot be written", path.display());
+    // Whoever reads the message does not know the temporary folder.
+    let place = || path.file_name().unwrap_or_default().display().to_string();
     let file = std::fs::File::create(path).with_context(place)?;
     let mut writer = std::io::BufWriter::new(file);
     for (time, numbers) in rows {
@@ -140,7 +142,8 @@ fn write(path: &Path, rows: &[Row]) -> anyhow::Result<()> {
         }
         writeln!(writer).with_context(place)?;
     }
-    writer.flush().with_context(place)
+    let file = writer.into_inner().map_err(std::io::IntoInnerError::into_error).with_context(place)?;
+    close(file).with_context(place)
 }
 
 #[cfg(test)]

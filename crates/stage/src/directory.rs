@@ -10,6 +10,7 @@ use crate::interrupt;
 
 /// Fills a directory through a temporary neighbour that takes its name at the end. One that exists and is
 /// not empty is refused, or replaced if `overwrite` says so; with a file that is not `ours`, by its name, it is refused anyway.
+/// Every error of `fill` counts as one of writing: what else can be wrong is to be checked before.
 pub fn write_directory<T>(
     path: &Path,
     overwrite: bool,
@@ -31,7 +32,7 @@ pub fn write_directory<T>(
     fs::create_dir_all(parent).with_context(place)?;
     let neighbour = || tempfile::Builder::new().prefix(".posecut-").suffix(".tmp").tempdir_in(parent);
     let (guard, temporary) = interrupt::create(neighbour).with_context(place)?;
-    let result = fill(temporary.path())?;
+    let result = fill(temporary.path()).with_context(place)?;
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
@@ -56,7 +57,10 @@ pub fn write_directory<T>(
     // It has another name now, and is no longer temporary.
     let _ = temporary.keep();
     drop(guard);
-    aside.close().with_context(|| format!("{}: what it replaces cannot be deleted", path.display()))?;
+    let leftover = aside.path().display().to_string();
+    aside.close().with_context(|| {
+        format!("{}: is written, and what it replaces cannot be deleted; delete {leftover}", path.display())
+    })?;
     drop(aside_guard);
     Ok(result)
 }

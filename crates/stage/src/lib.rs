@@ -10,6 +10,7 @@
 //! describes its command line with clap and is run by [`run`].
 
 mod arguments;
+mod closing;
 mod context;
 mod directory;
 mod documentation;
@@ -30,6 +31,7 @@ mod usage;
 mod words;
 
 pub use arguments::{CommonArguments, Source, Target};
+pub use closing::close;
 pub use context::Context;
 pub use directory::write_directory;
 pub use expansion::Expansion;

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use flate2::{Compression, GzBuilder};
+use tempfile::TempPath;
 
+use crate::closing::{close, close_standard_output};
 use crate::{Target, interrupt, standard_output};
 
 /// Writes to a target: a file through a temporary neighbour that takes its name at the end, standard output
@@ -21,7 +23,7 @@ pub fn write_output(
             standard_output::check().context(place)?;
             let mut writer = BufWriter::new(io::stdout().lock());
             write(&mut writer).context(place)?;
-            writer.flush().context(place)
+            writer.flush().and_then(|()| close_standard_output()).context(place)
         }
         Target::File(path) => write_atomically(path, write),
     }
@@ -39,7 +41,7 @@ pub fn write_atomically(
     if fs::metadata(&real).is_ok_and(|metadata| !metadata.is_file()) {
         let device = || format!("{}: cannot be written", path.display());
         let file = File::options().write(true).open(&real).with_context(device)?;
-        return fill(file, false, write).map(drop).with_context(device);
+        return fill(file, false, write).and_then(|file| Ok(close(file)?)).with_context(device);
     }
     let folder = match real.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
@@ -61,10 +63,25 @@ pub fn write_atomically(
     }
     let (guard, temporary) = interrupt::create(|| builder.tempfile_in(&folder)).with_context(place)?;
     let compress = path.extension().is_some_and(|extension| extension == "gz");
-    let temporary = fill(temporary, compress, write).with_context(place)?;
-    temporary.persist(&real).map_err(|error| error.error).with_context(place)?;
+    let (file, temporary) = fill(temporary, compress, write).with_context(place)?.into_parts();
+    close(file).with_context(place)?;
+    take_name(temporary, &real).with_context(place)?;
     drop(guard);
     Ok(())
+}
+
+/// Gives a temporary file its name.
+fn take_name(temporary: TempPath, name: &Path) -> io::Result<()> {
+    // By the standard library, whose calls tests can make fail.
+    #[cfg(unix)]
+    {
+        let mut temporary = temporary;
+        fs::rename(&temporary, name)?;
+        temporary.disable_cleanup(true);
+        Ok(())
+    }
+    #[cfg(not(unix))]
+    temporary.persist(name).map_err(|error| error.error)
 }
 
 fn fill<W: Write>(

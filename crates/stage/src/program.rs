@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches};
 
+use crate::closing::close_standard_output;
 use crate::given::Given;
 use crate::{CommonArguments, Context, documentation, interrupt, logging, standard_output, threads, usage};
 
@@ -73,7 +74,11 @@ pub(crate) fn fail(name: &str, sentence: &str) -> ExitCode {
 /// Prints an answer such as help to standard output. Whoever closes the pipe has seen enough; everything else that fails
 /// is an error.
 pub(crate) fn answer(name: &str, print: impl FnOnce() -> io::Result<()>) -> ExitCode {
-    match standard_output::check().and_then(|()| print()).and_then(|()| io::stdout().flush()) {
+    match standard_output::check()
+        .and_then(|()| print())
+        .and_then(|()| io::stdout().flush())
+        .and_then(|()| close_standard_output())
+    {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             fail(name, &format!("standard output: cannot be written: {error}"))
         }

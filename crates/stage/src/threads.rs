@@ -6,8 +6,8 @@ use anyhow::Context as _;
 
 use crate::{counted, warn};
 
-/// The variable by which rayon learns how many threads to start.
-const VARIABLE: &str = "RAYON_NUM_THREADS";
+/// The variables by which rayon learns how many threads to start.
+const VARIABLES: [&str; 2] = ["RAYON_NUM_THREADS", "RAYON_RS_NUM_CPUS"];
 
 fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, NonZero::get)
@@ -27,7 +27,8 @@ pub(crate) fn bounded(threads: usize) -> usize {
 
 /// Starts the threads of computations: this number, or for 0 what the environment or the processors say.
 pub(crate) fn start(threads: usize) -> anyhow::Result<()> {
-    let of_environment = || std::env::var(VARIABLE).ok()?.trim().parse().ok();
+    let of_environment =
+        || VARIABLES.iter().filter_map(|name| std::env::var(name).ok()?.trim().parse().ok()).max();
     let threads = match threads {
         // Many more would never start.
         0 => of_environment().filter(|&threads: &usize| threads > processors()).map_or(0, |_| processors()),

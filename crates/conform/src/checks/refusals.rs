@@ -1,5 +1,8 @@
 //! What a program must refuse, and how.
 
+use anyhow::Context as _;
+use posecut_stage::write_atomically;
+
 use super::{Bench, Check, Verdict, must};
 use crate::report::Level;
 
@@ -115,9 +118,11 @@ fn refused(bench: &Bench<'_>, input: &[u8]) -> anyhow::Result<Verdict> {
     if run.stderr.trim().is_empty() {
         return Ok(Err("it did not say what is wrong".to_owned()));
     }
-    let folder = tempfile::tempdir()?;
+    let parent = bench.folder.path();
+    let folder = tempfile::tempdir_in(parent)
+        .with_context(|| format!("{}: no folder can be made there", parent.display()))?;
     let (output, stats) = (folder.path().join("output.jsonl"), folder.path().join("stats.json"));
-    std::fs::write(&output, "precious")?;
+    write_atomically(&output, |writer| Ok(writer.write_all(b"precious")?))?;
     let text = |path: &std::path::Path| path.display().to_string();
     let run = bench.program.run(&["-", "-o", &text(&output), "--stats", &text(&stats)], input)?;
     if run.status != Some(2) {

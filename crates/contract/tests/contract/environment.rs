@@ -1,0 +1,136 @@
+//! Environment variables with hostile values are ignored, or end in a sentence: docs/environment.md lists them.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![cfg(unix)]
+
+use std::ffi::{OsStr, OsString};
+use std::os::unix::ffi::OsStrExt as _;
+use std::process::{Command, Output, Stdio};
+
+use posecut_contract::{program, workspace};
+
+use crate::table::{Row, TABLE, streams};
+
+/// What the programs and their libraries read. Of RAYON_RS_NUM_CPUS, 2^64 - 1 threads were started until memory was full.
+const VARIABLES: &[&str] = &[
+    "RAYON_NUM_THREADS",
+    "RAYON_RS_NUM_CPUS",
+    "PATH",
+    "TMPDIR",
+    "COLUMNS",
+    "LINES",
+    "TERM",
+    "NO_COLOR",
+    "CLICOLOR",
+    "CLICOLOR_FORCE",
+    "RUST_BACKTRACE",
+    "RUST_LIB_BACKTRACE",
+    "HOME",
+    "LANG",
+    "LC_ALL",
+    "TZ",
+];
+
+fn hostile() -> Vec<OsString> {
+    let mut values: Vec<OsString> = [
+        "",
+        "-1",
+        "0",
+        "a\nb",
+        "/nowhere/at all",
+        "18446744073709551615",
+        "4611686018427387904",
+        "1e400",
+        "%s%n",
+    ]
+    .map(OsString::from)
+    .into();
+    values.push("x".repeat(100_000).into());
+    values.push("9".repeat(100_000).into());
+    values.push(OsStr::from_bytes(b"\xff\xfe/\xc0").to_owned());
+    values
+}
+
+fn run(row: &Row, variables: &[&str], value: &OsStr) -> Output {
+    let mut command = Command::new(program(row.name));
+    command.args(row.arguments()).stdin(Stdio::null());
+    for variable in variables {
+        command.env(variable, value);
+    }
+    command.output().unwrap()
+}
+
+fn ignored_or_refused(row: &Row, variables: &[&str], value: &OsStr, usual: &[u8]) {
+    let output = run(row, variables, value);
+    let said = String::from_utf8_lossy(&output.stderr);
+    let short: String = value.to_string_lossy().chars().take(30).collect();
+    let what = format!("posecut-{} with {variables:?} {short:?}: {}: {said}", row.name, output.status);
+    match output.status.code() {
+        Some(0) => assert_eq!(output.stdout, usual, "{what}"),
+        Some(2) => assert_eq!(said.lines().count(), 1, "{what}"),
+        _ => panic!("{what}"),
+    }
+}
+
+#[test]
+fn hostile_variables_are_ignored_or_end_in_a_sentence() {
+    // posecut-conform waits for what it checks.
+    for row in streams().filter(|row| row.name != "conform") {
+        let usual = run(row, &[], OsStr::new("")).stdout;
+        for value in hostile() {
+            // All at once: a difference says in which program to look.
+            ignored_or_refused(row, VARIABLES, &value, &usual);
+        }
+    }
+    // One by one, so that none hides another.
+    for row in TABLE.iter().filter(|row| row.name == "experiment" || row.name == "pcm") {
+        let usual = run(row, &[], OsStr::new("")).stdout;
+        for variable in VARIABLES {
+            for value in hostile() {
+                ignored_or_refused(row, &[variable], &value, &usual);
+            }
+        }
+    }
+}
+
+/// The help is broken at the width that COLUMNS says.
+#[test]
+fn help_is_whole_at_any_width() {
+    for row in TABLE {
+        for value in hostile() {
+            let output =
+                Command::new(program(row.name)).arg("--help").env("COLUMNS", &value).output().unwrap();
+            let said = String::from_utf8_lossy(&output.stdout);
+            assert!(output.status.success() && said.contains("--output"), "{}: {said}", row.name);
+        }
+    }
+}
+
+#[test]
+fn conform_needs_a_folder_for_temporary_files() {
+    let row = TABLE.iter().find(|row| row.name == "conform").unwrap();
+    for value in hostile().into_iter().filter(|value| !value.is_empty()) {
+        let output = run(row, &["TMPDIR"], &value);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains("TMPDIR") && said.lines().count() == 1, "{said}");
+    }
+}
+
+/// A variable that a program reads by name stands in the document.
+#[test]
+fn the_document_has_every_variable() {
+    let document = std::fs::read_to_string(workspace().join("docs/environment.md")).unwrap();
+    for variable in VARIABLES {
+        assert!(document.contains(&format!("`{variable}`")), "{variable}");
+    }
+    let makefile = ["Makefile", "pipelines/trust.mk", "pipelines/online.mk"];
+    for file in makefile {
+        let text = std::fs::read_to_string(workspace().join(file)).unwrap();
+        for line in text.lines() {
+            if let Some((name, _)) = line.split_once("?=") {
+                assert!(document.contains(&format!("`{}`", name.trim())), "{file}: {name}");
+            }
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! Every way in which a program writes.
+
+use std::path::Path;
+
+use posecut_contract::{program, run, samples};
+
+use crate::table::{Row, TABLE, streams};
+
+/// Where standard output goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Out {
+    Pipe,
+    File,
+}
+
+/// A call of a program in a folder of its own.
+pub(super) struct Case {
+    pub(super) name: String,
+    pub(super) program: &'static str,
+    pub(super) arguments: Vec<String>,
+    pub(super) out: Out,
+    /// Fills the folder.
+    pub(super) prepare: fn(&Path),
+    /// What a message may name: the files on the command line.
+    pub(super) names: Vec<String>,
+    /// Calls that are made to fail: all, or these many.
+    pub(super) most: usize,
+    /// Files in which times stand, JSON.
+    varying: Vec<&'static str>,
+    /// Files that get a line at a time.
+    growing: Vec<&'static str>,
+    /// Folders that are there as a whole or not at all.
+    pub(super) wholes: Vec<&'static str>,
+    /// Whether the same call afterwards finishes the work.
+    pub(super) resumes: bool,
+}
+
+impl Case {
+    fn new(program: &'static str, arguments: &[String], prepare: fn(&Path)) -> Self {
+        Self {
+            name: format!("posecut-{program} {}", arguments.join(" ")),
+            program,
+            arguments: arguments.to_vec(),
+            out: Out::Pipe,
+            prepare,
+            names: vec!["standard output".to_owned()],
+            // posecut-conform waits for what it checks.
+            most: if program == "conform" { 8 } else { 40 },
+            varying: vec!["stats.json", ".times.jsonl"],
+            growing: Vec::new(),
+            wholes: Vec::new(),
+            resumes: false,
+        }
+    }
+
+    fn naming(self, names: &[&str]) -> Self {
+        Self { names: names.iter().map(|&name| name.to_owned()).collect(), ..self }
+    }
+
+    pub(super) fn varies(&self, file: &Path) -> bool {
+        self.varying.iter().any(|ending| file.to_string_lossy().ends_with(ending))
+    }
+
+    pub(super) fn grows(&self, file: &Path) -> bool {
+        self.growing.iter().any(|ending| file.to_string_lossy().ends_with(ending))
+    }
+}
+
+/// A folder with outputs from another time.
+fn old_outputs(folder: &Path) {
+    for name in ["out", "stats.json", "further"] {
+        std::fs::write(folder.join(name), "precious").unwrap();
+    }
+}
+
+fn empty(_: &Path) {}
+
+fn words(words: &[&str]) -> Vec<String> {
+    words.iter().map(|&word| word.to_owned()).collect()
+}
+
+/// A row's arguments and more, which come before somebody else's command.
+fn with(row: &Row, more: &[&str]) -> Vec<String> {
+    let mut all = row.arguments();
+    let end = all.iter().position(|argument| argument == "--").unwrap_or(all.len());
+    all.splice(end..end, words(more));
+    all
+}
+
+pub(super) fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for row in streams() {
+        let (file, stats) = (["-o", "out"], ["--stats", "stats.json"]);
+        let both = with(row, &[file, stats].concat());
+        // What posecut-conform writes beside its report lies in the folder of temporary files.
+        let conform: &[&str] =
+            if row.name == "conform" { &["temporary", "input.jsonl", "output.jsonl"] } else { &[] };
+        let names = |names: &[&'static str]| [names, conform].concat();
+        cases.push(Case::new(row.name, &both, old_outputs).naming(&names(&["out", "stats.json"])));
+        if row.name != "conform" {
+            cases.push(Case::new(row.name, &both, empty).naming(&names(&["out", "stats.json"])));
+        }
+        let pipe = Case::new(row.name, &with(row, &[]), empty).naming(&names(&["standard output"]));
+        if row.name != "conform" {
+            cases.push(Case { out: Out::File, ..Case::new(row.name, &with(row, &[]), empty) });
+        }
+        cases.push(pipe);
+    }
+    for row in TABLE {
+        for answer in [&["--help"][..], &["--generate", "man"]] {
+            cases.push(Case::new(row.name, &words(answer), empty));
+        }
+    }
+    let graph = samples().path("graph.jsonl");
+    let compressed: &[&str] = &[&graph, "-o", "further.gz"];
+    cases.push(Case::new("multicut", &words(compressed), old_outputs).naming(&["further.gz"]));
+    for (name, options) in [
+        ("pcm", &["--consistency-graph"][..]),
+        ("multicut", &["--certificate"]),
+        ("optimize", &["--solver", "isam2", "--every", "50", "--estimates"]),
+    ] {
+        let all = [&[graph.as_str()], options, &["further", "-o", "out", "--stats", "stats.json"]].concat();
+        cases.push(Case::new(name, &words(&all), old_outputs).naming(&["further", "out", "stats.json"]));
+    }
+    cases.extend(simulations());
+    cases.extend(experiments());
+    cases
+}
+
+fn simulations() -> Vec<Case> {
+    let arguments = ["--length", "100", "--rate", "5", "-o", "2012-01-22", "--stats", "stats.json"];
+    let old = |folder: &Path| {
+        let output =
+            run("simulate", &["--length", "60", "-o", folder.join("2012-01-22").to_str().unwrap()], b"");
+        assert!(output.status.success());
+    };
+    let anew = Case::new("simulate", &words(&arguments), empty);
+    let instead = Case::new("simulate", &words(&[&arguments[..], &["--overwrite"]].concat()), old);
+    [anew, instead]
+        .map(|case| Case { wholes: vec!["2012-01-22"], ..case }.naming(&["2012-01-22", "stats.json"]))
+        .into()
+}
+
+/// A stage that copies what it reads.
+const STAGE: &str = r#"#!/bin/sh
+while [ "$1" != -o ]; do inputs="$inputs $1"; shift; done
+{ echo "$2"; [ -z "$inputs" ] || cat $inputs; } > "$2.new" && mv "$2.new" "$2"
+"#;
+
+const EXPERIMENT: &str = r#"
+sessions = ["one"]
+seeds = 1
+methods = ["pcm"]
+[method]
+oracle = ["oracle"]
+pcm = ["pcm"]
+"#;
+
+fn experiment(folder: &Path) {
+    use std::os::unix::fs::PermissionsExt as _;
+    let stage = folder.join("stage.sh");
+    std::fs::write(&stage, STAGE).unwrap();
+    std::fs::set_permissions(stage, std::fs::Permissions::from_mode(0o755)).unwrap();
+    std::fs::write(folder.join("trial.toml"), EXPERIMENT).unwrap();
+    let inputs = |stage: &str| match stage {
+        "simulate" => "",
+        "evaluate" => "\"{input}\", \"{reference}\", ",
+        _ => "\"{input}\", ",
+    };
+    let stages =
+        ["simulate", "ingest", "construct", "label", "oracle", "pcm", "multicut", "optimize", "evaluate"];
+    let text = stages.map(|stage| {
+        let inputs = inputs(stage);
+        format!(
+            "[{stage}]\nprogram = \"./stage.sh\"\nargv = [\"{{program}}\", {inputs}\"-o\", \"{{output}}\"]\n"
+        )
+    });
+    std::fs::write(folder.join("stages.toml"), text.concat()).unwrap();
+}
+
+/// An experiment that has run; its last result is one that can be compared.
+fn finished_experiment(folder: &Path) {
+    experiment(folder);
+    let arguments = experiment_arguments("run", &[]);
+    let output = std::process::Command::new(program("experiment"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let result = folder.join("results/trial-simulated/one/1/pcm.result.json");
+    std::fs::copy(samples().path("x.result.json"), result).unwrap();
+    let expected = "precision = 0.01\n[[cover]]\nexperiment = \"trial\"\n";
+    std::fs::write(folder.join("expected.toml"), expected).unwrap();
+    old_outputs(folder);
+}
+
+fn experiment_arguments(task: &str, more: &[&str]) -> Vec<String> {
+    let common = ["trial.toml", "--stages", "stages.toml", "--simulated", "simulated", "--threads", "1"];
+    words(&[&[task], &common[..], more].concat())
+}
+
+fn experiments() -> Vec<Case> {
+    let run = Case {
+        resumes: true,
+        growing: vec![".tasks.jsonl"],
+        ..Case::new("experiment", &experiment_arguments("run", &["--stats", "stats.json"]), experiment)
+    };
+    let collect = ["--times", "further", "-o", "out"];
+    vec![
+        run.naming(&["results/", "simulated/", "stats.json"]),
+        Case::new("experiment", &experiment_arguments("collect", &collect), finished_experiment)
+            .naming(&["further", "out"]),
+    ]
+}

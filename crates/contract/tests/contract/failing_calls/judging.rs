@@ -1,0 +1,126 @@
+//! What a program may do when a call fails, and what not.
+
+use std::process::{Command, Stdio};
+
+use posecut_contract::program;
+
+use super::cases::Case;
+use super::folder::{self, Files, files};
+use super::{Fault, Run};
+
+/// What is wrong with a run in which a call failed.
+pub(super) fn wrong(
+    case: &Case,
+    before: &Files,
+    sound: &Run,
+    at: usize,
+    fault: Fault,
+    run: &Run,
+) -> Vec<String> {
+    let mut wrong = Vec::new();
+    let said = String::from_utf8_lossy(&run.output.stderr);
+    let Some((name, path)) = run.calls.get(at - 1) else { return wrong };
+    if name == "close" && path.contains(".lock") {
+        // Nothing was written that could be lost.
+        return wrong;
+    }
+    let removes = ["unlink", "unlinkat", "rmdir"].contains(&name.as_str());
+    let status = run.output.status.code();
+    let survived = !matches!(fault, Fault::Error { .. });
+    if survived && status != sound.output.status.code() {
+        wrong.push(format!("status {:?}, and not as without a fault", run.output.status));
+    }
+    if let Fault::Error { said: cause, .. } = fault {
+        wrong.extend(badly_said(case, (removes, path), &said, cause, status, sound.output.status.code()));
+    }
+    for (file, bytes) in &run.files {
+        let sound_bytes = sound.files.get(file);
+        let complete = if case.varies(file) {
+            sound_bytes.is_some() && folder::is_json(bytes)
+        } else {
+            sound_bytes == Some(bytes) || case.grows(file) && folder::is_json(bytes)
+        };
+        if complete || before.get(file) == Some(bytes) {
+            continue;
+        }
+        match sound_bytes {
+            // It is named, for whoever has to remove it.
+            None if removes && said.contains(".tmp") => {}
+            None => wrong.push(format!("{} was left", file.display())),
+            Some(_) => wrong.push(format!("{} is torn", file.display())),
+        }
+    }
+    if let Some(missing) = before.keys().find(|file| !run.files.contains_key(*file)) {
+        wrong.push(format!("{} is gone", missing.display()));
+    }
+    for whole in &case.wholes {
+        let part = |files: &Files| -> Files {
+            files
+                .iter()
+                .filter(|(file, _)| file.starts_with(whole))
+                .map(|(k, v)| (k.clone(), v.clone()))
+                .collect()
+        };
+        if part(&run.files) != part(before) && part(&run.files) != part(&sound.files) {
+            wrong.push(format!("{whole} is neither the old folder nor the new one"));
+        }
+    }
+    if status == sound.output.status.code() && status != Some(2) {
+        if run.stdout != sound.stdout {
+            wrong.push("standard output is torn".to_owned());
+        }
+        for (file, bytes) in &sound.files {
+            if !case.varies(file) && run.files.get(file) != Some(bytes) {
+                wrong.push(format!("{} is not complete", file.display()));
+            }
+        }
+    }
+    if let (true, Fault::Error { .. }) = (case.resumes, fault) {
+        let again = Command::new(program(case.program))
+            .args(&case.arguments)
+            .current_dir(run.folder.path())
+            .stdin(Stdio::null())
+            .output()
+            .unwrap();
+        let mut after = files(run.folder.path());
+        let mut expected = sound.files.clone();
+        after.retain(|file, _| !case.varies(file) && (!removes || expected.contains_key(file)));
+        expected.retain(|file, _| !case.varies(file));
+        if !again.status.success() || after != expected {
+            wrong.push(format!("the next run does not resume: {}", String::from_utf8_lossy(&again.stderr)));
+        }
+    }
+    wrong
+}
+
+/// What is wrong with how a program ended whose call failed, and with what it said.
+fn badly_said(
+    case: &Case,
+    (removes, path): (bool, &str),
+    said: &str,
+    cause: &str,
+    status: Option<i32>,
+    sound: Option<i32>,
+) -> Vec<String> {
+    // A stage is tried again by posecut-experiment, which warns. What cannot be removed leaves the result whole; that nothing
+    // else is left without a word is checked with the files.
+    let warned = said.lines().any(|line| line.contains(": warning: ") && line.contains(cause));
+    if status == sound && (warned || removes) {
+        return Vec::new();
+    }
+    let mut wrong = Vec::new();
+    if status != Some(2) {
+        wrong.push(format!("status {status:?}, and not 2"));
+    }
+    let errors: Vec<&str> = said.lines().filter(|line| line.contains(": error: ")).collect();
+    if errors.len() != 1 {
+        wrong.push(format!("{} sentences", errors.len()));
+    }
+    if !said.contains(cause) {
+        wrong.push("the cause is not named".to_owned());
+    }
+    if !case.names.iter().any(|name| said.contains(name.as_str())) && !said.contains(path) {
+        wrong.push("no path is named".to_owned());
+    }
+    wrong
+}
