@@ -202,9 +202,10 @@ fn write(fault: &str, arguments: &Arguments, graph: &PoseGraph) -> Result<(), Re
         bytes = format!("{header}\n{}\n", backwards.join("\n")).into_bytes();
     }
     if let Some(stats) = &arguments.stats {
-        fs::write(stats, "{}").map_err(refuse)?;
+        let figures = if fault == "doubtful" { r#"{"doubts":["nothing-kept"]}"# } else { "{}" };
+        fs::write(stats, figures).map_err(refuse)?;
     }
-    if fault == "chatter" || !arguments.quiet {
+    if fault == "chatter" || fault == "doubtful" || !arguments.quiet {
         eprintln!("planted: done");
     }
     if let Some(output) = &arguments.output {

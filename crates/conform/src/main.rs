@@ -17,7 +17,9 @@ enum Format {
     Json,
 }
 
+/// `--strict` of all programs has a meaning of its own here, where no doubts arise.
 #[derive(Parser)]
+#[command(mut_arg("strict", |strict| strict.help("Fail on advice too: exit status 1").help_heading(None)))]
 struct Command {
     /// The program and its own options, after `--`
     #[arg(value_name = "PROGRAM", last = true, required = true)]
@@ -26,10 +28,6 @@ struct Command {
     /// How the report is written; JSON for an output named .json unless given
     #[arg(long, value_enum)]
     format: Option<Format>,
-
-    /// Fail on advice too
-    #[arg(long)]
-    strict: bool,
 
     /// Seconds that one run of the program may take
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
@@ -69,7 +67,7 @@ fn main() -> ExitCode {
                 Format::Json => report.json()?,
             };
             context.write_bytes(text.as_bytes())?;
-            Ok(if report.conforms(command.strict) { Outcome::Done } else { Outcome::CheckFailed })
+            Ok(if report.conforms(command.common.strict) { Outcome::Done } else { Outcome::CheckFailed })
         },
     )
 }

@@ -93,6 +93,12 @@ fn the_planted_stage_without_fault_conforms() {
 }
 
 #[test]
+fn a_stage_that_tells_its_doubts_with_quiet_conforms() {
+    let report = report("doubtful");
+    assert!(report.conforms(true), "{}", report.text());
+}
+
+#[test]
 fn every_fault_is_found_by_the_check_that_is_there_for_it() {
     let found: Vec<_> = thread::scope(|scope| {
         let runs: Vec<_> = FAULTS.iter().map(|(fault, _)| scope.spawn(|| report(fault))).collect();

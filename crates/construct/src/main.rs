@@ -3,8 +3,8 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use posecut_construct::{Landmarks, Options, construct, read_matches};
-use posecut_stage::{CommonArguments, Identity, Outcome, Source, run};
+use posecut_construct::{Landmarks, MatchMeasurement, Options, construct, read_matches};
+use posecut_stage::{CommonArguments, Context, Doubt, Identity, Outcome, Source, run_with_doubts};
 
 #[derive(Parser)]
 struct Command {
@@ -29,8 +29,9 @@ fn main() -> ExitCode {
         version: env!("CARGO_PKG_VERSION"),
         about: "Build a multi-session pose graph with correct and incorrect landmark edges",
     };
-    run::<Command>(
+    run_with_doubts::<Command>(
         identity,
+        &[Doubt::CovarianceInvented],
         |command| &command.common,
         |command, context| {
             let graphs = command
@@ -47,9 +48,31 @@ fn main() -> ExitCode {
             };
             let (mut graph, statistics) = construct(graphs, &landmarks, &command.options)?;
             context.statistics = statistics;
+            doubt(&landmarks, &command.options, context);
             context.record_provenance(&mut graph, &command.options, Some(command.options.seed))?;
             context.write_graph(&graph)?;
             Ok(Outcome::Done)
         },
     )
+}
+
+/// Doubts covariances of matches, which a list does not have.
+fn doubt(landmarks: &Landmarks, options: &Options, context: &mut Context) {
+    let Landmarks::Matches { matches, .. } = landmarks else { return };
+    if options.match_measurement == MatchMeasurement::Identity && !matches.is_empty() {
+        context.doubt(
+            Doubt::CovarianceInvented,
+            format!(
+                "the list of matches has no covariances, so {} the identity within {} m and {} rad; set \
+                 --landmark-sigma-translation and --landmark-sigma-rotation to the spacing of viewpoints",
+                if matches.len() == 1 {
+                    "1 edge claims".to_owned()
+                } else {
+                    format!("{} edges claim", matches.len())
+                },
+                options.landmark_sigma_translation,
+                options.landmark_sigma_rotation
+            ),
+        );
+    }
 }

@@ -78,7 +78,8 @@ pub fn pages() -> Vec<Page> {
 fn reference(names: &[String]) -> Page {
     let mut text = "# Command line reference\n\nMade from the programs by `make documentation`.\n\n\
         Every program takes the options of the first table beside its own. Exit status 0: done; 1: what was checked does\n\
-        not hold; 2: an error, told in one sentence. `make install PREFIX=DIR` puts programs, manual pages and shell\n\
+        not hold; 2: an error, told in one sentence; 3, with `--strict`: done, and the result is doubtful\n\
+        ([doubts.md](doubts.md)). `make install PREFIX=DIR` puts programs, manual pages and shell\n\
         completions into place; `posecut-pcm --generate man` prints one (also `bash`, `zsh`, `fish`, `elvish`, `powershell`).\n\n\
         ## Every program\n\n"
         .to_owned();

@@ -9,7 +9,9 @@ use posecut_convert::tum::Poses;
 use posecut_convert::{FileFormat, Repair, evo, g2o, kitti, toro, tum};
 use posecut_evaluate::alignment::Freedom;
 use posecut_graph::{InputDigest, PoseGraph};
-use posecut_stage::{CommonArguments, Context, Identity, Outcome, Source, info, open, run, warn};
+use posecut_stage::{
+    CommonArguments, Context, Doubt, Identity, Outcome, Source, info, open, run_with_doubts, warn,
+};
 use serde::Serialize;
 
 #[derive(Parser)]
@@ -74,8 +76,9 @@ fn main() -> ExitCode {
         version: env!("CARGO_PKG_VERSION"),
         about: "Convert g2o, TORO, TUM and KITTI files to pose-graph JSON Lines and back",
     };
-    run::<Command>(
+    run_with_doubts::<Command>(
         identity,
+        &[Doubt::CovarianceInvented],
         |command| &command.common,
         |command, context| {
             let from = match (&command.inputs[0], command.from) {
@@ -163,9 +166,15 @@ fn read_graph_files(command: &Command, from: FileFormat, context: &mut Context) 
 
 fn report(name: &str, summary: &g2o::ReadSummary, context: &mut Context) {
     if summary.repaired > 0 {
-        warn!(
-            "{name}: {} information matrices were not positive semidefinite and were repaired",
-            summary.repaired
+        context.doubt(
+            Doubt::CovarianceInvented,
+            format!(
+                "{name}: {} not positive semidefinite, negative eigenvalues set to zero; export the sensor's own covariances",
+                match summary.repaired {
+                    1 => "1 information matrix is".to_owned(),
+                    count => format!("{count} information matrices are"),
+                }
+            ),
         );
     }
     if let Some((line, from, to)) = summary.first_open {

@@ -17,4 +17,4 @@ pub mod summary;
 pub mod trajectory;
 
 pub use error::EvaluateError;
-pub use result::{EvaluationResult, Options, evaluate};
+pub use result::{EvaluationResult, Options, Scope, evaluate};

@@ -3,8 +3,9 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use posecut_evaluate::{Options, evaluate};
-use posecut_stage::{CommonArguments, Identity, Outcome, Source, info, run};
+use posecut_evaluate::{Options, Scope, evaluate};
+use posecut_graph::StageDoubt;
+use posecut_stage::{CommonArguments, Doubt, Identity, Outcome, Source, info, run_with_doubts};
 
 #[derive(Parser)]
 struct Command {
@@ -29,8 +30,9 @@ fn main() -> ExitCode {
         version: env!("CARGO_PKG_VERSION"),
         about: "Compare an estimate with a reference: RMSE, ATE, RPE, and precision and recall of landmark edges",
     };
-    run::<Command>(
+    run_with_doubts::<Command>(
         identity,
+        &[Doubt::PartsNotConnected],
         |command| &command.common,
         |command, context| {
             let estimate = context.read_graph(&command.estimate, "estimate")?;
@@ -39,7 +41,7 @@ fn main() -> ExitCode {
                 .as_ref()
                 .map(|source| context.read_graph(source, "reference"))
                 .transpose()?;
-            let result = evaluate(&estimate, reference.as_ref(), &command.options)?;
+            let mut result = evaluate(&estimate, reference.as_ref(), &command.options)?;
             info!(
                 "RMSE {:.3} m over {} poses after {} alignment of {}",
                 result.rmse,
@@ -47,6 +49,18 @@ fn main() -> ExitCode {
                 result.alignment.freedom.name(),
                 result.alignment.scope.name()
             );
+            let aligned = result.alignment.found.len();
+            if result.alignment.scope == Scope::PerComponent && aligned > 1 {
+                context.doubt(
+                    Doubt::PartsNotConnected,
+                    format!(
+                        "the {aligned} components of the reference are aligned each by itself, so the RMSE says nothing of their \
+                         relative poses; --scope joint counts those, too"
+                    ),
+                );
+            }
+            let own = |doubt: &str| StageDoubt { stage: identity.name.to_owned(), doubt: doubt.to_owned() };
+            result.doubts.extend(context.doubts().into_iter().map(own));
             context.statistics.note("rmse", result.rmse);
             context.statistics.note("poses", result.poses);
             context.statistics.note("edges", &result.edges);

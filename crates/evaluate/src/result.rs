@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use posecut_geometry::{LieGroup, SE2, SE3};
-use posecut_graph::{Dimension, PoseGraph};
+use posecut_graph::{Dimension, PoseGraph, StageDoubt};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -85,6 +85,10 @@ pub struct EvaluationResult {
     /// Landmark edges by bins of `verify_probability`; the field is absent if no edge has a probability and a truth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub calibration: Option<Calibration>,
+    /// The doubts of the stages that the estimate went through, oldest first, and of evaluation itself; the field is absent
+    /// if there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub doubts: Vec<StageDoubt>,
     /// The estimate's history.
     pub provenance: Vec<Value>,
 }
@@ -173,6 +177,7 @@ pub fn evaluate(
             .collect(),
         edges: score(estimate),
         calibration: calibration(estimate)?,
+        doubts: estimate.header.doubts(),
         provenance: estimate.header.provenance.clone(),
     })
 }

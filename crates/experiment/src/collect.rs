@@ -21,6 +21,7 @@ const KEPT: &[&str] = &[
     "poses_unmatched",
     "edges",
     "calibration",
+    "doubts",
 ];
 
 /// What was gathered.

@@ -173,11 +173,11 @@ fn a_failed_run_is_a_result_and_stays_one_until_something_changes() {
 }
 
 #[test]
-fn collected_results_keep_the_calibration_where_there_is_one() {
+fn collected_results_keep_the_calibration_and_the_doubts_where_there_are_some() {
     let workshop = workshop(GRAPHS);
     let script = std::fs::read_to_string(workshop.path("stage.sh")).unwrap();
     let result = r#"if [ $name = evaluate ]; then
-  echo '{"format":"posecut-result","version":1,"labels":{},"rmse":1,"calibration":{"edges":[1]},"ate":{}}' > "$output"
+  echo '{"format":"posecut-result","version":1,"labels":{},"rmse":1,"doubts":[{"stage":"pcm","doubt":"nothing-kept"}],"calibration":{"edges":[1]},"ate":{}}' > "$output"
   exit 0
 fi
 { echo "$name$said""#;
@@ -189,6 +189,7 @@ fi
     assert!(!records.is_empty());
     for record in records {
         assert_eq!(record["calibration"]["edges"][0], 1);
+        assert_eq!(record["doubts"][0]["doubt"], "nothing-kept");
         assert!(record.get("ate").is_none(), "what tables do not need is left out");
     }
 }

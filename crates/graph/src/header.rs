@@ -29,6 +29,22 @@ impl Header {
         self.noise_models.iter().find(|(known, _)| known == name).map(|(_, model)| model)
     }
 
+    /// The doubts that the stages raised, oldest first, each once. Entries of an unknown layout have none.
+    pub fn doubts(&self) -> Vec<StageDoubt> {
+        let mut found: Vec<StageDoubt> = Vec::new();
+        for entry in &self.provenance {
+            let names = entry.get("doubts").and_then(Value::as_array).into_iter().flatten();
+            let Some(stage) = entry.get("stage").and_then(Value::as_str) else { continue };
+            for doubt in names.filter_map(Value::as_str) {
+                let own = StageDoubt { stage: stage.to_owned(), doubt: doubt.to_owned() };
+                if !found.contains(&own) {
+                    found.push(own);
+                }
+            }
+        }
+        found
+    }
+
     /// Adds one stage's entry at the end of the history.
     pub fn push_provenance(&mut self, entry: &Provenance) {
         // A struct of strings, numbers and values always converts.
@@ -61,6 +77,18 @@ pub struct Provenance {
     pub seed: Option<u64>,
     /// The files it read.
     pub inputs: Vec<InputDigest>,
+    /// The names of its doubts about the result; absent where there are none, as in files of older programs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub doubts: Vec<String>,
+}
+
+/// A doubt about a result, and the stage that raised it.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct StageDoubt {
+    /// The stage's name.
+    pub stage: String,
+    /// The doubt's name.
+    pub doubt: String,
 }
 
 /// A file that a stage read, by role and content.

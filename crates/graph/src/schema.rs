@@ -64,7 +64,14 @@ fn header(dimension: Dimension) -> Value {
                     "properties": {"information": information(dimension)}
                 }
             },
-            "provenance": {"description": "What each stage did, oldest first.", "type": ["array", "null"]}
+            "provenance": {
+                "description": "What each stage did, oldest first.",
+                "type": ["array", "null"],
+                "items": {"properties": {"doubts": {
+                    "description": "Names of the stage's doubts about its result (docs/doubts.md); absent if there are none.",
+                    "examples": [["not-converged", "parts-not-connected"]]
+                }}}
+            }
         }
     })
 }

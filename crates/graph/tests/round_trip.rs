@@ -158,3 +158,25 @@ fn information_semidefinite_in_print_is_accepted() {
     assert!(PoseGraph::read("test", text("0.9999999999").as_bytes()).is_ok(), "rounding in print");
     assert!(PoseGraph::read("test", text("0.99").as_bytes()).is_err(), "no rounding explains this");
 }
+
+#[test]
+fn doubts_of_the_provenance_are_read_where_there_are_some() {
+    let text = r#"{"kind":"header","format":"posecut","version":1,"dimension":2,"provenance":[{"stage":"old","version":"0"},{"stage":"pcm","version":"1","doubts":["nothing-kept","of-tomorrow"]},{"stage":"pcm","version":"1","doubts":["nothing-kept"]},"of another layout",{"stage":3,"doubts":["x"]},{"stage":"odd","doubts":{"a":1}},{"doubts":[1]}]}
+"#;
+    let graph = PoseGraph::read("test", text.as_bytes()).unwrap();
+    let found = graph.header.doubts();
+    let found: Vec<(&str, &str)> =
+        found.iter().map(|found| (found.stage.as_str(), found.doubt.as_str())).collect();
+    assert_eq!(found, [("pcm", "nothing-kept"), ("pcm", "of-tomorrow")]);
+    let mut bytes = Vec::new();
+    graph.write(&mut bytes).unwrap();
+    assert_eq!(String::from_utf8(bytes).unwrap(), text, "unknown layouts pass through");
+}
+
+#[test]
+fn provenance_without_doubts_keeps_its_bytes_and_is_read_without_the_field() {
+    let text = r#"{"stage":"pcm","version":"1","arguments":{},"seed":null,"inputs":[]}"#;
+    let entry: posecut_graph::Provenance = serde_json::from_str(text).unwrap();
+    assert!(entry.doubts.is_empty());
+    assert_eq!(serde_json::to_string(&entry).unwrap(), text);
+}

@@ -24,6 +24,8 @@ pub struct Ingested {
     pub graph: PoseGraph,
     /// Figures for `--stats`.
     pub statistics: Statistics,
+    /// The standard deviations of odometry, metres and radians, that neither the session nor the options say.
+    pub invented: Option<(f64, f64)>,
 }
 
 /// Reads a session. Everything is in memory once; O(rows).
@@ -52,7 +54,7 @@ pub fn ingest(
     statistics.note("frozen_truth_rows", frozen);
     statistics.note("clock", clock_source);
     progress.finish_and_clear();
-    Ok(Ingested { graph, statistics })
+    Ok(Ingested { invented: builder.invented(), graph, statistics })
 }
 
 fn read_truth(reader: &mut Reader<'_>, options: &Options) -> Result<Option<Trajectory>, IngestError> {
@@ -191,9 +193,23 @@ impl Builder<'_> {
         self.odometry.covariances.as_ref().filter(|_| !given)
     }
 
+    /// Standard deviations where no covariance file is used: metres and radians.
+    fn sigmas(&self) -> (f64, f64) {
+        let (translation, rotation) = Options::DEFAULT_SIGMA;
+        (
+            self.options.sigma_translation.unwrap_or(translation),
+            self.options.sigma_rotation.unwrap_or(rotation),
+        )
+    }
+
+    /// The same if the defaults are among them.
+    fn invented(&self) -> Option<(f64, f64)> {
+        let given = self.options.sigma_translation.is_some() && self.options.sigma_rotation.is_some();
+        (self.covariances().is_none() && !given).then(|| self.sigmas())
+    }
+
     fn noise_model(&self) -> NoiseModel {
-        let translation = self.options.sigma_translation.unwrap_or(Options::DEFAULT_SIGMA.0);
-        let rotation = self.options.sigma_rotation.unwrap_or(Options::DEFAULT_SIGMA.1);
+        let (translation, rotation) = self.sigmas();
         NoiseModel {
             information: isotropic_information(if self.planar() { 3 } else { 6 }, translation, rotation),
             extra: posecut_graph::Extra::new(),

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use posecut_ingest::{Options, SessionFiles, ingest};
-use posecut_stage::{CommonArguments, Identity, Outcome, run};
+use posecut_stage::{CommonArguments, Doubt, Identity, Outcome, run_with_doubts};
 
 #[derive(Parser)]
 struct Command {
@@ -34,8 +34,9 @@ fn main() -> ExitCode {
         version: env!("CARGO_PKG_VERSION"),
         about: "Read an NCLT session and write its pose graph: keyframes, odometry, ground truth",
     };
-    run::<Command>(
+    run_with_doubts::<Command>(
         identity,
+        &[Doubt::CovarianceInvented],
         |command| &command.common,
         |command, context| {
             command.options.check()?;
@@ -48,6 +49,15 @@ fn main() -> ExitCode {
             let mut ingested = ingest(&mut files, &command.options, &progress)?;
             context.inputs.extend_from_slice(files.digests());
             context.statistics = ingested.statistics;
+            if let Some((translation, rotation)) = ingested.invented {
+                context.doubt(
+                    Doubt::CovarianceInvented,
+                    format!(
+                        "the covariances of odometry are not all given, so each step claims {translation} m and {rotation} rad; \
+                         give both --sigma-translation and --sigma-rotation, or put odometry_cov.csv beside the odometry"
+                    ),
+                );
+            }
             context.record_provenance(&mut ingested.graph, &command.options, None)?;
             context.write_graph(&ingested.graph)?;
             Ok(Outcome::Done)

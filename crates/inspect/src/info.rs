@@ -201,7 +201,7 @@ fn unknown_fields(graph: &PoseGraph) -> BTreeMap<String, usize> {
     fields
 }
 
-/// An entry of the history in one line: the stage, its version, and the arguments that are not null.
+/// An entry of the history in one line: the stage, its version, the arguments that are not null, and its doubts.
 pub fn provenance_line(entry: &Value) -> String {
     let text = |value: &Value| match value {
         Value::String(text) => text.clone(),
@@ -216,6 +216,11 @@ pub fn provenance_line(entry: &Value) -> String {
         for (name, value) in arguments.iter().filter(|(_, value)| !value.is_null()) {
             line = format!("{line} {name}={}", text(value));
         }
+    }
+    let doubts = entry.get("doubts").and_then(Value::as_array).into_iter().flatten();
+    let doubts: Vec<&str> = doubts.filter_map(Value::as_str).collect();
+    if !doubts.is_empty() {
+        line = format!("{line} (doubts: {})", doubts.join(", "));
     }
     line
 }

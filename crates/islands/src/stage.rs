@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use anyhow::ensure;
 use posecut_graph::PoseGraph;
-use posecut_stage::{Context, GraphStage, counted, info};
+use posecut_stage::{Context, Doubt, GraphStage, counted, info};
 use serde::Serialize;
 
 use crate::{Match, clusters, matches};
@@ -28,6 +28,7 @@ pub struct Options {
 impl GraphStage for Options {
     const NAME: &'static str = "islands";
     const ABOUT: &'static str = "Reject landmark edges that do not come in runs of consecutive frames";
+    const DOUBTS: &'static [Doubt] = &[Doubt::NothingKept];
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
         ensure!(
@@ -59,6 +60,16 @@ impl GraphStage for Options {
             kept,
             counted(islands.len(), "island")
         );
+        if !matches.is_empty() && rejected == matches.len() {
+            context.doubt(
+                Doubt::NothingKept,
+                format!(
+                    "0 of {} kept: the longest island has {}; lower --minimum-frames or --minimum-score, or raise --gap to the spacing of the candidates",
+                    counted(matches.len(), "landmark edge"),
+                    counted(longest, "frame")
+                ),
+            );
+        }
         let statistics = &mut context.statistics;
         statistics.note("candidates", matches.len());
         statistics.note("islands", islands.len());

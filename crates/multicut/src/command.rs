@@ -53,8 +53,9 @@ struct Command {
 pub fn main() -> ExitCode {
     let identity =
         Identity { name: StageOptions::NAME, version: env!("CARGO_PKG_VERSION"), about: StageOptions::ABOUT };
-    posecut_stage::run::<Command>(
+    posecut_stage::run_with_doubts::<Command>(
         identity,
+        StageOptions::DOUBTS,
         |command| &command.common,
         |command, context| {
             command.check(context)?;
@@ -99,7 +100,8 @@ impl Command {
 
     fn cut_instance(&self, context: &mut Context) -> anyhow::Result<Outcome> {
         let graph = self.read_instance()?;
-        let solution = solve(&graph, &self.stage.solver_options(self.certificate.is_some())?);
+        let options = self.stage.solver_options(self.certificate.is_some())?;
+        let solution = solve(&graph, &options);
         if !graph.has_repulsive_edges() && !graph.edges().is_empty() {
             info!("no edge has a negative cost, so nothing is cut");
         }
@@ -116,7 +118,7 @@ impl Command {
         statistics.note("edges", graph.edges().len());
         statistics.note("self_loops", graph.self_loops());
         statistics.note("clusters", clusters);
-        note(&solution, context);
+        note(&solution, options.solver, context);
         self.write_certificate(&solution)?;
         context.write_bytes(&label_lines(&solution.labels))?;
         Ok(Outcome::Done)

@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use posecut_graph::{EdgeKind, PoseGraph};
-use posecut_stage::{Context, GraphStage, info, warn};
+use posecut_stage::{Context, Doubt, GraphStage, counted, info};
 use serde::Serialize;
 
 use crate::delta::Delta;
@@ -171,8 +171,18 @@ impl StageOptions {
             info!("no landmark edge has a negative cost, so nothing is cut");
         }
         let unsupported_cut = support.as_ref().map(|support| unsupported_and_cut(graph, support));
-        if let (Some(lone), Some(support)) = (unsupported_cut, &support) {
-            self.warn_of_missing_support(lone, support);
+        let everything = !costs.is_empty() && cut_edges == costs.len();
+        let unsupported = match (unsupported_cut, &support) {
+            (Some(lone), Some(support)) => self.doubt_missing_support(lone, support, context),
+            _ => false,
+        };
+        match (everything, unsupported) {
+            (true, true) => context.also_doubt(Doubt::EverythingCut),
+            (true, false) => context.doubt(
+                Doubt::EverythingCut,
+                format!("all of {} are cut; check their costs", counted(costs.len(), "landmark edge")),
+            ),
+            _ => {}
         }
         info!("{cut_edges} of {} landmark edges cut, {landmarks} landmarks remain", costs.len());
         let statistics = &mut context.statistics;
@@ -185,17 +195,18 @@ impl StageOptions {
         if let Some(lone) = unsupported_cut {
             statistics.note("cut_without_support", lone);
         }
-        note(&solution, context);
+        note(&solution, self.solver_options(certificate)?.solver, context);
         let statistics = &mut context.statistics;
         statistics.note("landmarks", landmarks);
         statistics.note("cut_edges", cut_edges);
         Ok(solution)
     }
 
-    /// Warns where most edges are cut for want of a neighbour: that is a matter of their spacing, not of evidence.
-    fn warn_of_missing_support(&self, lone: usize, support: &Support) {
+    /// Doubts a result where most edges are cut for want of a neighbour: that is a matter of their spacing, not of evidence.
+    /// Whether it is so.
+    fn doubt_missing_support(&self, lone: usize, support: &Support, context: &mut Context) -> bool {
         let all = support.counts.len();
-        let Some([smallest, largest]) = support.deltas.filter(|_| 2 * lone > all) else { return };
+        let Some([smallest, largest]) = support.deltas.filter(|_| 2 * lone > all) else { return false };
         let reach = match (smallest, largest) {
             (1, 1) => "1 frame".to_owned(),
             (one, other) if one == other => format!("{one} frames"),
@@ -207,10 +218,14 @@ impl StageOptions {
             }
             Delta::Auto => "set a larger --delta, or use posecut-verify",
         };
-        warn!(
-            "{lone} of {all} landmark edges are cut only because no other landmark edge is within {reach}, \
-             which is no evidence against them; {remedy}"
+        context.doubt(
+            Doubt::NoSupportWithinDelta,
+            format!(
+                "{lone} of {} cut only because no other landmark edge is within {reach}, which is no evidence against them; {remedy}",
+                if all == 1 { "1 landmark edge is".to_owned() } else { format!("{all} landmark edges are") }
+            ),
         );
+        true
     }
 }
 
@@ -219,14 +234,21 @@ fn unsupported_and_cut(graph: &PoseGraph, support: &Support) -> usize {
     support.counts.iter().filter(|&&(index, count)| count == 0 && !graph.edges[index].in_use()).count()
 }
 
-/// Notes what is known of a solution, and warns if the proof is not complete.
-pub(crate) fn note(solution: &Solution, context: &mut Context) {
+/// Notes what is known of a solution, and doubts it if the proof is not complete.
+pub(crate) fn note(solution: &Solution, solver: Solver, context: &mut Context) {
     if !solution.optimal {
-        warn!(
-            "not proved optimal: objective {}, lower bound {}, gap {}",
-            solution.objective,
-            solution.lower_bound,
-            solution.gap()
+        let remedy = match solver {
+            Solver::Exact => "raise --time-limit or --work-limit",
+            _ => "--solver exact searches for a proof",
+        };
+        context.doubt(
+            Doubt::SearchLimit,
+            format!(
+                "not proved optimal: objective {}, lower bound {}, gap {}; {remedy}",
+                solution.objective,
+                solution.lower_bound,
+                solution.gap()
+            ),
         );
     }
     let statistics = &mut context.statistics;
@@ -249,6 +271,7 @@ impl GraphStage for StageOptions {
     const NAME: &'static str = "multicut";
     const ABOUT: &'static str =
         "Reject the landmark edges that a minimum-cost multicut cuts, and label the landmarks";
+    const DOUBTS: &'static [Doubt] = &[Doubt::SearchLimit, Doubt::EverythingCut, Doubt::NoSupportWithinDelta];
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
         self.cut(graph, false, context).map(drop)

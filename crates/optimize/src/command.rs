@@ -55,8 +55,9 @@ pub fn main() -> ExitCode {
         );
         return ExitCode::from(2);
     }
-    posecut_stage::run::<Command>(
+    posecut_stage::run_with_doubts::<Command>(
         identity,
+        StageOptions::DOUBTS,
         |command| &command.common,
         |command, context| {
             let mut graph = command.optimise(context)?;

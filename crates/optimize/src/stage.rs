@@ -1,6 +1,7 @@
 //! Optimisation as a stage: writes the optimised poses of a pose graph.
 
 mod certify;
+mod doubts;
 mod marginals;
 mod robust;
 
@@ -11,9 +12,10 @@ use nalgebra::SMatrix;
 use posecut_geometry::covariance::unpack_upper_triangle;
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_graph::{Dimension, Node, PoseGraph};
-use posecut_stage::{Context, GraphStage, counted, info, warn};
+use posecut_stage::{Context, Doubt, GraphStage, counted, info, warn};
 use serde::Serialize;
 
+pub(crate) use doubts::doubt_disconnected;
 pub use marginals::MarginalsOf;
 pub use robust::{Graduation, RobustOptions};
 
@@ -129,6 +131,14 @@ impl StageOptions {
 impl GraphStage for StageOptions {
     const NAME: &'static str = "optimize";
     const ABOUT: &'static str = "Optimise the poses of a pose graph over the edges in use";
+    const DOUBTS: &'static [Doubt] = &[
+        Doubt::NotConverged,
+        Doubt::NonFiniteCost,
+        Doubt::Undetermined,
+        Doubt::NotCertified,
+        Doubt::NothingKept,
+        Doubt::PartsNotConnected,
+    ];
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
         match graph.header.dimension {
@@ -178,15 +188,16 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
     for (node, pose) in graph.nodes.iter_mut().zip(&solution.poses) {
         node.pose = Some(pose.components());
     }
-    tell(graph, &solution, unmeasured);
+    tell(&solution, unmeasured);
+    doubts::of_solution(graph, &solution, context);
     note(&solution, problem.edges().len(), unmeasured, context);
     if options.certify {
-        certify::note(&certify(&problem, &solution.poses), &solution.components, &mut context.statistics);
+        certify::note(&certify(&problem, &solution.poses), &solution.components, context);
     }
     if let Some(of) = options.marginals {
         marginals::write(of, &problem, &solution, graph, &mut context.statistics);
     }
-    options.robust.write_weights(graph, &places, &solution.weights, &mut context.statistics)?;
+    options.robust.write_weights(graph, &places, &solution.weights, context)?;
     options.robust.note(library_options.graduated, solution.cost, &mut context.statistics);
     Ok(())
 }
@@ -267,7 +278,7 @@ pub(crate) fn measured_edge<G: LieGroup<DOF>, const DOF: usize>(
     Ok(Some(Edge::new(from, to, measurement, information, kind)))
 }
 
-fn tell<G>(graph: &PoseGraph, solution: &Solution<G>, unmeasured: usize) {
+fn tell<G>(solution: &Solution<G>, unmeasured: usize) {
     info!(
         "cost {} after {}, {}{}",
         significant(solution.cost),
@@ -279,35 +290,13 @@ fn tell<G>(graph: &PoseGraph, solution: &Solution<G>, unmeasured: usize) {
     if fixed > 0 {
         info!("{} fixed", counted(fixed, "node"));
     }
-    warn_of_edges_and_components(unmeasured, solution.components.len());
-    for report in &solution.components {
-        if let Some((node, axis)) = report.undetermined {
-            warn!(
-                "the edges do not determine component {axis} of the pose of node {}: it is damped towards its start",
-                graph.nodes[node].id
-            );
-        }
-        if !report.termination.converged() {
-            warn!(
-                "the component of node {} did not converge: {} after {}, gradient {} (cosine, --gradient-tolerance)",
-                graph.nodes[report.gauge].id,
-                report.termination.name(),
-                counted(report.iterations, "iteration"),
-                significant(report.gradient)
-            );
-        }
-    }
+    warn_of_unmeasured(unmeasured);
 }
 
-/// Warns of edges that are not used, and of components that nothing joins.
-pub(crate) fn warn_of_edges_and_components(unmeasured: usize, components: usize) {
+/// Warns of edges that are not used.
+pub(crate) fn warn_of_unmeasured(unmeasured: usize) {
     if unmeasured > 0 {
         warn!("{} in use without a measurement: not optimised over", counted(unmeasured, "edge"));
-    }
-    if components > 1 {
-        warn!(
-            "no edge in use joins the {components} components of the graph: each is optimised alone, its fixed nodes or else its first node unmoved"
-        );
     }
 }
 

@@ -1,7 +1,7 @@
 //! What stages have in common that keep a part of the candidates of each pair of chains.
 
 use posecut_graph::PoseGraph;
-use posecut_stage::{Context, warn};
+use posecut_stage::{Context, Doubt, counted, warn};
 
 use crate::candidate::{Group, Grouped};
 
@@ -48,12 +48,21 @@ impl Selection {
         self.kept += kept.len();
     }
 
-    /// Notes the counts, and warns of edges that could not be tested.
+    /// Notes the counts, warns of edges that could not be tested, and doubts a result that keeps nothing.
     pub fn note(&self, context: &mut Context) {
         if self.unmeasured > 0 {
             warn!(
                 "{} landmark edges have no measurement and are neither tested nor rejected",
                 self.unmeasured
+            );
+        }
+        if self.candidates > 0 && self.kept == 0 {
+            context.doubt(
+                Doubt::NothingKept,
+                format!(
+                    "0 of {} kept; check the units of the information, the covariances and whether there is overlap",
+                    counted(self.candidates, "landmark edge")
+                ),
             );
         }
         let statistics = &mut context.statistics;

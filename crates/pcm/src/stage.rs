@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, EdgeKind, PoseGraph};
-use posecut_stage::{Context, GraphStage, write_atomically};
+use posecut_stage::{Context, Doubt, GraphStage, write_atomically};
 
 use crate::budget::Budget;
 use crate::calibration::{NoScales, ScaleEstimate, Scales, estimate_scales};
@@ -24,6 +24,7 @@ impl GraphStage for Options {
     const NAME: &'static str = "pcm";
     const ABOUT: &'static str =
         "Reject landmark edges outside the largest set that is pairwise consistent with the odometry";
+    const DOUBTS: &'static [Doubt] = &[Doubt::SearchLimit, Doubt::NothingKept, Doubt::CalibrationOnPrior];
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
         self.check()?;
@@ -31,7 +32,8 @@ impl GraphStage for Options {
             context.check_further_output("--consistency-graph", path)?;
         }
         if self.readmit {
-            note_readmission(&readmit(graph, &self.readmission()?)?, context);
+            let result = readmit(graph, &self.readmission()?)?;
+            note_readmission(&result, graph, context);
             return Ok(());
         }
         let (summary, graphs) = match graph.header.dimension {

@@ -1,6 +1,7 @@
 //! What the stage says about its work.
 
-use posecut_stage::{Context, counted, info, warn};
+use posecut_graph::{EdgeKind, PoseGraph};
+use posecut_stage::{Context, Doubt, counted, info, warn};
 
 use crate::calibration::{Ended, FEWEST, NoScales, ScaleEstimate};
 use crate::consistency::PairCounts;
@@ -60,37 +61,12 @@ impl Summary {
             if optimal { ", proved largest" } else { "" },
             if exact { "" } else { ", by cells" }
         );
-        if exact && !optimal {
-            warn!(
-                "a limit ended the proof: the cliques hold {} edges, at most {} are possible; raise --work-limit or --time-limit",
-                self.clique_size, self.clique_upper_bound
-            );
-        }
+        self.doubt(exact, optimal, context);
         if self.unmeasured > 0 {
             warn!(
                 "{} landmark edges have no measurement and are neither tested nor rejected",
                 self.unmeasured
             );
-        }
-        match self.scale {
-            Some(Err(NoScales::FewEdges(edges))) => warn!(
-                "no scale is estimated: that takes {FEWEST} landmark edges that close loops, and there are {edges}; the covariances are used unchanged"
-            ),
-            Some(Err(NoScales::NoEvidence(nats))) => warn!(
-                "no scale is estimated: the landmark edges fit each other no better than edges with shuffled ends do \
-                 ({nats:.1} nats), so perhaps all are false; the covariances are used unchanged"
-            ),
-            Some(Err(NoScales::AtBound(ended))) => warn!(
-                "no scale is estimated: the estimate ended {}; check the unit of the information, or give --scale; the covariances are used unchanged",
-                ended.explanation()
-            ),
-            Some(Ok(ScaleEstimate { ended: Some(ended), scales, .. })) => warn!(
-                "the estimate of the scales ended {}: odometry {:.3e}, landmark edges {:.3e}; check the covariances, or give --scale",
-                ended.explanation(),
-                scales.odometry,
-                scales.landmark
-            ),
-            _ => {}
         }
         let statistics = &mut context.statistics;
         statistics.note("scheme", self.scheme());
@@ -140,14 +116,88 @@ impl Summary {
     }
 }
 
+impl Summary {
+    /// Raises the doubts about the cliques and the scales. Without candidates there is nothing to doubt.
+    fn doubt(&self, exact: bool, optimal: bool, context: &mut Context) {
+        if self.candidates == 0 {
+            return;
+        }
+        if exact && !optimal {
+            context.doubt(
+                Doubt::SearchLimit,
+                format!(
+                    "a limit ended the proof: the cliques hold {} edges, at most {} are possible; raise --work-limit or --time-limit",
+                    self.clique_size, self.clique_upper_bound
+                ),
+            );
+        }
+        if self.hypotheses_left_out > 0 {
+            context.doubt(
+                Doubt::SearchLimit,
+                format!(
+                    "the search by cells left {} of {} hypotheses out; enlarge --cell-size, or use --scheme exact",
+                    self.hypotheses_left_out,
+                    self.hypotheses + self.hypotheses_left_out
+                ),
+            );
+        }
+        if self.kept == 0 {
+            context.doubt(
+                Doubt::NothingKept,
+                format!(
+                    "0 of {} kept; check the units of the information, the covariances (--scale auto) and whether there is overlap",
+                    counted(self.candidates, "landmark edge")
+                ),
+            );
+        }
+        self.doubt_scale(context);
+    }
+
+    fn doubt_scale(&self, context: &mut Context) {
+        let message = match self.scale {
+            Some(Err(NoScales::FewEdges(edges))) => format!(
+                "no scale is estimated: that takes {FEWEST} landmark edges that close loops, and there are {edges}; the covariances \
+                 are used unchanged, so check them or give --scale"
+            ),
+            Some(Err(NoScales::NoEvidence(nats))) => format!(
+                "no scale is estimated: the landmark edges fit each other no better than edges with shuffled ends do \
+                 ({nats:.1} nats), so perhaps all are false; the covariances are used unchanged, so check them or give --scale"
+            ),
+            Some(Err(NoScales::AtBound(ended))) => format!(
+                "no scale is estimated: the estimate ended {}; check the unit of the information, or give --scale; the covariances are used unchanged",
+                ended.explanation()
+            ),
+            Some(Ok(ScaleEstimate { ended: Some(ended), scales, .. })) => format!(
+                "the estimate of the scales ended {}: odometry {:.3e}, landmark edges {:.3e}; check the covariances, or give --scale",
+                ended.explanation(),
+                scales.odometry,
+                scales.landmark
+            ),
+            _ => return,
+        };
+        context.doubt(Doubt::CalibrationOnPrior, message);
+    }
+}
+
 /// Notes what re-admission did.
-pub(crate) fn note_readmission(result: &Readmitted, context: &mut Context) {
+pub(crate) fn note_readmission(result: &Readmitted, graph: &PoseGraph, context: &mut Context) {
     info!(
         "{} re-admitted and {} dropped of {}",
         result.readmitted,
         result.dropped,
         counted(result.tested, "landmark edge")
     );
+    let in_use = |edge: &&posecut_graph::Edge| edge.in_use() && edge.measurement.is_some();
+    if result.tested > 0 && graph.edges_of(EdgeKind::Landmark).filter(in_use).count() == 0 {
+        context.doubt(
+            Doubt::NothingKept,
+            format!(
+                "0 of {} in use after re-admission; check the units of the information, the covariances (--scale) and whether \
+                 there is overlap",
+                counted(result.tested, "landmark edge")
+            ),
+        );
+    }
     if let Some(estimate) = result.unbounded_scale {
         warn!(
             "the landmark edges in use suggest a scale of {estimate:.1}; {} is used, for false edges in use raise it",

@@ -8,7 +8,7 @@ use posecut_pcm::chain::Chains;
 use posecut_pcm::consistency::squared_distance;
 use posecut_pcm::selection::Selection;
 use posecut_pcm::{Gate, Test};
-use posecut_stage::{Context, GraphStage, counted, info, random, warn};
+use posecut_stage::{Context, Doubt, GraphStage, counted, info, random};
 use serde::Serialize;
 
 use crate::{Search, largest_consensus};
@@ -45,6 +45,7 @@ impl GraphStage for Options {
     const NAME: &'static str = "ransac";
     const ABOUT: &'static str =
         "Reject landmark edges outside the largest set that agrees with a few edges drawn at random";
+    const DOUBTS: &'static [Doubt] = &[Doubt::SearchLimit, Doubt::NothingKept];
 
     fn seed(&self) -> Option<u64> {
         Some(self.seed)
@@ -114,9 +115,12 @@ impl Summary {
             counted(self.trials as usize, "trial")
         );
         if self.unsure > 0 {
-            warn!(
-                "{} ended by the limit of trials before the confidence was reached; raise --most-trials or lower --confidence",
-                counted(self.unsure, "group")
+            context.doubt(
+                Doubt::SearchLimit,
+                format!(
+                    "the limit of trials ended {} before the confidence was reached; raise --most-trials or lower --confidence",
+                    counted(self.unsure, "group")
+                ),
             );
         }
         self.selection.note(context);

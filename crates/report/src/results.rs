@@ -5,6 +5,7 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
+use posecut_graph::StageDoubt;
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -20,6 +21,9 @@ pub struct RunResult {
     pub components: usize,
     /// Precision and recall of landmark edges, where their truth is known.
     pub edges: Option<Edges>,
+    /// The doubts of the stages, oldest first; none in files of older programs.
+    #[serde(default)]
+    pub doubts: Vec<StageDoubt>,
     /// The history of the estimate: one object a stage.
     #[serde(default)]
     pub provenance: Vec<Value>,

@@ -1,11 +1,13 @@
 //! Methods against sessions.
 
 mod csv_rows;
+mod doubts;
 mod hostile_text;
 mod latex;
 mod markdown;
 
 pub use csv_rows::write_csv;
+pub(crate) use doubts::{Doubts, MARK, is_silently_disconnected, listed};
 pub(crate) use hostile_text::{cell_text, inline};
 pub use latex::latex;
 pub(crate) use markdown::grid;
@@ -14,7 +16,7 @@ pub use markdown::markdown;
 use crate::results::RunResult;
 
 /// Mean and spread of one method on one session over seeds.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Cell {
     /// Mean RMSE, metres.
     pub mean: f64,
@@ -32,6 +34,17 @@ pub struct Cell {
     pub true_all: f64,
     /// Seeds whose graph fell into parts that no edge joins.
     pub disconnected: usize,
+    /// Those of them without a doubt that says so, as in results of older programs.
+    pub silently_disconnected: usize,
+    /// Seeds with each doubt, by stage and doubt.
+    pub(crate) doubts: Doubts,
+}
+
+impl Cell {
+    /// What follows its value: a dagger if there is a reason to mistrust it.
+    pub(crate) fn mark(&self) -> &'static str {
+        if self.disconnected > 0 || !self.doubts.is_empty() { MARK } else { "" }
+    }
 }
 
 /// One experiment's results: a cell for each method and session.
@@ -131,7 +144,14 @@ fn cell(runs: &[&RunResult]) -> Option<Cell> {
         true_kept: average(|edges| edges.true_positive),
         true_all: average(|edges| edges.true_positive + edges.false_negative),
         disconnected: runs.iter().filter(|run| run.components > 1).count(),
+        silently_disconnected: runs.iter().filter(|run| run.components > 1 && !says_so(run)).count(),
+        doubts: doubts::doubts(runs.iter().copied()),
     })
+}
+
+/// Whether a doubt of a run says that it fell into components.
+fn says_so(run: &RunResult) -> bool {
+    run.doubts.iter().any(|found| found.doubt == posecut_stage::Doubt::PartsNotConnected.name())
 }
 
 /// Metres with two decimals below ten and one above.

@@ -58,7 +58,7 @@ fn means_spreads_and_published_figures_stand_where_they_belong() {
     let order = ["pcm".to_owned(), "gc".to_owned()];
     let tables = tables(&results, &order, &["z".to_owned()]);
     assert_eq!(tables[0].sessions, ["s", "t", "z"]);
-    let cell = tables[0].methods[0].cells[0].unwrap();
+    let cell = tables[0].methods[0].cells[0].clone().unwrap();
     assert_eq!((cell.mean, cell.seeds, cell.false_kept, cell.false_all), (12.0, 2, 1.5, 3.5));
     assert!((cell.deviation.unwrap() - 8.0_f64.sqrt()).abs() < 1e-12, "the sample deviation of 10 and 14");
     assert_eq!(tables[0].methods[0].mean(), Some(7.0), "the mean of the sessions' means");
@@ -167,4 +167,54 @@ fn hostile_labels_stay_text_in_every_table() {
     assert!(!text.contains("<script") && !text.contains("<img"), "{text}");
     let tex = latex(&tables, &published());
     assert!(!tex.contains("\\input"), "{tex}");
+}
+
+/// Gives the result in a file doubts; of a second call those count.
+fn doubt(path: &Path, doubts: &str) {
+    let text = fs::read_to_string(path).unwrap().replace("\"doubts\":[],", "");
+    fs::write(path, text.replace("\"version\":1,", &format!("\"version\":1,\"doubts\":{doubts},"))).unwrap();
+}
+
+#[test]
+fn doubtful_runs_carry_a_dagger_and_a_note_names_stage_doubt_and_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let first = result(folder.path(), "pcm", "s", 1, 10.0, 1);
+    let second = result(folder.path(), "pcm", "s", 2, 14.0, 2);
+    let third = result(folder.path(), "gc", "s", 1, 0.5, 1);
+    let before = || {
+        let results = read_all(&[folder.path().to_owned()]).unwrap();
+        let tables = tables(&results, &[], &[]);
+        let csv = String::from_utf8(write_csv(&results).unwrap()).unwrap();
+        (markdown(&tables, &published()), latex(&tables, &published()), csv)
+    };
+    let (plain, plain_tex, plain_csv) = before();
+    assert!(plain.contains("† in at least one seed"), "results of older programs: {plain}");
+    for path in [&first, &third] {
+        doubt(path, "[]");
+    }
+    assert_eq!(before(), (plain, plain_tex.clone(), plain_csv.clone()), "no doubts, no change");
+    let own = r#"{"stage":"pcm","doubt":"nothing-kept"}"#;
+    doubt(&first, &format!("[{own},{own}]"));
+    doubt(&second, &format!(r#"[{own},{{"stage":"optimize","doubt":"parts-not-connected"}}]"#));
+    doubt(&third, r#"[{"stage":"a|<b>","doubt":"=1\n\\input{x}"}]"#);
+    let (text, tex, csv) = before();
+    let start = text.find("† doubts").unwrap();
+    let note: String = text[start..].lines().next().unwrap().to_owned();
+    assert!(note.contains("optimize: parts-not-connected (1 run), pcm: nothing-kept (2 runs)."), "{note}");
+    assert!(note.contains("a\\|&lt;b>: =1 \\input{x} (1 run)"), "{note}");
+    assert!(!text.contains("† in at least one seed"), "one note for one thing: {text}");
+    assert!(text.contains("12.0 ± 2.83 † |") && text.contains("0.50 † |"), "{text}");
+    assert!(tex.contains("$12.0 \\pm 2.83^\\dagger$") && tex.contains("$0.50^\\dagger$"), "{tex}");
+    assert!(tex.contains("pcm: nothing-kept (2 runs)") && !tex.contains("\\input"), "{tex}");
+    assert!(csv.starts_with(&format!("{},doubts\n", plain_csv.lines().next().unwrap())), "{csv}");
+    assert!(csv.contains("pcm: nothing-kept; optimize: parts-not-connected"), "{csv}");
+    assert_ne!(tex, plain_tex);
+}
+
+#[test]
+fn doubts_that_are_none_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = result(folder.path(), "pcm", "s", 1, 10.0, 1);
+    doubt(&path, r#"["nothing-kept"]"#);
+    assert!(read_all(&[path]).is_err());
 }

@@ -66,7 +66,7 @@ impl Target {
     }
 }
 
-/// Output, statistics, threads and how much is said.
+/// Output, statistics, threads, how much is said, and what counts as success.
 #[derive(Clone, Debug, clap::Args)]
 pub struct CommonArguments {
     /// Where to write the result; `-` is standard output, a name ending in .gz is compressed
@@ -81,7 +81,11 @@ pub struct CommonArguments {
     #[arg(long, value_name = "N", default_value_t = 0, global = true, help_heading = "Output")]
     pub threads: usize,
 
-    /// Say nothing but errors
+    /// Exit with status 3 if the result is doubtful (`doubts` in --stats; docs/doubts.md), after everything is written
+    #[arg(long, global = true, help_heading = "Output")]
+    pub strict: bool,
+
+    /// Say nothing but errors and doubts
     #[arg(short, long, conflicts_with = "verbose", global = true, help_heading = "Output")]
     pub quiet: bool,
 

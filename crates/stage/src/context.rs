@@ -1,5 +1,6 @@
 //! What a running stage has at hand.
 
+use std::collections::BTreeSet;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -10,7 +11,7 @@ use posecut_graph::{InputDigest, PoseGraph, Provenance};
 use serde::Serialize;
 
 use crate::given::{Given, overwrites, same_file};
-use crate::{CommonArguments, Identity, Source, Statistics, input, output, threads};
+use crate::{CommonArguments, Doubt, Identity, Source, Statistics, input, output, threads};
 
 /// The largest input that is held whole: 1 GiB.
 const LARGEST_WHOLE: u64 = 1 << 30;
@@ -27,6 +28,7 @@ pub struct Context {
     pub statistics: Statistics,
     /// The digests of the files read, for the provenance.
     pub inputs: Vec<InputDigest>,
+    pub(crate) doubts: BTreeSet<Doubt>,
     identity: Identity,
     common: CommonArguments,
     started: Instant,
@@ -41,6 +43,7 @@ impl Context {
         Self {
             statistics: Statistics::default(),
             inputs: Vec::new(),
+            doubts: BTreeSet::new(),
             identity,
             common,
             started: Instant::now(),
@@ -103,7 +106,7 @@ impl Context {
         }
     }
 
-    /// Adds this run to the history of a graph.
+    /// Adds this run, with the doubts raised so far, to the history of a graph.
     pub fn record_provenance<A: Serialize>(
         &self,
         graph: &mut PoseGraph,
@@ -117,6 +120,7 @@ impl Context {
             arguments,
             seed,
             inputs: self.inputs.clone(),
+            doubts: self.doubts().into_iter().map(str::to_owned).collect(),
         });
         Ok(())
     }
@@ -189,6 +193,7 @@ impl Context {
         for (name, value) in self.statistics.as_map() {
             all.note(name, value);
         }
+        all.note("doubts", self.doubts());
         all.note("seconds", self.started.elapsed().as_secs_f64());
         output::write_atomically(path, |writer| {
             serde_json::to_writer_pretty(&mut *writer, all.as_map())?;

@@ -10,13 +10,14 @@ use std::process::ExitCode;
 use clap::{Arg, ArgAction, Command, ValueEnum as _};
 use clap_complete::Shell;
 
+use crate::Doubt;
 use crate::program::{answer, fail};
 
 /// The heading of the options that every program has.
 const COMMON_HEADING: &str = "Output";
 
 /// What can be generated, for the message that refuses anything else.
-const KNOWN: &str = "man, bash, elvish, fish, powershell, zsh, reference, options or common";
+const KNOWN: &str = "man, bash, elvish, fish, powershell, zsh, reference, options, common or doubts";
 
 /// What is asked for, if the command line is `--generate WHAT` and nothing else.
 pub(crate) fn requested(mut arguments: impl Iterator<Item = OsString>) -> Option<String> {
@@ -28,13 +29,14 @@ pub(crate) fn requested(mut arguments: impl Iterator<Item = OsString>) -> Option
     arguments.next().is_none().then(|| what.to_string_lossy().into_owned())
 }
 
-pub(crate) fn print(program: &str, mut command: Command, what: &str) -> ExitCode {
+pub(crate) fn print(program: &str, mut command: Command, doubts: &[Doubt], what: &str) -> ExitCode {
     command.build();
     let text = match what {
         "man" => manual(&command),
-        "reference" => reference(&command).into_bytes(),
+        "reference" => reference(&command, doubts).into_bytes(),
         "options" => table_of(&command, |argument| !is_common(argument)).into_bytes(),
         "common" => table(command.get_arguments().filter(|argument| is_common(argument))).into_bytes(),
+        "doubts" => doubts.iter().flat_map(|doubt| [doubt.name(), "\n"]).collect::<String>().into_bytes(),
         shell => {
             let Ok(shell) = Shell::from_str(shell, false) else {
                 return fail(program, &format!("--generate {what:?} is unknown; say {KNOWN}"));
@@ -72,15 +74,32 @@ fn tasks(command: &Command) -> impl Iterator<Item = &Command> {
 }
 
 /// A section of the reference of all programs.
-fn reference(command: &Command) -> String {
+fn reference(command: &Command, doubts: &[Doubt]) -> String {
     let about = command.get_about().map(ToString::to_string).unwrap_or_default();
     let mut text = format!("## {}\n\n{about}.\n\n", command.get_name());
     for usage in usages(command) {
         let _ = writeln!(text, "    {usage}");
     }
-    text.push('\n');
+    let _ = writeln!(text, "\n{}\n", raised(doubts, "`"));
     text.push_str(&table_of(command, |argument| !is_common(argument)));
     text
+}
+
+/// What stands below the options in the help.
+pub(crate) fn ending(doubts: &[Doubt]) -> String {
+    format!(
+        "Exit status: 0 done; 1 what was checked does not hold; 2 error; 3 done, and the result is doubtful (--strict).\n{}",
+        raised(doubts, "")
+    )
+}
+
+/// Which doubts a program raises, each name between such marks.
+fn raised(doubts: &[Doubt], mark: &str) -> String {
+    if doubts.is_empty() {
+        return "It raises no doubts.".to_owned();
+    }
+    let names: Vec<String> = doubts.iter().map(|doubt| format!("{mark}{doubt}{mark}")).collect();
+    format!("Doubts that it may raise: {}.", names.join(", "))
 }
 
 fn usages(command: &Command) -> Vec<String> {

@@ -6,7 +6,7 @@ use clap::Parser;
 use posecut_graph::PoseGraph;
 use serde::Serialize;
 
-use crate::{CommonArguments, Context, Identity, Outcome, Source, run};
+use crate::{CommonArguments, Context, Doubt, Identity, Outcome, Source, run_with_doubts};
 
 /// A stage that reads one pose graph and writes it again with its own findings in it.
 ///
@@ -18,6 +18,9 @@ pub trait GraphStage: clap::Args + Serialize {
 
     /// One sentence on what it does.
     const ABOUT: &'static str;
+
+    /// The doubts that it may raise about its result, for help and documentation.
+    const DOUBTS: &'static [Doubt] = &[];
 
     /// The seed, for a stage that draws random numbers.
     fn seed(&self) -> Option<u64> {
@@ -48,8 +51,9 @@ struct GraphCommand<S: GraphStage> {
 /// The `main` of a stage from graph to graph.
 pub fn run_graph_stage<S: GraphStage>(version: &'static str) -> ExitCode {
     let identity = Identity { name: S::NAME, version, about: S::ABOUT };
-    run::<GraphCommand<S>>(
+    run_with_doubts::<GraphCommand<S>>(
         identity,
+        S::DOUBTS,
         |command| &command.common,
         |command, context| {
             let mut graph = context.read_graph(&command.input, "graph")?;

@@ -3,7 +3,7 @@
 //!
 //! The contract: `posecut-STAGE [OPTIONS] [INPUT] [-o OUTPUT]`, where `-` is standard input or output and
 //! the default. Logs and progress go to standard error, a JSON summary to `--stats FILE`. Exit status 0:
-//! done; 1: a check failed; 2: an error, told in a sentence. Output appears whole or not at all. A closed
+//! done; 1: a check failed; 2: an error, told in a sentence; 3: with `--strict`, done with doubts ([`Doubt`]). Output appears whole or not at all. A closed
 //! pipe is no error. The same input, arguments and seed give the same bytes.
 //!
 //! A stage from graph to graph implements [`GraphStage`] and is run by [`run_graph_stage`]; everything else
@@ -14,6 +14,7 @@ mod closing;
 mod context;
 mod directory;
 mod documentation;
+mod doubt;
 mod expansion;
 mod given;
 mod graph_stage;
@@ -34,12 +35,13 @@ pub use arguments::{CommonArguments, Source, Target};
 pub use closing::close;
 pub use context::Context;
 pub use directory::write_directory;
+pub use doubt::Doubt;
 pub use expansion::Expansion;
 pub use graph_stage::{GraphStage, run_graph_stage};
 pub use input::{Input, digest, open, open_file};
 pub use lines::{LONGEST_LINE, bounded_lines};
 pub use output::{write_atomically, write_output};
-pub use program::{Identity, Outcome, run};
+pub use program::{Identity, Outcome, run, run_with_doubts};
 pub use randomness::random;
 pub use statistics::Statistics;
 pub use words::counted;

@@ -3,11 +3,15 @@
 use std::fmt;
 
 use tracing::{Event, Level, Subscriber, level_filters::LevelFilter};
+use tracing_subscriber::filter::Targets;
 use tracing_subscriber::fmt::format::Writer;
 use tracing_subscriber::fmt::{FmtContext, FormatEvent, FormatFields};
+use tracing_subscriber::layer::SubscriberExt as _;
 use tracing_subscriber::registry::LookupSpan;
+use tracing_subscriber::util::SubscriberInitExt as _;
+use tracing_subscriber::{Layer as _, registry};
 
-use crate::CommonArguments;
+use crate::{CommonArguments, doubt};
 
 /// `posecut-pcm: warning: …`, as command-line tools speak.
 struct CommandLine {
@@ -44,10 +48,11 @@ pub(crate) fn install(program: &'static str, common: &CommonArguments) {
     } else {
         LevelFilter::INFO
     };
+    let filter = Targets::new().with_default(level).with_target(doubt::TARGET, level.max(LevelFilter::WARN));
     // A second subscriber in one process (tests) is no fault: the first one stays.
-    let _ = tracing_subscriber::fmt()
-        .with_max_level(level)
+    let messages = tracing_subscriber::fmt::layer()
         .with_writer(std::io::stderr)
         .event_format(CommandLine { program })
-        .try_init();
+        .with_filter(filter);
+    let _ = registry().with(messages).try_init();
 }

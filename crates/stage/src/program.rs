@@ -7,7 +7,10 @@ use clap::{CommandFactory, FromArgMatches};
 
 use crate::closing::close_standard_output;
 use crate::given::Given;
-use crate::{CommonArguments, Context, documentation, interrupt, logging, standard_output, threads, usage};
+use crate::{
+    CommonArguments, Context, Doubt, documentation, doubt, interrupt, logging, standard_output, threads,
+    usage,
+};
 
 /// The name and version of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,16 +26,26 @@ pub struct Identity {
 /// How a program that did its work ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// Exit status 0.
+    /// Exit status 0; with `--strict` and doubts, 3.
     Done,
     /// Exit status 1: the program worked, and what it checked does not hold.
     CheckFailed,
 }
 
-/// Runs a program: reads its command line, does `body`, writes `--stats`, and turns errors into a sentence
-/// on standard error and exit status 2.
+/// Runs a program that raises no doubts: reads its command line, does `body`, writes `--stats`, and turns errors into a
+/// sentence on standard error and exit status 2.
 pub fn run<A: CommandFactory + FromArgMatches>(
     identity: Identity,
+    common: impl FnOnce(&A) -> &CommonArguments,
+    body: impl FnOnce(&A, &mut Context) -> anyhow::Result<Outcome>,
+) -> ExitCode {
+    run_with_doubts(identity, &[], common, body)
+}
+
+/// The same for a program that may raise these doubts about its result.
+pub fn run_with_doubts<A: CommandFactory + FromArgMatches>(
+    identity: Identity,
+    doubts: &[Doubt],
     common: impl FnOnce(&A) -> &CommonArguments,
     body: impl FnOnce(&A, &mut Context) -> anyhow::Result<Outcome>,
 ) -> ExitCode {
@@ -41,9 +54,10 @@ pub fn run<A: CommandFactory + FromArgMatches>(
         .bin_name(format!("posecut-{}", identity.name))
         .version(identity.version)
         .about(identity.about)
-        .long_about(None);
+        .long_about(None)
+        .after_help(documentation::ending(doubts));
     if let Some(what) = documentation::requested(std::env::args_os()) {
-        return documentation::print(identity.name, command, &what);
+        return documentation::print(identity.name, command, doubts, &what);
     }
     let read = command.try_get_matches_from_mut(std::env::args_os()).and_then(|matches| {
         let given = Given::of(&command, &matches);
@@ -56,8 +70,10 @@ pub fn run<A: CommandFactory + FromArgMatches>(
     let common = common(&arguments).clone();
     logging::install(identity.name, &common);
     interrupt::install();
+    let strict = common.strict;
     let mut context = Context::new(identity, common).with_files(given);
     match execute(&arguments, &mut context, body) {
+        Ok(Outcome::Done) if strict && !context.doubts.is_empty() => ExitCode::from(doubt::STATUS),
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::CheckFailed) => ExitCode::from(1),
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,

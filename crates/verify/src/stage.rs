@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use anyhow::Context as _;
 use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, EdgeKind, PoseGraph};
-use posecut_stage::{Context, GraphStage, counted, info, warn};
+use posecut_stage::{Context, Doubt, GraphStage, counted, info, warn};
 use serde::Serialize;
 
 use crate::ingredients::Ingredient;
@@ -49,6 +49,8 @@ impl GraphStage for Options {
     const NAME: &'static str = "verify";
     const ABOUT: &'static str =
         "Judge every landmark edge by evidence: accepted, rejected or undecided, with a reason";
+    const DOUBTS: &'static [Doubt] =
+        &[Doubt::SearchLimit, Doubt::NothingKept, Doubt::CalibrationOnPrior, Doubt::PartsNotConnected];
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
         match graph.header.dimension {
@@ -71,6 +73,7 @@ impl Options {
             rejected += usize::from(finding.mark(graph, Self::NAME, self.undecided == Undecided::Keep));
         }
         report(&verification);
+        doubt(&verification, context);
         note(&verification, graph, rejected, context);
         Ok(())
     }
@@ -96,8 +99,7 @@ impl Options {
 }
 
 fn report(verification: &Verification) {
-    let Verification { findings, joins_proposed, joins_established, calibration, rivals, broken, .. } =
-        verification;
+    let Verification { findings, rivals, broken, .. } = verification;
     info!(
         "{} judged: {} accepted, {} rejected, {} undecided",
         counted(findings.len(), "landmark edge"),
@@ -105,16 +107,6 @@ fn report(verification: &Verification) {
         verification.count(Verdict::Rejected),
         verification.count(Verdict::Undecided)
     );
-    if *joins_proposed > 0 && *joins_established == 0 {
-        warn!(
-            "no overlap is established: nothing joins the parts of the graph that landmark edges propose to join"
-        );
-    } else if joins_established < joins_proposed {
-        warn!(
-            "no overlap is established for {} of the {joins_proposed} joins that landmark edges propose",
-            joins_proposed - joins_established
-        );
-    }
     for rival in rivals {
         warn!(
             "two hypotheses: hypothesis {} ({}, {:.0} nats) joins the same chains otherwise than what is accepted ({:.0} nats); --hypothesis {} applies it",
@@ -131,10 +123,52 @@ fn report(verification: &Verification) {
             counted(broken.len(), "step")
         );
     }
-    if calibration.on_prior && !findings.is_empty() {
-        warn!(
-            "covariances are used as claimed: the landmark edges say too little to calibrate them ({:.1} nats over shuffled ones)",
-            calibration.evidence
+}
+
+/// Raises the doubts about the verdicts. Without candidates there is nothing to doubt.
+fn doubt(verification: &Verification, context: &mut Context) {
+    let Verification { findings, joins_proposed, joins_established, calibration, cut_proved, .. } =
+        verification;
+    if findings.is_empty() {
+        return;
+    }
+    if !cut_proved {
+        context.doubt(
+            Doubt::SearchLimit,
+            "the multicut of the hypotheses is not proved optimal: a limit ended its search, so another choice among them may \
+             have more evidence; look at edges with --explain",
+        );
+    }
+    let open = joins_proposed.saturating_sub(*joins_established);
+    let overlap = format!(
+        "no overlap is established for {open} of {} that landmark edges propose",
+        counted(*joins_proposed, "join")
+    );
+    if verification.count(Verdict::Accepted) == 0 {
+        let none = format!("0 of {} accepted", counted(findings.len(), "landmark edge"));
+        let remedy = "check the units of the information and whether there is overlap, or look at edges with --explain";
+        if open > 0 {
+            context.doubt(Doubt::NothingKept, format!("{none}, and {overlap}; {remedy}"));
+            context.also_doubt(Doubt::PartsNotConnected);
+        } else {
+            context.doubt(Doubt::NothingKept, format!("{none}; {remedy}"));
+        }
+    } else if open > 0 {
+        context.doubt(
+            Doubt::PartsNotConnected,
+            format!(
+                "{overlap}: these parts of the graph stay apart; add landmark edges between them, or look at edges with --explain"
+            ),
+        );
+    }
+    if calibration.on_prior {
+        context.doubt(
+            Doubt::CalibrationOnPrior,
+            format!(
+                "covariances are used as claimed: the landmark edges say too little to calibrate them ({:.1} nats over shuffled \
+                 ones); check the covariances, or add landmark edges that close loops",
+                calibration.evidence
+            ),
         );
     }
 }

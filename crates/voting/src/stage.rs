@@ -6,7 +6,7 @@ use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 use posecut_islands::{clusters, matches};
 use posecut_optimize::PoseGroup;
-use posecut_stage::{Context, GraphStage, counted, info, warn};
+use posecut_stage::{Context, Doubt, GraphStage, counted, info, warn};
 use serde::Serialize;
 
 use crate::fit::Parts;
@@ -31,6 +31,7 @@ pub struct Options {
 impl GraphStage for Options {
     const NAME: &'static str = "voting";
     const ABOUT: &'static str = "Reject clusters of landmark edges that fail chi-square tests of the optimised graph, in the manner of RRR";
+    const DOUBTS: &'static [Doubt] = &[Doubt::NothingKept];
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
         match graph.header.dimension {
@@ -71,6 +72,15 @@ impl Options {
             counted(clusters.len(), "cluster"),
             counted(verdict.fits, "optimisation")
         );
+        if candidates > 0 && kept == 0 {
+            context.doubt(
+                Doubt::NothingKept,
+                format!(
+                    "0 of {} kept: no cluster passes the chi-square tests; check the units of the information and the covariances",
+                    counted(candidates, "landmark edge")
+                ),
+            );
+        }
         if in_use > candidates {
             warn!(
                 "{} landmark edges have no measurement and are neither tested nor rejected",

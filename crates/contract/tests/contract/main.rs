@@ -6,6 +6,8 @@ mod colliding_outputs;
 mod conformance;
 mod consistency_shown;
 mod documentation;
+mod doubtful_inputs;
+mod doubts;
 mod environment;
 mod failing_calls;
 mod golden;

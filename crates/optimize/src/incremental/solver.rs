@@ -1,5 +1,7 @@
 //! The incremental solver.
 
+use std::collections::BTreeSet;
+
 use nalgebra::SVector;
 
 use super::edges::Edges;
@@ -244,6 +246,12 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     /// Number of connected parts.
     pub fn parts(&self) -> usize {
         self.parts.count()
+    }
+
+    /// Number of connected parts that hold no pose but their first, which nothing else places. O(nodes log nodes).
+    pub fn floating_parts(&self) -> usize {
+        let gauges: BTreeSet<usize> = (0..self.held.len()).map(|node| self.parts.of(node).gauge).collect();
+        gauges.into_iter().filter(|&gauge| !self.held[gauge]).count()
     }
 
     /// Sum of `rho(e^T Omega e)` over the edges at the estimate.

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_graph::{Dimension, InputDigest, PoseGraph, RecordReader};
-use posecut_stage::{Context, Source, counted, info, open, warn, write_atomically};
+use posecut_stage::{Context, Doubt, Source, counted, info, open, warn, write_atomically};
 use serde::Serialize;
 
 use super::replay::{Located, empty, for_each};
@@ -14,7 +14,7 @@ use super::session::{Arrival, Kernels, Session};
 use super::{FinishReport, IncrementalOptions};
 use crate::PoseGroup;
 use crate::figures::significant;
-use crate::stage::{StageOptions, warn_of_edges_and_components};
+use crate::stage::{StageOptions, doubt_disconnected, warn_of_unmeasured};
 
 /// Options of the incremental mode.
 #[derive(Clone, Debug, PartialEq, clap::Args)]
@@ -172,7 +172,7 @@ impl IncrementalStageOptions {
         let finish = if self.unfinished { None } else { Some(session.solver.finish()) };
         session.refuse_unless_finite()?;
         session.write_poses();
-        tell(&session, finish.as_ref());
+        tell(&session, finish.as_ref(), context);
         note(&session, finish.as_ref(), context);
         let mut graph = session.graph;
         graph.unknown = unknown;
@@ -215,7 +215,11 @@ fn write_checkpoint<G: PoseGroup<DOF>, const DOF: usize>(
     Ok(writer.write_all(b"\n")?)
 }
 
-fn tell<G: PoseGroup<DOF>, const DOF: usize>(session: &Session<G, DOF>, finish: Option<&FinishReport>) {
+fn tell<G: PoseGroup<DOF>, const DOF: usize>(
+    session: &Session<G, DOF>,
+    finish: Option<&FinishReport>,
+    context: &mut Context,
+) {
     for split in &session.splits {
         warn!(
             "after node {}: an edge was taken back that had joined {} to the rest; the part stays where it was, and node {} is held fixed",
@@ -224,12 +228,17 @@ fn tell<G: PoseGroup<DOF>, const DOF: usize>(session: &Session<G, DOF>, finish: 
             split.gauge
         );
     }
-    warn_of_edges_and_components(session.unmeasured, session.solver.parts());
+    warn_of_unmeasured(session.unmeasured);
+    doubt_disconnected(session.solver.parts(), session.solver.floating_parts(), context);
     let converged = finish.is_none_or(|finish| finish.converged);
     if let Some(finish) = finish.filter(|finish| !finish.converged) {
-        warn!(
-            "the final relinearisation did not converge after {}: the poses are not a minimum of the cost",
-            counted(finish.iterations, "iteration")
+        context.doubt(
+            Doubt::NotConverged,
+            format!(
+                "the final relinearisation did not converge after {}: the poses are not a minimum of the cost; optimise the result \
+                 with --solver batch",
+                counted(finish.iterations, "iteration")
+            ),
         );
     }
     info!(

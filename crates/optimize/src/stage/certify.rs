@@ -1,23 +1,37 @@
 //! What the stage says about certificates.
 
-use posecut_stage::{Statistics, counted, info, warn};
+use posecut_stage::{Context, Doubt, counted, info};
 
 use crate::{Certificate, ComponentReport};
 
 /// Notes the verdict on the whole graph and the figures of its least certain part. A part without edges, a lone node, is
 /// global as it stands.
-pub(super) fn note(certificates: &[Certificate], parts: &[ComponentReport], statistics: &mut Statistics) {
+pub(super) fn note(certificates: &[Certificate], parts: &[ComponentReport], context: &mut Context) {
     let constrained = parts.iter().filter(|part| part.held > 1).count();
-    if constrained > 0 {
-        warn!(
-            "the certificate does not apply to {} with more than one fixed node: it is about edges alone",
-            counted(constrained, "part")
-        );
-    }
     let global = certificates.iter().all(|certificate| certificate.global);
     let verdict = if global { "global" } else { "not certified" };
+    let certified = certificates.iter().filter(|certificate| certificate.global).count();
+    if !global {
+        let remedy = if constrained > 0 {
+            format!(
+                "it does not apply to {} with more than one fixed node, since it is about edges alone; certify without fixed nodes",
+                counted(constrained, "component")
+            )
+        } else {
+            "a lower minimum may exist, so start elsewhere (--initialisation) and check the landmark edges"
+                .to_owned()
+        };
+        context.doubt(
+            Doubt::NotCertified,
+            format!(
+                "the certificate of a global minimum holds for {certified} of {}: {remedy}",
+                counted(certificates.len(), "component")
+            ),
+        );
+    }
+    let statistics = &mut context.statistics;
     statistics.note("certificate", verdict);
-    statistics.note("certified_parts", certificates.iter().filter(|certificate| certificate.global).count());
+    statistics.note("certified_parts", certified);
     statistics.note("chordal_cost", certificates.iter().map(|certificate| certificate.cost).sum::<f64>());
     statistics.note(
         "chordal_lower_bound",

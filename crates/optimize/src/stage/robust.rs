@@ -1,7 +1,7 @@
 //! Robust kernels of the stage: options, weights on the edges, figures.
 
 use posecut_graph::PoseGraph;
-use posecut_stage::Statistics;
+use posecut_stage::{Context, Doubt, Statistics, counted};
 use serde::{Serialize, Serializer};
 
 use crate::{Edge, EdgeKind, Graduated, Kernel};
@@ -106,9 +106,9 @@ impl RobustOptions {
         graph: &mut PoseGraph,
         places: &[usize],
         weights: &[f64],
-        statistics: &mut Statistics,
+        context: &mut Context,
     ) -> anyhow::Result<()> {
-        let (mut below_half, mut rejected) = (0_usize, 0_usize);
+        let (mut below_half, mut weighed, mut rejected) = (0_usize, 0_usize, 0_usize);
         for (&place, &weight) in places.iter().zip(weights) {
             let edge = &mut graph.edges[place];
             let under_kernel = match edge.kind {
@@ -124,12 +124,23 @@ impl RobustOptions {
                 below_half += usize::from(weight < 0.5);
                 edge.extra.insert("weight".to_owned(), weight.into());
                 let landmark = edge.kind == posecut_graph::EdgeKind::Landmark;
+                weighed += usize::from(landmark);
                 if landmark && self.reject_below.is_some_and(|bound| weight < bound) {
                     edge.reject("optimize");
                     rejected += 1;
                 }
             }
         }
+        if let Some(bound) = self.reject_below.filter(|_| weighed > 0 && rejected == weighed) {
+            context.doubt(
+                Doubt::NothingKept,
+                format!(
+                    "0 of {} kept: all weights are below {bound}; check the units of the information, or use a wider kernel",
+                    counted(weighed, "landmark edge")
+                ),
+            );
+        }
+        let statistics = &mut context.statistics;
         if *self != Self::default() {
             statistics.note("edges_below_half_weight", below_half);
         }

@@ -281,7 +281,7 @@ fn fixed_nodes_stay_where_they_are_in_both_solvers() {
     }
     let certified = run_on(&["--certify"], &fixed);
     assert!(
-        String::from_utf8(certified.stderr).unwrap().contains("does not apply to 1 part"),
+        String::from_utf8(certified.stderr).unwrap().contains("does not apply to 1 component"),
         "several fixed nodes are no graph of edges alone"
     );
 }

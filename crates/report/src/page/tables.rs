@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::markup::escape;
 use crate::published::Published;
-use crate::table::{Cell, Table, metres};
+use crate::table::{Cell, Table, is_silently_disconnected, listed, metres};
 
 /// RMSE of every method on every session, published figures below the rows they belong to, then landmark
 /// edges in use.
@@ -47,7 +47,14 @@ pub fn experiment(table: &Table, published: &Published) -> String {
         }
     }
     text.push_str("</tbody></table></div>\n");
-    if table.methods.iter().flat_map(|row| &row.cells).flatten().any(|cell| cell.disconnected > 0) {
+    if let Some(doubts) = listed(table) {
+        let _ = writeln!(
+            text,
+            "<p class=\"note\">† Doubts of stages, which docs/doubts.md explains: {}.</p>",
+            escape(&doubts)
+        );
+    }
+    if is_silently_disconnected(table) {
         text.push_str("<p class=\"note\">† In at least one seed no edge was left between the experiences, and their relative place is unknown.</p>\n");
     }
     edges(&mut text, table);
@@ -66,7 +73,7 @@ fn edges(text: &mut String, table: &Table) {
     for row in &table.methods {
         let _ = write!(text, "<tr><th scope=\"row\">{}</th>", escape(&row.method));
         for cell in &row.cells {
-            let cell = cell.map_or_else(
+            let cell = cell.as_ref().map_or_else(
                 || "no data".to_owned(),
                 |cell| {
                     format!(
@@ -99,13 +106,14 @@ fn heading(text: &mut String, table: &Table, mean: bool) {
 
 fn rmse(cell: Option<&Cell>) -> String {
     let Some(cell) = cell else { return "<td class=\"absent\">no data</td>".to_owned() };
-    let mark = if cell.disconnected > 0 { " †" } else { "" };
+    let mark = cell.mark();
+    let gap = if mark.is_empty() { "" } else { " " };
     match cell.deviation {
         Some(deviation) => format!(
-            "<td>{} <span class=\"spread\">± {}</span>{mark}</td>",
+            "<td>{} <span class=\"spread\">± {}</span>{gap}{mark}</td>",
             metres(cell.mean),
             metres(deviation)
         ),
-        None => format!("<td>{}{mark}</td>", metres(cell.mean)),
+        None => format!("<td>{}{gap}{mark}</td>", metres(cell.mean)),
     }
 }

@@ -1,6 +1,7 @@
 //! One row a run, for spreadsheets and data frames.
 
 use anyhow::Context as _;
+use posecut_graph::StageDoubt;
 
 use super::hostile_text::cell_text;
 use crate::results::RunResult;
@@ -8,7 +9,9 @@ use crate::results::RunResult;
 /// All runs, one a row.
 pub fn write_csv(results: &[RunResult]) -> anyhow::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record([
+    // The column is there only where something stands in it.
+    let doubtful = results.iter().any(|result| !result.doubts.is_empty());
+    let mut head = vec![
         "pipeline",
         "method",
         "session",
@@ -19,12 +22,16 @@ pub fn write_csv(results: &[RunResult]) -> anyhow::Result<Vec<u8>> {
         "false_positive",
         "false_negative",
         "true_negative",
-    ])?;
+    ];
+    if doubtful {
+        head.push("doubts");
+    }
+    writer.write_record(head)?;
     for result in results {
         let count = |pick: fn(&crate::results::Edges) -> usize| {
             result.edges.as_ref().map_or_else(String::new, |edges| pick(edges).to_string())
         };
-        writer.write_record([
+        let mut row = vec![
             cell_text(result.label("pipeline")),
             cell_text(result.label("method")),
             cell_text(result.label("session")),
@@ -35,7 +42,12 @@ pub fn write_csv(results: &[RunResult]) -> anyhow::Result<Vec<u8>> {
             count(|edges| edges.false_positive),
             count(|edges| edges.false_negative),
             count(|edges| edges.true_negative),
-        ])?;
+        ];
+        if doubtful {
+            let each = |found: &StageDoubt| format!("{}: {}", found.stage, found.doubt);
+            row.push(cell_text(result.doubts.iter().map(each).collect::<Vec<_>>().join("; ")));
+        }
+        writer.write_record(row)?;
     }
     writer.into_inner().context("the CSV cannot be finished")
 }

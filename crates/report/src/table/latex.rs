@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Table, metres};
+use super::{Cell, Table, listed, metres};
 use crate::published::Published;
 
 /// One `tabular` an experiment; needs no package.
@@ -26,10 +26,7 @@ pub fn latex(tables: &[Table], published: &Published) -> String {
                 .iter()
                 .map(|cell| match cell {
                     None => "--".to_owned(),
-                    Some(cell) => match cell.deviation {
-                        Some(deviation) => format!("${} \\pm {}$", metres(cell.mean), metres(deviation)),
-                        None => metres(cell.mean),
-                    },
+                    Some(cell) => value(cell),
                 })
                 .collect();
             let mean = row.mean().map_or_else(String::new, metres);
@@ -53,8 +50,26 @@ pub fn latex(tables: &[Table], published: &Published) -> String {
         }
         let _ = writeln!(text, "\\hline");
         let _ = writeln!(text, "\\end{{tabular}}\n");
+        note(&mut text, table);
     }
     text
+}
+
+fn value(cell: &Cell) -> String {
+    let mark = if cell.doubts.is_empty() { "" } else { "^\\dagger" };
+    match cell.deviation {
+        Some(deviation) => format!("${} \\pm {}{mark}$", metres(cell.mean), metres(deviation)),
+        None if mark.is_empty() => metres(cell.mean),
+        None => format!("${}{mark}$", metres(cell.mean)),
+    }
+}
+
+/// What the daggers mean.
+fn note(text: &mut String, table: &Table) {
+    if let Some(doubts) = listed(table) {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "$\\dagger$ doubts of stages: {}.\n", escape(&doubts));
+    }
 }
 
 /// Characters that mean something to LaTeX.

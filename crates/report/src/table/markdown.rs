@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Cell, Table, inline, metres};
+use super::{Cell, Table, inline, is_silently_disconnected, listed, metres};
 use posecut_stage::counted;
 
 use crate::published::Published;
@@ -47,9 +47,10 @@ fn section(text: &mut String, table: &Table, published: &Published) {
         }
     }
     grid(text, &rows);
-    let disconnected =
-        table.methods.iter().flat_map(|row| &row.cells).flatten().any(|cell| cell.disconnected > 0);
-    if disconnected {
+    if let Some(doubts) = listed(table) {
+        let _ = writeln!(text, "† doubts of stages, which docs/doubts.md explains: {}.\n", inline(&doubts));
+    }
+    if is_silently_disconnected(table) {
         text.push_str("† in at least one seed no edge was left between the experiences, and their relative place is unknown.\n\n");
     }
     text.push_str(
@@ -76,10 +77,11 @@ fn header(table: &Table) -> Vec<String> {
 }
 
 fn rmse(cell: &Cell) -> String {
-    let mark = if cell.disconnected > 0 { " †" } else { "" };
+    let mark = cell.mark();
+    let gap = if mark.is_empty() { "" } else { " " };
     match cell.deviation {
-        Some(deviation) => format!("{} ± {}{mark}", metres(cell.mean), metres(deviation)),
-        None => format!("{}{mark}", metres(cell.mean)),
+        Some(deviation) => format!("{} ± {}{gap}{mark}", metres(cell.mean), metres(deviation)),
+        None => format!("{}{gap}{mark}", metres(cell.mean)),
     }
 }
 

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::{Context as _, bail};
+use posecut_graph::StageDoubt;
 
 use super::records::{Bins, Half, Outcome, Record, RunKey, Time};
 
@@ -48,6 +49,8 @@ pub struct Run {
     pub seconds: Vec<Option<f64>>,
     /// Landmark edges by their probability, in the same order, where there are probabilities.
     pub probabilities: Vec<Option<Bins>>,
+    /// Doubts of the stages, in the same order.
+    pub doubts: Vec<BTreeSet<StageDoubt>>,
 }
 
 impl Run {
@@ -138,6 +141,11 @@ impl Benchmark {
                 probabilities: methods
                     .iter()
                     .map(|method| own.get(method.as_str()).and_then(|record| record.probabilities))
+                    .collect(),
+                doubts: methods
+                    .iter()
+                    .map(|method| own.get(method.as_str()).into_iter().flat_map(|record| &record.doubts))
+                    .map(|doubts| doubts.cloned().collect())
                     .collect(),
                 outcomes,
             });

@@ -21,7 +21,14 @@ pub fn sections(benchmark: &Benchmark) -> anyhow::Result<Vec<(&'static str, Stri
         ("counts", joined(vec![tables::counts(benchmark)])),
         ("families", joined(tables::families(benchmark, half))),
         ("reliability", calibration(benchmark, half)),
-        ("failures", joined(vec![tables::failures(benchmark, half)])),
+        (
+            "failures",
+            joined(
+                std::iter::once(tables::failures(benchmark, half))
+                    .chain(tables::doubts(benchmark, half))
+                    .collect(),
+            ),
+        ),
         ("tuning", joined(vec![tables::overall(benchmark, Half::Tuning)])),
         (
             "time",

@@ -6,7 +6,7 @@ use std::fmt;
 use std::path::Path;
 
 use anyhow::{Context as _, bail};
-use posecut_graph::InputDigest;
+use posecut_graph::{InputDigest, StageDoubt};
 use posecut_stage::counted;
 use serde_json::{Map, Value};
 
@@ -99,6 +99,8 @@ pub struct Record {
     pub outcome: Result<Outcome, String>,
     /// Landmark edges by their probability; `None` where they have none, or where the run failed.
     pub probabilities: Option<Bins>,
+    /// Doubts of the stages that the run went through.
+    pub doubts: Vec<StageDoubt>,
 }
 
 /// One line of times.
@@ -141,6 +143,7 @@ pub fn read_results(path: &Path) -> anyhow::Result<(Vec<Record>, InputDigest)> {
             cluster: grouping("cluster")?,
             outcome: outcome(object)?,
             probabilities: bins(object)?,
+            doubts: doubts(object)?,
         })
     })
 }
@@ -271,6 +274,15 @@ fn bins(object: &Map<String, Value>) -> anyhow::Result<Option<Bins>> {
         Ok(found)
     };
     read().context("in field `calibration`").map(Some)
+}
+
+fn doubts(object: &Map<String, Value>) -> anyhow::Result<Vec<StageDoubt>> {
+    let Some(value) = object.get("doubts") else { return Ok(Vec::new()) };
+    serde_json::from_value(value.clone()).map_err(|_| {
+        anyhow::anyhow!(
+            "field `doubts`: found {value}, expected a list of objects with the texts `stage` and `doubt`"
+        )
+    })
 }
 
 fn ten<T>(

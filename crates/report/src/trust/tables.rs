@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use posecut_graph::StageDoubt;
+
 use super::benchmark::{BOUND, Benchmark, Status};
 use super::records::{BINS, Half};
 use super::reliability::{Point, Reliability, reliability};
@@ -40,6 +42,7 @@ pub fn tables(benchmark: &Benchmark, half: Half) -> Vec<Table> {
     tables.extend(families(benchmark, half));
     tables.extend(reliability(benchmark, half).iter().flat_map(calibration));
     tables.push(failures(benchmark, half));
+    tables.extend(doubts(benchmark, half));
     tables.extend(time(benchmark, half));
     tables.push(counts(benchmark));
     tables
@@ -197,6 +200,35 @@ pub fn failures(benchmark: &Benchmark, half: Half) -> Table {
         note: note.to_owned(),
         cells: with_head(&["method", "family", "runs", "what happened"], rows),
     }
+}
+
+/// Runs with each doubt, by method; `None` where no result has doubts, as in those of older programs. One table takes the place
+/// of daggers all over the others, whose cells are of many runs.
+pub fn doubts(benchmark: &Benchmark, half: Half) -> Option<Table> {
+    let mut found: BTreeMap<(&str, &StageDoubt), usize> = BTreeMap::new();
+    let mut runs: BTreeMap<&str, usize> = BTreeMap::new();
+    for run in benchmark.of(half, None) {
+        for (method, (outcome, doubts)) in benchmark.methods.iter().zip(run.outcomes.iter().zip(&run.doubts))
+        {
+            *runs.entry(method).or_default() += usize::from(matches!(outcome, Status::Done(_)));
+            for doubt in doubts {
+                *found.entry((method, doubt)).or_default() += 1;
+            }
+        }
+    }
+    let rows = found.iter().map(|(&(method, doubt), count)| {
+        vec![
+            method.to_owned(),
+            doubt.stage.clone(),
+            doubt.doubt.clone(),
+            format!("{count} of {}", runs[method]),
+        ]
+    });
+    (!found.is_empty()).then(|| Table {
+        title: format!("Doubts, {half} half"),
+        note: "Finished runs of which a stage says that the result should not be believed without a look; docs/doubts.md explains the doubts.".to_owned(),
+        cells: with_head(&["method", "stage", "doubt", "runs"], rows),
+    })
 }
 
 /// CPU time by method; `None` where no times were given.

@@ -1,0 +1,100 @@
+//! Reasons to mistrust a solution.
+
+use posecut_graph::PoseGraph;
+use posecut_stage::{Context, Doubt, counted};
+
+use crate::figures::significant;
+use crate::{ComponentReport, Solution};
+
+/// Costs that differ by less than this, absolutely and as a share, are equal. They have no unit.
+const SAME_COST: f64 = 1e-6;
+
+/// Raises the doubts of a batch solution.
+pub(super) fn of_solution<G>(graph: &PoseGraph, solution: &Solution<G>, context: &mut Context) {
+    let components = &solution.components;
+    doubt_disconnected(
+        components.len(),
+        components.iter().filter(|report| report.held == 0).count(),
+        context,
+    );
+    undetermined(graph, components, context);
+    not_converged(graph, components, context);
+    if !solution.chi2.is_finite() {
+        context.doubt(
+            Doubt::NonFiniteCost,
+            format!(
+                "the squared residuals of {} are beyond the range of numbers, and only their robust cost is finite ({}); reject edges \
+                 with gross measurements, or give them moderate values",
+                counted(solution.weights.len(), "edge"),
+                significant(solution.cost)
+            ),
+        );
+    }
+    let lower: Vec<&ComponentReport> = components
+        .iter()
+        .filter(|report| report.cost - report.cost_given > SAME_COST * (1.0 + report.cost))
+        .collect();
+    if let [first, ..] = lower[..] {
+        context.doubt(
+            Doubt::NotCertified,
+            format!(
+                "the input has poses of lower cost in {} of {}: {} where the result has {} (first: that of node {}); the result \
+                 is a local minimum, so try --initialisation given",
+                lower.len(),
+                counted(components.len(), "component"),
+                significant(first.cost_given),
+                significant(first.cost),
+                graph.nodes[first.gauge].id
+            ),
+        );
+    }
+}
+
+/// Doubts the relative poses of components, where so many of them hold no fixed node.
+pub(crate) fn doubt_disconnected(components: usize, floating: usize, context: &mut Context) {
+    if components > 1 && floating > 0 {
+        context.doubt(
+            Doubt::PartsNotConnected,
+            format!(
+                "no edge in use joins the {components} components of the graph, and {floating} of them hold no fixed node: each is \
+                 optimised alone, its first node unmoved, and their relative poses mean nothing; add or re-admit edges between them"
+            ),
+        );
+    }
+}
+
+fn undetermined(graph: &PoseGraph, components: &[ComponentReport], context: &mut Context) {
+    let found: Vec<(usize, usize)> = components.iter().filter_map(|report| report.undetermined).collect();
+    if let [(node, axis), ..] = found[..] {
+        context.doubt(
+            Doubt::Undetermined,
+            format!(
+                "the edges do not determine the poses of {} of {} (first: component {axis} of the pose of node {}), which are \
+                 damped towards their start; give the edges information in every direction",
+                found.len(),
+                counted(components.len(), "component"),
+                graph.nodes[node].id
+            ),
+        );
+    }
+}
+
+fn not_converged(graph: &PoseGraph, components: &[ComponentReport], context: &mut Context) {
+    let found: Vec<&ComponentReport> =
+        components.iter().filter(|report| !report.termination.converged()).collect();
+    if let [first, ..] = found[..] {
+        context.doubt(
+            Doubt::NotConverged,
+            format!(
+                "{} of {} did not converge (first: that of node {}, {} after {}, gradient {} as a cosine); raise \
+                 --max-iterations, start elsewhere (--initialisation) or check the information",
+                found.len(),
+                counted(components.len(), "component"),
+                graph.nodes[first.gauge].id,
+                first.termination.name(),
+                counted(first.iterations, "iteration"),
+                significant(first.gradient)
+            ),
+        );
+    }
+}
