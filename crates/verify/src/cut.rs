@@ -22,7 +22,9 @@ pub(crate) struct Tie {
 pub(crate) struct Clusters {
     /// Label of each closure, then of each anchor.
     pub(crate) labels: Vec<u32>,
-    pub(crate) optimal: bool,
+    /// By how much the cost may exceed the minimum, as a share of it; 0 where it is proved to be minimal, infinite
+    /// without a multicut.
+    pub(crate) gap: f64,
 }
 
 /// Cuts the graph whose nodes are closures and anchors: `anchored[c]` is the anchor of closure c and the log-likelihood
@@ -39,10 +41,13 @@ pub(crate) fn cut(
     match Graph::new(closures + anchors, edges) {
         Ok(graph) => {
             let solution = solve(&graph, &options);
-            Clusters { labels: solution.labels, optimal: solution.optimal }
+            // The larger one: the bound may be zero.
+            let cost = solution.objective.abs().max(solution.lower_bound.abs());
+            let gap = if solution.optimal { 0.0 } else { solution.gap() / cost };
+            Clusters { labels: solution.labels, gap }
         }
         // Costs are clipped and nodes are ours: only more nodes than fit is left, and nothing holds together then.
-        Err(_) => Clusters { labels: (0..(closures + anchors) as u32).collect(), optimal: false },
+        Err(_) => Clusters { labels: (0..(closures + anchors) as u32).collect(), gap: f64::INFINITY },
     }
 }
 
@@ -60,7 +65,7 @@ pub(crate) fn tied(
             clusters.union(one as u32, other as u32);
         }
     }
-    Clusters { labels: clusters.into_labeling(), optimal: false }
+    Clusters { labels: clusters.into_labeling(), gap: f64::INFINITY }
 }
 
 /// What cutting each pair of nodes costs.

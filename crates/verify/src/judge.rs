@@ -31,7 +31,8 @@ pub(crate) struct Judged {
     pub(crate) factors: Factors,
     pub(crate) rounds: usize,
     pub(crate) hypotheses: Vec<Hypothesis>,
-    pub(crate) cut_proved: bool,
+    /// By how much the cost of the multicut may exceed the minimum, as a share of it.
+    pub(crate) cut_gap: f64,
     /// Evidence of the pairs compared.
     pub(crate) ties: Vec<Tie>,
     /// Parts of the graph that closures could join, and those that they do.
@@ -151,7 +152,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     let breaks = if model.without(Ingredient::Breaks) { Vec::new() } else { breaks(graph, &rounds) };
     let Rounds { accepted, ratio, local, hypotheses, random, .. } = rounds;
     let local = local.iter().map(|ratio| ratio.map_or(0.0, |ratio| random.wrong(ratio))).collect();
-    let cut_proved = clusters.optimal;
+    let cut_gap = clusters.gap;
     Ok(Judged {
         accepted,
         ratio,
@@ -160,7 +161,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         factors,
         rounds: number,
         hypotheses,
-        cut_proved,
+        cut_gap,
         ties,
         joinable,
         breaks,

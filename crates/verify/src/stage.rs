@@ -125,18 +125,23 @@ fn report(verification: &Verification) {
     }
 }
 
+/// The gap of the multicut at which its hypotheses are in doubt: below, rounds of map and verdicts make up for it.
+const LARGE_GAP: f64 = 0.01;
+
 /// Raises the doubts about the verdicts. Without candidates there is nothing to doubt.
 fn doubt(verification: &Verification, context: &mut Context) {
-    let Verification { findings, joins_proposed, joins_established, calibration, cut_proved, .. } =
-        verification;
+    let Verification { findings, joins_proposed, joins_established, calibration, cut_gap, .. } = verification;
     if findings.is_empty() {
         return;
     }
-    if !cut_proved {
+    if cut_gap.is_finite() && *cut_gap > LARGE_GAP {
         context.doubt(
             Doubt::SearchLimit,
-            "the multicut of the hypotheses is not proved optimal: a limit ended its search, so another choice among them may \
-             have more evidence; look at edges with --explain",
+            format!(
+                "a limit ended the search for the multicut, whose cost may be {:.1} % above the minimum: other hypotheses may have \
+                 more evidence; look at edges with --explain",
+                100.0 * cut_gap
+            ),
         );
     }
     let open = joins_proposed.saturating_sub(*joins_established);
@@ -194,6 +199,7 @@ fn note(verification: &Verification, graph: &PoseGraph, rejected: usize, context
     statistics.note("rivals", &verification.rivals);
     statistics.note("calibration", &verification.calibration);
     statistics.note("broken_odometry", broken);
-    statistics.note("cut_proved", verification.cut_proved);
+    statistics.note("cut_proved", verification.cut_gap == 0.0);
+    statistics.note("cut_gap", verification.cut_gap.is_finite().then_some(verification.cut_gap));
     statistics.note("rounds", verification.rounds);
 }

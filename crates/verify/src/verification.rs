@@ -37,8 +37,8 @@ pub struct Verification {
     pub calibration: Calibration,
     /// Places among the graph's edges of odometry that is broken.
     pub broken: Vec<usize>,
-    /// Whether the multicut is proved optimal.
-    pub cut_proved: bool,
+    /// By how much the cost of the multicut may exceed the minimum, as a share of it; 0 where it is proved to be minimal.
+    pub cut_gap: f64,
     /// Rounds of map and verdicts.
     pub rounds: usize,
 }
@@ -98,7 +98,7 @@ pub fn verify_by<G: Motion<DOF>, const DOF: usize>(
         rivals: rivals(&model, &judged),
         calibration: judged.factors.loops,
         broken,
-        cut_proved: judged.cut_proved,
+        cut_gap: judged.cut_gap,
         rounds: judged.rounds,
     })
 }
