@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 use std::sync::{Condvar, Mutex, PoisonError};
+use std::thread::Builder;
 use std::time::Instant;
 
 use anyhow::Context as _;
@@ -89,10 +90,15 @@ pub fn run(plan: &Plan, options: &RunOptions, progress: &ProgressBar) -> anyhow:
     let timed = plan.tasks.iter().flat_map(|task| task.chain.iter().cloned()).collect();
     let shared = Mutex::new(Shared { schedule, journals, summary, running: 0, broken: None, timed });
     let changed = Condvar::new();
+    let work = || work(plan, &lock, threads, &shared, &changed, progress);
     std::thread::scope(|scope| {
-        for _ in 0..threads.min(needed) {
-            scope.spawn(|| work(plan, &lock, threads, &shared, &changed, progress));
+        // This thread is one of them, and the only one where no other can be started.
+        for _ in 1..threads.min(needed) {
+            if Builder::new().spawn_scoped(scope, work).is_err() {
+                break;
+            }
         }
+        work();
     });
     let mut shared = shared.into_inner().unwrap_or_else(PoisonError::into_inner);
     let groups: HashSet<&str> = plan.tasks.iter().map(|task| task.group.as_str()).collect();

@@ -1,6 +1,7 @@
 //! As many threads as asked for, and no more than processors.
 
 use std::num::NonZero;
+use std::thread::Builder;
 
 use anyhow::Context as _;
 
@@ -25,7 +26,8 @@ pub(crate) fn bounded(threads: usize) -> usize {
     threads.min(processors)
 }
 
-/// Starts the threads of computations: this number, or for 0 what the environment or the processors say.
+/// Starts the threads of computations: this number, or for 0 what the environment or the processors say. Started here, and not where
+/// they are first needed, a failure is no panic.
 pub(crate) fn start(threads: usize) -> anyhow::Result<()> {
     let of_environment =
         || VARIABLES.iter().filter_map(|name| std::env::var(name).ok()?.trim().parse().ok()).max();
@@ -34,11 +36,11 @@ pub(crate) fn start(threads: usize) -> anyhow::Result<()> {
         0 => of_environment().filter(|&threads: &usize| threads > processors()).map_or(0, |_| processors()),
         threads => threads,
     };
-    if threads == 0 {
-        return Ok(());
+    let mut pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    // Tried before, since a pool that failed cannot be asked for again.
+    if let Err(cause) = Builder::new().spawn(|| {}) {
+        warn!("no further thread can be started ({cause}); using one");
+        pool = pool.num_threads(1).use_current_thread();
     }
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build_global()
-        .context("the threads cannot be started; try fewer with --threads")
+    pool.build_global().context("the threads cannot be started; try fewer with --threads")
 }

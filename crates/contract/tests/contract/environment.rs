@@ -11,7 +11,8 @@ use posecut_contract::{program, workspace};
 
 use crate::table::{Row, TABLE, streams};
 
-/// What the programs and their libraries read. Of RAYON_RS_NUM_CPUS, 2^64 - 1 threads were started until memory was full.
+/// What the programs and their libraries read. Of RAYON_RS_NUM_CPUS, 2^64 - 1 threads were started until memory was full; with an
+/// impossible RUST_MIN_STACK no thread could be started, and programs panicked.
 const VARIABLES: &[&str] = &[
     "RAYON_NUM_THREADS",
     "RAYON_RS_NUM_CPUS",
@@ -25,6 +26,7 @@ const VARIABLES: &[&str] = &[
     "CLICOLOR_FORCE",
     "RUST_BACKTRACE",
     "RUST_LIB_BACKTRACE",
+    "RUST_MIN_STACK",
     "HOME",
     "LANG",
     "LC_ALL",
