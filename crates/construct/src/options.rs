@@ -113,16 +113,20 @@ impl Options {
                 "at least 0 and below 1: at 1 no correct edge would be left to imitate",
             );
         }
-        let positive = [
-            ("--radius", self.radius),
-            ("--heading", self.heading),
+        for (option, value) in [("--radius", self.radius), ("--heading", self.heading)] {
+            if !(value > 0.0 && value.is_finite()) {
+                return refuse(option, value, "a positive number");
+            }
+        }
+        let squared = [
             ("--landmark-sigma-translation", self.landmark_sigma_translation),
             ("--landmark-sigma-rotation", self.landmark_sigma_rotation),
             ("--landmark-covariance-scale", self.landmark_covariance_scale),
         ];
-        for (option, value) in positive {
-            if !(value > 0.0 && value.is_finite()) {
-                return refuse(option, value, "a positive number");
+        for (option, value) in squared {
+            // Information is one over its square, and both must be numbers.
+            if !(1e-50..=1e50).contains(&value) {
+                return refuse(option, value, "a positive number, from 1e-50 to 1e50");
             }
         }
         let not_negative = [

@@ -153,6 +153,9 @@ impl Context {
         if path == Path::new("-") {
             bail!("{option} is -, which stands for standard output and belongs to --output; name a file");
         }
+        if path.is_dir() {
+            bail!("{}: is a folder, and {option} writes a file; name a file", path.display());
+        }
         let stats = self.common.stats.as_deref().filter(|_| option != STATS);
         for (other, what) in [(self.common.output.path(), "as output"), (stats, "for --stats")] {
             if other.is_some_and(|other| overwrites(path, other)) {

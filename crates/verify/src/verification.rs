@@ -69,11 +69,13 @@ pub fn verify_by<G: Motion<DOF>, const DOF: usize>(
     let Parts { graph, model, mut judged, broken } =
         Parts::<G, DOF>::of(renumbered::<G, DOF>(graph), without)?;
     if hypothesis > 0 {
-        let chosen = judged.others().nth(hypothesis - 1).with_context(|| {
-            let count = judged.others().count();
-            format!(
+        let chosen = judged.others().nth(hypothesis - 1).with_context(|| match judged.others().count() {
+            0 => {
+                format!("hypothesis {hypothesis}: this graph has none beside the map; leave --hypothesis out")
+            }
+            count => format!(
                 "hypothesis {hypothesis}: this graph has {count} beside the map; name one of 0 to {count}"
-            )
+            ),
         })?;
         let members = chosen.members.clone();
         ensure!(

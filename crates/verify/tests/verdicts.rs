@@ -228,6 +228,14 @@ fn a_second_alignment_of_comparable_evidence_is_named_and_can_be_applied() {
 }
 
 #[test]
+fn a_graph_without_another_hypothesis_says_so() {
+    let graph =
+        Scenario { candidates: 60, outliers: 0.0, falsehood: Falsehood::Uniform, seed: 1 }.draw::<SE2, 3>();
+    let beyond = verify_by::<SE2, 3>(&graph, 5, &[]).unwrap_err().to_string();
+    assert!(beyond.contains("has none beside the map; leave --hypothesis out"), "{beyond}");
+}
+
+#[test]
 fn every_ingredient_can_be_left_out() {
     let graph = draw::<SE2, 3>(0.3, Falsehood::Grouped, 5);
     let whole = verify::<SE2, 3>(&graph).unwrap();

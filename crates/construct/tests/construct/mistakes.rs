@@ -122,6 +122,25 @@ fn a_group_of_one_is_refused() {
     assert!(error.starts_with("--group-length is 1"), "{error}");
 }
 
+/// A rotation drawn with a deviation of 1e300 was no number any more, and the writer took it for a fault of the stage.
+#[test]
+fn deviations_whose_squares_are_no_numbers_are_refused() {
+    for value in [1e300, 1e-300] {
+        let asked = [
+            Options { landmark_sigma_translation: value, ..options() },
+            Options { landmark_sigma_rotation: value, ..options() },
+            Options { landmark_covariance_scale: value, ..options() },
+        ];
+        for asked in asked {
+            let error = construct(vec![rounds("s", 314)], &asked).unwrap_err().to_string();
+            assert!(error.starts_with("--landmark-") && error.contains("from 1e-50 to 1e50"), "{error}");
+        }
+    }
+    let largest = Options { landmark_sigma_rotation: 1e50, opposite_direction: true, ..options() };
+    let (graph, _) = construct(vec![rounds("s", 314)], &largest).unwrap();
+    graph.write(&mut Vec::new()).unwrap();
+}
+
 fn kind() -> impl Strategy<Value = IncorrectKind> {
     prop_oneof![
         Just(IncorrectKind::Uniform),

@@ -29,5 +29,11 @@ fn files_beside_the_result_may_be_neither_it_nor_the_statistics() {
         }
         let dash = run(name, &[&[graph.as_str()], options, &["-"]].concat(), b"");
         assert_eq!(dash.status.code(), Some(2), "{name}");
+        // That it cannot be written was only found when the work was done, and the summary printed.
+        let here = folder.path().to_str().unwrap();
+        let into_folder = run(name, &[&[graph.as_str()], options, &[here]].concat(), b"");
+        let said = String::from_utf8_lossy(&into_folder.stderr);
+        assert_eq!(into_folder.status.code(), Some(2), "{name}: {said}");
+        assert!(said.contains("is a folder") && said.lines().count() == 1, "{name}: {said}");
     }
 }
