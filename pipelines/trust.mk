@@ -36,7 +36,8 @@ trust: $(if $(DATA),$(EXPERIMENTS) $(REPORT))
 	  $(REPORT) trust $(call quoted,$(trust_results)/results.jsonl) --times $(call quoted,$(trust_results)/times.jsonl) \
 	    -o $(call quoted,$(trust_results)/trust.md) --figure $(call quoted,$(trust_figure)) \
 	    --reliability $(call quoted,$(trust_reliability)) \
-	    $(if $(HALF),--half $(HALF)) $(if $(DOCUMENT),--document $(call quoted,$(DOCUMENT))) || status=$$?; exit $$status
+	    $(if $(HALF),--half $(HALF)) $(if $(DOCUMENT),--document $(call quoted,$(DOCUMENT))) \
+	    $(if $(filter docs/trust.md,$(DOCUMENT)),--summary README.md) || status=$$?; exit $$status
 	@echo '  tables in $(trust_results)/trust.md, one line a run in $(trust_results)/results.jsonl'
 
 # A sample that needs no data, for tests of the whole chain: every method on two simulated sessions.

@@ -8,7 +8,9 @@ use posecut_report::figure::plotting::{Drawing, charts, lanes};
 use posecut_report::figure::regret::{figure, regrets};
 use posecut_report::figure::reliability::figure as diagram;
 use posecut_report::regimes::document::splice;
+use posecut_report::trust::comparison::brief;
 use posecut_report::trust::document::sections;
+use posecut_report::trust::recommendation::recommended;
 use posecut_report::trust::records::{read_results, read_times};
 use posecut_report::trust::reliability::reliability;
 use posecut_report::trust::tables::{Table, tables};
@@ -44,13 +46,20 @@ pub(crate) struct Trust {
     /// Put the answer and the tables between the markers of this document (docs/trust.md)
     #[arg(long, value_name = "FILE")]
     document: Option<PathBuf>,
+
+    /// Put the recommended method beside the best other one between the markers `trust` of this document (README.md)
+    #[arg(long, value_name = "FILE")]
+    summary: Option<PathBuf>,
 }
 
 impl Trust {
     pub(crate) fn write(&self, context: &mut Context) -> anyhow::Result<Vec<u8>> {
-        for (option, path) in
-            [("--figure", &self.figure), ("--reliability", &self.reliability), ("--document", &self.document)]
-        {
+        for (option, path) in [
+            ("--figure", &self.figure),
+            ("--reliability", &self.reliability),
+            ("--document", &self.document),
+            ("--summary", &self.summary),
+        ] {
             if let Some(path) = path {
                 context.check_further_output(option, path)?;
             }
@@ -73,18 +82,27 @@ impl Trust {
             }
         }
         if let Some(document) = &self.document {
-            let place = || format!("{}: cannot be used", document.display());
-            let mut text = std::fs::read_to_string(document).with_context(place)?;
-            for (name, section) in sections(&benchmark)? {
-                text = splice(&text, name, &section).with_context(place)?;
-            }
-            write_atomically(document, |writer| Ok(writer.write_all(text.as_bytes())?))?;
+            fill(document, &sections(&benchmark)?)?;
+        }
+        if let Some(document) = &self.summary {
+            let chosen = recommended(&benchmark)?;
+            fill(document, &[("trust", brief(&benchmark, self.half, chosen))])?;
         }
         context.statistics.note("runs", benchmark.runs.len());
         context.statistics.note("methods", benchmark.methods.len());
         let text: String = tables(&benchmark, self.half).iter().map(Table::markdown).collect();
         Ok(text.into_bytes())
     }
+}
+
+/// Puts sections between their markers in a document.
+fn fill(document: &Path, sections: &[(&str, String)]) -> anyhow::Result<()> {
+    let place = || format!("{}: cannot be used", document.display());
+    let mut text = std::fs::read_to_string(document).with_context(place)?;
+    for (name, section) in sections {
+        text = splice(&text, name, section).with_context(place)?;
+    }
+    write_atomically(document, |writer| Ok(writer.write_all(text.as_bytes())?))
 }
 
 /// Reads results and times; the context remembers their digests.

@@ -4,7 +4,7 @@ use super::benchmark::Benchmark;
 use super::records::Half;
 use super::summary::{Estimate, Summary, summary};
 use super::tables::{NONE, Table, recall, with_head};
-use crate::table::metres;
+use crate::table::{grid, metres};
 
 /// A row a family: the chosen method, the other one with the smallest mean RMSE, and the mean of the smallest RMSE of all methods, run
 /// by run, which nobody can reach without knowing the answer.
@@ -51,6 +51,29 @@ pub fn comparison(benchmark: &Benchmark, half: Half, chosen: usize) -> Table {
         ),
         cells: with_head(&head, rows),
     }
+}
+
+/// The columns of the comparison that a first page needs, with how to read them. Markdown.
+pub fn brief(benchmark: &Benchmark, half: Half, chosen: usize) -> String {
+    let table = comparison(benchmark, half, chosen);
+    let name = &benchmark.methods[chosen];
+    let head = [
+        "family of graphs",
+        "runs",
+        &format!("{name}: mean, m"),
+        "runs with a false edge",
+        "best other method",
+        "mean, m",
+        "runs with a false edge",
+    ];
+    let columns = [0, 1, 2, 3, 5, 6, 7];
+    let rows = table.cells.iter().skip(1).map(|row| columns.map(|column| row[column].clone()).to_vec());
+    let mut text = format!(
+        "Mean RMSE against the optimum of the correct edges, and runs in which an incorrect edge is kept, of `{name}` and of the best of {} other methods for each family, on the {half} half of the [trust benchmark](docs/trust.md):\n\n",
+        benchmark.methods.len() - 1
+    );
+    grid(&mut text, &with_head(&head, rows));
+    text
 }
 
 fn mean(own: &Summary) -> f64 {

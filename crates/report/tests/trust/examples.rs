@@ -4,7 +4,7 @@ use posecut_report::figure::plotting::lanes;
 use posecut_report::figure::regret::{figure, position, regrets};
 use posecut_report::regimes::document::splice;
 use posecut_report::trust::Half;
-use posecut_report::trust::comparison::comparison;
+use posecut_report::trust::comparison::{brief, comparison};
 use posecut_report::trust::document::sections;
 use posecut_report::trust::recommendation::{answer, recommended};
 use posecut_report::trust::summary::summary;
@@ -105,6 +105,10 @@ fn the_tuning_half_chooses_and_the_test_half_reports() {
     assert_eq!(row(&table_of_careful, 2), "g 1 1.00 1 1.000 bold 1.00 0 1.000 1.00");
     assert_eq!(row(&table_of_careful, 3), "all 3 3.33 1 1.000 bold 0.33 0 1.000 0.33");
     assert_eq!(row(&table, 1), "f 2 0.00 0 1.000 careful 4.50 0 1.000 0.00");
+    let said = brief(&benchmark, Half::Test, 1);
+    assert!(said.contains("of `careful` and of the best of 2 other methods"), "{said}");
+    let row = said.lines().find(|line| line.starts_with("| all")).unwrap();
+    assert_eq!(row.split_whitespace().collect::<String>(), "|all|3|3.33|1|bold|0.33|0|", "{said}");
     // A method with a gap in the tuning half cannot be chosen, however good it is on the rest.
     let gap = text.clone() + &done(tuning("a"), "lucky", 0.0, [1, 0, 0]);
     assert_eq!(benchmark.methods[recommended(&read(&gap).unwrap()).unwrap()], "careful");
