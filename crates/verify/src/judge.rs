@@ -129,7 +129,6 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         drawing,
         random,
         threshold,
-        loose,
         hypotheses,
         parts,
         accepted,

@@ -14,6 +14,7 @@
 //! - `rivals`: other ways to join two chains.
 //! - [`verdict`], [`stage`]: what is said of every edge, on a pose graph.
 
+mod agreement;
 mod breaks;
 mod bridges;
 mod calibration;

@@ -9,7 +9,7 @@ use crate::judge::Judged;
 use crate::model::{Model, Motion};
 
 /// A rival has at least this share of the evidence of what is accepted between the same chains.
-const COMPARABLE: f64 = 0.5;
+pub(crate) const COMPARABLE: f64 = 0.5;
 
 /// Another way to join two chains.
 #[derive(Clone, Debug, PartialEq, Serialize)]

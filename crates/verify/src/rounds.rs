@@ -26,7 +26,7 @@ pub(crate) const CONTRADICTED: f64 = -3.0;
 /// return to them. Where an edge alone is to join two sessions, no other evidence makes up for it.
 const ROADS: f64 = 5.0;
 /// Largest probability of being wrong at which a closure is accepted.
-const DOUBT: f64 = 0.1;
+pub(crate) const DOUBT: f64 = 0.1;
 /// The same of one with an error that only one in a hundred correct ones has.
 const UNUSUAL_DOUBT: f64 = 0.01;
 
@@ -43,8 +43,6 @@ pub(crate) struct Rounds<'a, G, const DOF: usize> {
     /// Calibration without coherent terms, which the optimiser does not have.
     pub(crate) random: Calibration,
     pub(crate) threshold: f64,
-    /// The same for islands, which are fewer.
-    pub(crate) loose: f64,
     pub(crate) hypotheses: Vec<Hypothesis>,
     /// Parts of the graph: chains that accepted closures join.
     pub(crate) parts: UnionFind<usize>,
@@ -206,11 +204,12 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             part[span.a] == part[span.b]
         };
         let asked: Vec<usize> = (0..self.accepted.len()).filter(|&closure| within(closure)).collect();
-        let open = |hypothesis: &&Hypothesis| {
-            let accepted = hypothesis.members.iter().filter(|&&member| self.accepted[member]).count();
-            within(hypothesis.members[0]) && 2 * accepted < hypothesis.members.len()
-        };
-        let first: Vec<usize> = self.hypotheses.iter().filter(open).flat_map(Hypothesis::witnesses).collect();
+        let open: Vec<usize> = (0..self.hypotheses.len())
+            .filter(|&number| {
+                within(self.hypotheses[number].members[0]) && !self.holds(&self.hypotheses[number])
+            })
+            .collect();
+        let first: Vec<usize> = open.iter().flat_map(|&number| self.hypotheses[number].witnesses()).collect();
         let mut start = self.poses.take();
         let (poses, judged) = loop {
             let bridges = &self.seams.confirmed;
@@ -264,27 +263,13 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             // Accepted with a hypothesis, and the map does not hold both ends without it.
             next[closure] |= self.accepted[closure] && self.ratio[closure].is_none();
         }
-        let agreeing: Vec<usize> = self
-            .hypotheses
-            .iter()
-            .filter(open)
-            .filter(|hypothesis| {
-                let witnesses = hypothesis.witnesses();
-                let agree = witnesses
-                    .iter()
-                    .filter(|&&member| self.ratio[member].is_some_and(|ratio| ratio > self.loose))
-                    .count();
-                2 * agree > witnesses.len()
-            })
-            .flat_map(|hypothesis| hypothesis.members.iter().copied())
-            .collect();
-        for member in agreeing {
+        let open = || open.iter().map(|&number| &self.hypotheses[number]);
+        for &member in open().filter(|hypothesis| self.agrees(hypothesis)).flat_map(|found| &found.members) {
             next[member] = true;
         }
         // Where odometry says nothing of closures, only an island's own evidence can place it: the heaviest goes first.
         if self.random.on_prior
-            && let Some(unseen) =
-                self.hypotheses.iter().filter(open).find(|hypothesis| self.unplaced(hypothesis))
+            && let Some(unseen) = open().find(|hypothesis| self.unplaced(hypothesis))
         {
             for &member in &unseen.members {
                 next[member] = true;
@@ -307,16 +292,6 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
     fn precise(&self, closure: usize) -> bool {
         let vague = self.local[closure].is_some_and(|local| is_vague(self.random.wrong(local)));
         !self.strict || !vague
-    }
-
-    /// Whether the map could hardly support most members of a hypothesis if they were correct, and does not contradict them.
-    fn unplaced(&self, hypothesis: &Hypothesis) -> bool {
-        let witnesses = hypothesis.witnesses();
-        let unseen = witnesses.iter().filter(|&&member| {
-            self.most[member].is_some_and(|most| most <= self.loose)
-                && self.ratio[member].is_some_and(|ratio| ratio > CONTRADICTED)
-        });
-        2 * unseen.count() > witnesses.len()
     }
 
     /// Closures with less evidence than a random one might have somewhere, but which are likely where they are: the posterior

@@ -1,0 +1,48 @@
+//! What the map says of whole hypotheses.
+
+use crate::islands::Hypothesis;
+use crate::model::Motion;
+use crate::rivals::COMPARABLE;
+use crate::rounds::{CONTRADICTED, DOUBT, Rounds};
+
+impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
+    /// The odds against a hypothesis before the map is asked: of those with comparable evidence, how many the map does not hold for each
+    /// that it does. Never below one: a group that agrees with itself may be one of false edges wherever it is.
+    fn odds_against(&self, hypothesis: &Hypothesis) -> f64 {
+        let comparable =
+            self.hypotheses.iter().filter(|other| other.evidence >= COMPARABLE * hypothesis.evidence);
+        let (held, others): (Vec<_>, Vec<_>) = comparable.partition(|other| self.holds(other));
+        ((others.len() + 1) as f64 / (held.len() + 1) as f64).max(1.0)
+    }
+
+    /// Whether the map has at least half of a hypothesis.
+    pub(crate) fn holds(&self, hypothesis: &Hypothesis) -> bool {
+        let accepted = hypothesis.members.iter().filter(|&&member| self.accepted[member]).count();
+        2 * accepted >= hypothesis.members.len()
+    }
+
+    /// Evidence of the map that leaves little doubt of a hypothesis.
+    fn enough(&self, hypothesis: &Hypothesis) -> f64 {
+        (self.odds_against(hypothesis) * (1.0 - DOUBT) / DOUBT).ln()
+    }
+
+    /// Whether the map leaves little doubt of most members of a hypothesis.
+    pub(crate) fn agrees(&self, hypothesis: &Hypothesis) -> bool {
+        let (witnesses, enough) = (hypothesis.witnesses(), self.enough(hypothesis));
+        let agree = witnesses
+            .iter()
+            .filter(|&&member| self.ratio[member].is_some_and(|ratio| ratio > enough))
+            .count();
+        2 * agree > witnesses.len()
+    }
+
+    /// Whether the map could hardly support most members of a hypothesis if they were correct, and does not contradict them.
+    pub(crate) fn unplaced(&self, hypothesis: &Hypothesis) -> bool {
+        let (witnesses, enough) = (hypothesis.witnesses(), self.enough(hypothesis));
+        let unseen = witnesses.iter().filter(|&&member| {
+            self.most[member].is_some_and(|most| most <= enough)
+                && self.ratio[member].is_some_and(|ratio| ratio > CONTRADICTED)
+        });
+        2 * unseen.count() > witnesses.len()
+    }
+}
