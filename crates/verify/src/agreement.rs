@@ -26,23 +26,18 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         (self.odds_against(hypothesis) * (1.0 - DOUBT) / DOUBT).ln()
     }
 
-    /// Whether the map leaves little doubt of most members of a hypothesis.
-    pub(crate) fn agrees(&self, hypothesis: &Hypothesis) -> bool {
-        let (witnesses, enough) = (hypothesis.witnesses(), self.enough(hypothesis));
-        let agree = witnesses
-            .iter()
-            .filter(|&&member| self.ratio[member].is_some_and(|ratio| ratio > enough))
-            .count();
-        2 * agree > witnesses.len()
+    /// Whether a map leaves little doubt of most members of a hypothesis, by their evidence.
+    pub(crate) fn agrees(&self, hypothesis: &Hypothesis, evidence: impl Fn(usize) -> Option<f64>) -> bool {
+        let enough = self.enough(hypothesis);
+        hypothesis.is_mostly(|member| evidence(member).is_some_and(|evidence| evidence > enough))
     }
 
     /// Whether the map could hardly support most members of a hypothesis if they were correct, and does not contradict them.
     pub(crate) fn unplaced(&self, hypothesis: &Hypothesis) -> bool {
-        let (witnesses, enough) = (hypothesis.witnesses(), self.enough(hypothesis));
-        let unseen = witnesses.iter().filter(|&&member| {
+        let enough = self.enough(hypothesis);
+        hypothesis.is_mostly(|member| {
             self.most[member].is_some_and(|most| most <= enough)
                 && self.ratio[member].is_some_and(|ratio| ratio > CONTRADICTED)
-        });
-        2 * unseen.count() > witnesses.len()
+        })
     }
 }

@@ -28,4 +28,6 @@ pub enum Ingredient {
     Bridges,
     /// Groups of edges behind odometry that is broken, where the usual motion leads to them
     Breaks,
+    /// Groups of edges that the map contradicts, where a map with them agrees with other groups
+    Trials,
 }

@@ -28,13 +28,15 @@ impl Hypothesis {
         self.members.iter().copied().step_by(step).collect()
     }
 
+    /// Whether something holds for most members.
+    pub(crate) fn is_mostly(&self, holds: impl Fn(usize) -> bool) -> bool {
+        let witnesses = self.witnesses();
+        2 * witnesses.iter().filter(|&&member| holds(member)).count() > witnesses.len()
+    }
+
     /// Whether evidence contradicts most members.
     pub(crate) fn contradicted(&self, evidence: &[Option<Evidence>]) -> bool {
-        let witnesses = self.witnesses();
-        let against = witnesses
-            .iter()
-            .filter(|&&member| evidence[member].is_some_and(|found| found.weight() <= CONTRADICTED));
-        2 * against.count() > witnesses.len()
+        self.is_mostly(|member| evidence[member].is_some_and(|found| found.weight() <= CONTRADICTED))
     }
 }
 

@@ -134,6 +134,8 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         accepted,
         ratio,
         fits: vec![false; count],
+        chance: vec![None; count],
+        tried: vec![false; count],
         local: vec![None; count],
         strict: false,
         most: vec![None; count],

@@ -35,6 +35,7 @@ mod renumber;
 mod rivals;
 mod rounds;
 pub mod stage;
+mod trials;
 mod usual;
 pub mod verdict;
 mod verification;

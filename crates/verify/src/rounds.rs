@@ -48,6 +48,10 @@ pub(crate) struct Rounds<'a, G, const DOF: usize> {
     pub(crate) parts: UnionFind<usize>,
     pub(crate) accepted: Vec<bool>,
     pub(crate) ratio: Vec<Option<f64>>,
+    /// The same against chance alone, however large the error.
+    pub(crate) chance: Vec<Option<f64>>,
+    /// Hypotheses that a map was drawn with on trial.
+    pub(crate) tried: Vec<bool>,
     /// Whether the error is as small as that of 99 % of correct closures.
     pub(crate) fits: Vec<bool>,
     /// What bridges say of each closure between their chains, and those between sessions alone.
@@ -106,6 +110,9 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             }
             let mut placed = self.across(bridges)?;
             placed.extend(self.continued());
+            if placed.is_empty() && !self.model.without(Ingredient::Trials) {
+                placed = self.confirmed()?;
+            }
             if placed.is_empty() {
                 return Ok(number);
             }
@@ -243,6 +250,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
                     let evidence = self.with_bridge(closure, evidence);
                     self.ratio[closure] = Some(evidence.weight());
                     self.most[closure] = Some(evidence.most);
+                    self.chance[closure] = Some(evidence.chance);
                     self.fits[closure] = evidence.squared_distance <= self.usual;
                     self.local[closure] = Some(evidence.local);
                 }
@@ -264,7 +272,10 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             next[closure] |= self.accepted[closure] && self.ratio[closure].is_none();
         }
         let open = || open.iter().map(|&number| &self.hypotheses[number]);
-        for &member in open().filter(|hypothesis| self.agrees(hypothesis)).flat_map(|found| &found.members) {
+        for &member in open()
+            .filter(|hypothesis| self.agrees(hypothesis, |member| self.ratio[member]))
+            .flat_map(|found| &found.members)
+        {
             next[member] = true;
         }
         // Where odometry says nothing of closures, only an island's own evidence can place it: the heaviest goes first.

@@ -1,0 +1,76 @@
+//! Groups of edges that the map contradicts, and other groups confirm.
+//!
+//! Wheels of the wrong size make the same error in every session, far beyond what covariances say, and what leads from such sessions
+//! to others contradicts the map. So do false edges that agree with each other. What tells them apart is what follows: a map with the
+//! correct ones agrees with edges between other sessions that it contradicted, too.
+
+use crate::model::Motion;
+use crate::rounds::{CONTRADICTED, Rounds};
+
+/// Most maps that are drawn in vain between two sets of rounds.
+const TRIALS: usize = 4;
+
+impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
+    /// Members of the heaviest hypothesis that the map does not agree with, though its errors are not as large as chance would have
+    /// them, where a map that holds it agrees closely with another one between other chains, and contradicts less than it wins.
+    pub(crate) fn confirmed(&mut self) -> anyhow::Result<Vec<usize>> {
+        let open = self.possible();
+        let group = |number: usize| self.model.closures[self.hypotheses[number].members[0]].group;
+        let others = |number: usize| -> Vec<usize> {
+            open.iter().copied().filter(|&other| group(other) != group(number)).collect()
+        };
+        let asked = open.iter().map(|&number| (number, others(number)));
+        let asked: Vec<(usize, Vec<usize>)> = asked
+            .filter(|(number, others)| !self.tried[*number] && !others.is_empty())
+            .take(TRIALS)
+            .collect();
+        for (number, others) in asked {
+            self.tried[number] = true;
+            if self.is_confirmed(number, &others)? {
+                return Ok(self.hypotheses[number].members.clone());
+            }
+        }
+        Ok(Vec::new())
+    }
+
+    /// Hypotheses within parts that the map does not hold, and that chance explains no better than errors of odometry.
+    fn possible(&self) -> Vec<usize> {
+        let part = self.parts.clone().into_labeling();
+        let likely = |member: usize| self.chance[member].is_some_and(|ratio| ratio > CONTRADICTED);
+        (0..self.hypotheses.len())
+            .filter(|&number| {
+                let hypothesis = &self.hypotheses[number];
+                let span = self.model.span(hypothesis.members[0]);
+                part[span.a] == part[span.b] && !self.holds(hypothesis) && hypothesis.is_mostly(likely)
+            })
+            .collect()
+    }
+
+    /// Draws the map with a hypothesis, and asks it about others.
+    fn is_confirmed(&self, number: usize, others: &[usize]) -> anyhow::Result<bool> {
+        let members = &self.hypotheses[number].members;
+        let mut with = self.accepted.clone();
+        for &member in members {
+            with[member] = true;
+        }
+        let witnesses: Vec<usize> =
+            others.iter().flat_map(|&other| self.hypotheses[other].witnesses()).collect();
+        let mut asked: Vec<usize> = (0..with.len()).filter(|&closure| with[closure]).collect();
+        asked.extend(&witnesses);
+        asked.sort_unstable();
+        asked.dedup();
+        let bridges = &self.seams.confirmed;
+        let mut map = self.drawing.map(self.model, &self.random, &with, bridges, self.poses.as_deref())?;
+        map.enough = self.threshold;
+        let judged = map.judge(&self.partners, &asked, &witnesses);
+        let found = |closure: usize| judged[asked.binary_search(&closure).ok()?];
+        let lost = (0..with.len()).filter(|&closure| {
+            with[closure] && found(closure).is_some_and(|evidence| evidence.weight() <= CONTRADICTED)
+        });
+        let close = |closure: usize| {
+            found(closure).filter(|found| found.squared_distance <= self.usual).map(|found| found.weight())
+        };
+        let agrees = |other: &&usize| self.agrees(&self.hypotheses[**other], close);
+        Ok(lost.count() < members.len() && others.iter().any(|other| agrees(&other)))
+    }
+}
