@@ -142,7 +142,18 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         usual: chi_square_quantile(DOF, USUAL),
         poses: None,
     };
-    let number = rounds.all(&within)?;
+    let mut number = rounds.all(&within)?;
+    let broken = |rounds: &Rounds<'_, G, DOF>| {
+        if model.without(Ingredient::Breaks) { Vec::new() } else { breaks(graph, rounds) }
+    };
+    let mut breaks = broken(&rounds);
+    // Where odometry is broken everything is judged again, and what it contradicts now may agree with the map.
+    if breaks.is_empty() && !model.without(Ingredient::Trials) {
+        while rounds.try_others()? {
+            number += rounds.all(&within)?;
+        }
+        breaks = broken(&rounds);
+    }
     let mut all = UnionFind::<usize>::new(chains);
     let joinable = model.spans.iter().filter(|span| all.union(span.a, span.b)).count();
     let mut held = UnionFind::<usize>::new(chains);
@@ -150,7 +161,6 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     let joined = spans.filter(|span| held.union(span.a, span.b)).count();
     let prior = rounds.prior();
     let odds = rounds.most.iter().map(|most| prior.odds(*most)).collect();
-    let breaks = if model.without(Ingredient::Breaks) { Vec::new() } else { breaks(graph, &rounds) };
     let Rounds { accepted, ratio, local, hypotheses, random, .. } = rounds;
     let local = local.iter().map(|ratio| ratio.map_or(0.0, |ratio| random.wrong(ratio))).collect();
     let cut_gap = clusters.gap;

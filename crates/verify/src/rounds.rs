@@ -110,9 +110,6 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             }
             let mut placed = self.across(bridges)?;
             placed.extend(self.continued());
-            if placed.is_empty() && !self.model.without(Ingredient::Trials) {
-                placed = self.confirmed()?;
-            }
             if placed.is_empty() {
                 return Ok(number);
             }

@@ -11,9 +11,10 @@ use crate::rounds::{CONTRADICTED, Rounds};
 const TRIALS: usize = 4;
 
 impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
-    /// Members of the heaviest hypothesis that the map does not agree with, though its errors are not as large as chance would have
+    /// Accepts the heaviest hypothesis that the map does not agree with, though its errors are not as large as chance would have
     /// them, where a map that holds it agrees closely with another one between other chains, and contradicts less than it wins.
-    pub(crate) fn confirmed(&mut self) -> anyhow::Result<Vec<usize>> {
+    /// Whether there is one.
+    pub(crate) fn try_others(&mut self) -> anyhow::Result<bool> {
         let open = self.possible();
         let group = |number: usize| self.model.closures[self.hypotheses[number].members[0]].group;
         let others = |number: usize| -> Vec<usize> {
@@ -27,10 +28,14 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         for (number, others) in asked {
             self.tried[number] = true;
             if self.is_confirmed(number, &others)? {
-                return Ok(self.hypotheses[number].members.clone());
+                for &member in &self.hypotheses[number].members {
+                    self.accepted[member] = true;
+                }
+                self.poses = None;
+                return Ok(true);
             }
         }
-        Ok(Vec::new())
+        Ok(false)
     }
 
     /// Hypotheses within parts that the map does not hold, and that chance explains no better than errors of odometry.
