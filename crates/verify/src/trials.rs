@@ -31,7 +31,6 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
                 for &member in &self.hypotheses[number].members {
                     self.accepted[member] = true;
                 }
-                self.poses = None;
                 return Ok(true);
             }
         }
