@@ -10,8 +10,8 @@ use crate::model::Motion;
 /// The graph with its nodes numbered along its chains of odometry. Which end of a chain comes first, and which chain, decides
 /// between optima of the calibration that are nearly equal, and must not depend on what nodes are called.
 ///
-/// A chain begins where most of its odometry edges point away from. Chains come by session, first frame, number of nodes and
-/// distance travelled; only where all of these are equal do ids decide. Edges keep their places. O(n log n).
+/// A chain begins where most of its odometry edges point away from. Chains come by first frame, number of nodes and distance travelled;
+/// only where all of these are equal do the names of sessions decide, and then ids. Edges keep their places. O(n log n).
 pub(crate) fn renumbered<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) -> Cow<'_, PoseGraph> {
     let mut chains: Vec<Chain> = paths(graph).into_iter().map(Chain::new).collect();
     let mut places = vec![(0, 0); graph.nodes.len()];
@@ -36,11 +36,12 @@ pub(crate) fn renumbered<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) ->
         chain.nodes.reverse();
     }
     chains.sort_by(|one, other| {
-        let key = |chain: &Chain| {
-            let first = &graph.nodes[chain.nodes[0]];
-            (first.session.as_deref(), first.frame, chain.nodes.len())
-        };
-        key(one).cmp(&key(other)).then(one.travelled.total_cmp(&other.travelled))
+        let first = |chain: &Chain| &graph.nodes[chain.nodes[0]];
+        let key = |chain: &Chain| (first(chain).frame, chain.nodes.len());
+        key(one)
+            .cmp(&key(other))
+            .then(one.travelled.total_cmp(&other.travelled))
+            .then_with(|| first(one).session.cmp(&first(other).session))
     });
     let nodes: Vec<usize> = chains.into_iter().flat_map(|chain| chain.nodes).collect();
     if nodes.is_sorted() { Cow::Borrowed(graph) } else { Cow::Owned(in_order(graph, &nodes)) }
