@@ -30,10 +30,11 @@ pub(crate) fn breaks<G: Motion<DOF>, const DOF: usize>(
 ) -> Vec<usize> {
     let Some(poses) = &rounds.poses else { return Vec::new() };
     // Each group is looked at from both sides.
-    let enough = (COST * 2.0 * rounds.hypotheses.len() as f64).ln();
+    let strong = || rounds.hypotheses.iter().filter(|hypothesis| hypothesis.is_strong());
+    let enough = (COST * 2.0 * strong().count() as f64).ln();
     let search = Search { rounds, poses, held: held(rounds), enough };
     let mut steps: Vec<Step> = Vec::new();
-    for hypothesis in &rounds.hypotheses {
+    for hypothesis in strong() {
         let found = [0, 1].into_iter().find_map(|side| search.around(hypothesis, side));
         steps.extend(found.into_iter().flatten());
     }

@@ -8,8 +8,8 @@ use crate::cut::{Clusters, Tie};
 use crate::evidence::{CLIP, Evidence};
 use crate::rounds::CONTRADICTED;
 
-/// Evidence along a spanning tree below which a cluster does not join two parts, nats.
-const LEAST_EVIDENCE: f64 = 20.0;
+/// Evidence along a spanning tree that is enough to join two parts, or to be held against odometry, nats.
+const STRONG: f64 = 20.0;
 /// Members of a cluster that are looked at to tell whether all of it agrees with the map.
 const WITNESSES: usize = 16;
 
@@ -22,6 +22,11 @@ pub(crate) struct Hypothesis {
 }
 
 impl Hypothesis {
+    /// Whether it may join two parts, and may be held against odometry. Of others the map decides.
+    pub(crate) fn is_strong(&self) -> bool {
+        self.evidence > STRONG
+    }
+
     /// Members spread over the whole.
     pub(crate) fn witnesses(&self) -> Vec<usize> {
         let step = self.members.len().div_ceil(WITNESSES).max(1);
@@ -111,12 +116,12 @@ impl Islands {
         best
     }
 
-    /// Islands of enough evidence, the heaviest first.
-    pub(crate) fn hypotheses(&self) -> Vec<Hypothesis> {
+    /// Islands of at least so much evidence, or strong, the heaviest first.
+    pub(crate) fn hypotheses(&self, least: f64) -> Vec<Hypothesis> {
         let mut found: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for closure in 0..self.evidence.len() {
             let root = self.forest.find(closure);
-            if self.evidence[root] > LEAST_EVIDENCE {
+            if self.evidence[root] > least.min(STRONG) {
                 found.entry(root).or_default().push(closure);
             }
         }

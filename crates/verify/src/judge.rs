@@ -45,7 +45,7 @@ pub(crate) struct Judged {
 impl Judged {
     /// Hypotheses that the map has nothing of, the heaviest first: number 1, 2 and so on.
     pub(crate) fn others(&self) -> impl Iterator<Item = &Hypothesis> {
-        self.hypotheses.iter().filter(|hypothesis| !self.holds(hypothesis))
+        self.hypotheses.iter().filter(|hypothesis| hypothesis.is_strong() && !self.holds(hypothesis))
     }
 
     /// Whether the map has any of it.
@@ -103,7 +103,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
             && best[islands.forest.find(closure)] > loose
     };
     let accepted = (0..count).map(|closure| known(closure) || anchored_well(closure)).collect();
-    let mut hypotheses = islands.hypotheses();
+    let mut hypotheses = islands.hypotheses(threshold);
     let mut parts = UnionFind::new(chains);
     for span in (0..count).filter(|&closure| known(closure)).map(|closure| model.span(closure)) {
         parts.union(span.a, span.b);

@@ -277,7 +277,8 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         }
         // Where odometry says nothing of closures, only an island's own evidence can place it: the heaviest goes first.
         if self.random.on_prior
-            && let Some(unseen) = open().find(|hypothesis| self.unplaced(hypothesis))
+            && let Some(unseen) =
+                open().find(|hypothesis| hypothesis.is_strong() && self.unplaced(hypothesis))
         {
             for &member in &unseen.members {
                 next[member] = true;
@@ -338,7 +339,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
     fn join(&mut self, next: &mut [bool]) -> bool {
         let part = self.parts.clone().into_labeling();
         let mut busy = vec![false; part.len()];
-        for hypothesis in &self.hypotheses {
+        for hypothesis in self.hypotheses.iter().filter(|hypothesis| hypothesis.is_strong()) {
             let span = self.model.span(hypothesis.members[0]);
             let (a, b) = (part[span.a], part[span.b]);
             if a == b || busy[a] || busy[b] {

@@ -45,7 +45,8 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             .filter(|&number| {
                 let hypothesis = &self.hypotheses[number];
                 let span = self.model.span(hypothesis.members[0]);
-                part[span.a] == part[span.b] && !self.holds(hypothesis) && hypothesis.is_mostly(likely)
+                let open = part[span.a] == part[span.b] && !self.holds(hypothesis);
+                open && hypothesis.is_strong() && hypothesis.is_mostly(likely)
             })
             .collect()
     }

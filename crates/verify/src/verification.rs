@@ -96,7 +96,7 @@ pub fn verify_by<G: Motion<DOF>, const DOF: usize>(
         rejected_before: model.rejected_before,
         joins_proposed: judged.joinable,
         joins_established: judged.joined,
-        hypotheses: judged.hypotheses.len(),
+        hypotheses: judged.hypotheses.iter().filter(|hypothesis| hypothesis.is_strong()).count(),
         rivals: rivals(&model, &judged),
         calibration: judged.factors.loops,
         broken,
