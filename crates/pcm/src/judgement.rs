@@ -140,6 +140,7 @@ fn by_cells<G: Spatial<DOF>, const DOF: usize>(
     summary.clique_size += solution.members.len();
     // Nothing is proved about candidates that are no hypotheses.
     summary.clique_upper_bound += pairs.len();
+    summary.searched.add(&solution.clique);
     summary.work += solution.clique.work;
     let mut judged = Judged::new(solution.degrees);
     judged.play(Role::Chance, &solution.by_chance);
@@ -166,6 +167,7 @@ fn by_clique<G: Spatial<DOF>, const DOF: usize>(
     summary.seconds_clique += start.elapsed().as_secs_f64();
     summary.clique_size += clique.vertices.len();
     summary.clique_upper_bound += clique.upper_bound;
+    summary.searched.add(&clique);
     summary.work += clique.work;
     let mut degrees = vec![0; pairs.len()];
     for (vertex, &candidate) in tested.iter().enumerate() {

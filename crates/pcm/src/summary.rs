@@ -4,6 +4,7 @@ use posecut_graph::{EdgeKind, PoseGraph};
 use posecut_stage::{Context, Doubt, counted, info, warn};
 
 use crate::calibration::{Ended, FEWEST, NoScales, ScaleEstimate};
+use crate::clique::MaximumClique;
 use crate::consistency::PairCounts;
 use crate::readmission::Readmitted;
 
@@ -23,6 +24,7 @@ pub(crate) struct Summary {
     pub(crate) hypotheses_left_out: usize,
     pub(crate) clique_size: usize,
     pub(crate) clique_upper_bound: usize,
+    pub(crate) searched: Searched,
     pub(crate) grown: usize,
     pub(crate) by_chance: usize,
     pub(crate) kept: usize,
@@ -33,6 +35,20 @@ pub(crate) struct Summary {
     pub(crate) seconds_pairs: f64,
     pub(crate) seconds_clique: f64,
     pub(crate) seconds_growth: f64,
+}
+
+/// What the searches for cliques found, among candidates or hypotheses, and what their bounds leave possible.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Searched {
+    size: usize,
+    upper_bound: usize,
+}
+
+impl Searched {
+    pub(crate) fn add(&mut self, clique: &MaximumClique) {
+        self.size += clique.vertices.len();
+        self.upper_bound += clique.upper_bound;
+    }
 }
 
 impl Summary {
@@ -61,7 +77,7 @@ impl Summary {
             if optimal { ", proved largest" } else { "" },
             if exact { "" } else { ", by cells" }
         );
-        self.doubt(exact, optimal, context);
+        self.doubt(exact, context);
         if self.unmeasured > 0 {
             warn!(
                 "{} landmark edges have no measurement and are neither tested nor rejected",
@@ -118,16 +134,18 @@ impl Summary {
 
 impl Summary {
     /// Raises the doubts about the cliques and the scales. Without candidates there is nothing to doubt.
-    fn doubt(&self, exact: bool, optimal: bool, context: &mut Context) {
+    fn doubt(&self, exact: bool, context: &mut Context) {
         if self.candidates == 0 {
             return;
         }
-        if exact && !optimal {
+        if self.searched.size < self.searched.upper_bound {
             context.doubt(
                 Doubt::SearchLimit,
                 format!(
-                    "a limit ended the proof: the cliques hold {} edges, at most {} are possible; raise --work-limit or --time-limit",
-                    self.clique_size, self.clique_upper_bound
+                    "a limit ended the proof: the cliques hold {} {}, at most {} are possible; raise --work-limit or --time-limit",
+                    self.searched.size,
+                    if exact { "edges" } else { "edges or hypotheses" },
+                    self.searched.upper_bound
                 ),
             );
         }

@@ -24,7 +24,7 @@ pub(crate) fn chain(nodes: u64, gaps: &[u64], landmarks: &[(u64, u64, f64)]) -> 
             r#"{{"kind":"odometry","id":{from},"from":{from},"to":{to},"measurement":[1,0,0],"noise":"n"}}"#
         );
     }
-    for (id, (from, to, along)) in (100..).zip(landmarks) {
+    for (id, (from, to, along)) in (1000..).zip(landmarks) {
         let _ = writeln!(
             text,
             r#"{{"kind":"landmark","id":{id},"from":{from},"to":{to},"measurement":[{along:?},0,0],"noise":"n"}}"#
@@ -82,11 +82,7 @@ fn cliques() -> String {
             r#"{{"kind":"odometry","id":{from},"from":{from},"to":{to},"measurement":[1,0,0,0,0,0,1],"noise":"n"}}"#
         );
     }
-    let mut state = 5_u64;
-    let mut draw = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) as f64 / f64::from(1_u32 << 31)
-    };
+    let mut draw = draws(5);
     for id in 100..400 {
         let (from, to) = ((20.0 * draw()) as u64, (20.0 * draw()) as u64);
         let [x, y, z] = std::array::from_fn(|_| 2.4 * (draw() - 0.5));
@@ -100,6 +96,47 @@ fn cliques() -> String {
         );
     }
     text
+}
+
+/// Two chains and a candidate between each two of their nodes, 4225 in as many cells.
+fn crowd() -> String {
+    let pairs =
+        (0..65_u64).flat_map(|from| (65..130_u64).map(move |to| (from, to, (to - 65) as f64 - from as f64)));
+    chain(130, &[64], &pairs.collect::<Vec<_>>())
+}
+
+/// A walk that nearly only measures distances, and landmark edges that contradict it in some directions and hardly weigh in others.
+fn tangle() -> String {
+    let mut draw = draws(1);
+    let mut text = header("[1,0,0,1,0,0.001]");
+    for node in 0..20 {
+        let _ = writeln!(text, r#"{{"kind":"node","id":{node},"session":"s","frame":{node}}}"#);
+    }
+    for to in 1..20 {
+        let (from, turn) = (to - 1, 4.0 * draw() - 2.0);
+        let _ = writeln!(
+            text,
+            r#"{{"kind":"odometry","id":{to},"from":{from},"to":{to},"measurement":[1,0,{turn}],"noise":"n"}}"#
+        );
+    }
+    for id in 100..115 {
+        let (from, to) = ((10.0 * draw()) as u64, 10 + (10.0 * draw()) as u64);
+        let [x, y, turn]: [f64; 3] = std::array::from_fn(|_| 6.0 * draw() - 3.0);
+        let _ = writeln!(
+            text,
+            r#"{{"kind":"landmark","id":{id},"from":{from},"to":{to},"measurement":[{x},{y},{turn}],"information":[1e6,0,0,1e-6,0,1e6]}}"#
+        );
+    }
+    text
+}
+
+/// Numbers between 0 and 1, the same ones for a seed.
+fn draws(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as f64 / f64::from(1_u32 << 31)
+    }
 }
 
 /// The path of a file of this list, or of a sample.
@@ -120,6 +157,15 @@ pub(crate) fn path(name: &str) -> String {
             ("costs.jsonl", wrong.replace("\"noise\":\"n\"}\n", "\"noise\":\"n\",\"cost\":-1}\n")),
             ("frustrated.jsonl", frustrated()),
             ("cliques.jsonl", cliques()),
+            ("crowd.jsonl", crowd()),
+            ("tangle.jsonl", tangle()),
+            (
+                "predicted.jsonl",
+                wrong.replace(
+                    "[0.0,0,0],",
+                    "[0.0,0,0],\"rejected_by\":\"pcm\",\"predicted_covariance\":[0.09,0,0,0.6,0.09,0.0225],",
+                ),
+            ),
             ("right.jsonl", right),
             ("empty.jsonl", header("[100,0,0,100,0,400]")),
             ("odometry.jsonl", chain(4, &[], &[])),

@@ -6,6 +6,7 @@
 mod cases;
 mod folder;
 mod judging;
+mod reports;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

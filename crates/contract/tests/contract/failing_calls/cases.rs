@@ -4,6 +4,8 @@ use std::path::Path;
 
 use posecut_contract::{program, run, samples};
 
+use super::folder::copy;
+use super::reports::reports;
 use crate::table::{Row, TABLE, streams};
 
 /// Where standard output goes.
@@ -36,7 +38,7 @@ pub(super) struct Case {
 }
 
 impl Case {
-    fn new(program: &'static str, arguments: &[String], prepare: fn(&Path)) -> Self {
+    pub(super) fn new(program: &'static str, arguments: &[String], prepare: fn(&Path)) -> Self {
         Self {
             name: format!("posecut-{program} {}", arguments.join(" ")),
             program,
@@ -53,7 +55,7 @@ impl Case {
         }
     }
 
-    fn naming(self, names: &[&str]) -> Self {
+    pub(super) fn naming(self, names: &[&str]) -> Self {
         Self { names: names.iter().map(|&name| name.to_owned()).collect(), ..self }
     }
 
@@ -67,7 +69,7 @@ impl Case {
 }
 
 /// A folder with outputs from another time.
-fn old_outputs(folder: &Path) {
+pub(super) fn old_outputs(folder: &Path) {
     for name in ["out", "stats.json", "further"] {
         std::fs::write(folder.join(name), "precious").unwrap();
     }
@@ -75,7 +77,7 @@ fn old_outputs(folder: &Path) {
 
 fn empty(_: &Path) {}
 
-fn words(words: &[&str]) -> Vec<String> {
+pub(super) fn words(words: &[&str]) -> Vec<String> {
     words.iter().map(|&word| word.to_owned()).collect()
 }
 
@@ -124,6 +126,7 @@ pub(super) fn cases() -> Vec<Case> {
     }
     cases.extend(simulations());
     cases.extend(experiments());
+    cases.extend(reports());
     cases
 }
 
@@ -190,9 +193,27 @@ fn finished_experiment(folder: &Path) {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let result = folder.join("results/trial-simulated/one/1/pcm.result.json");
     std::fs::copy(samples().path("x.result.json"), result).unwrap();
-    let expected = "precision = 0.01\n[[cover]]\nexperiment = \"trial\"\n";
-    std::fs::write(folder.join("expected.toml"), expected).unwrap();
     old_outputs(folder);
+}
+
+/// An experiment whose results are a session, graphs and a result, and expectations that record none of them.
+fn unrecorded_experiment(folder: &Path) {
+    finished_experiment(folder);
+    let results = folder.join("results/trial-simulated/one");
+    let graphs = ["graph", "oracle", "oracle.optimized", "pcm", "pcm.optimized"];
+    for file in graphs.map(|name| results.join("1").join(format!("{name}.jsonl"))) {
+        std::fs::copy(samples().path("graph.jsonl"), file).unwrap();
+    }
+    std::fs::copy(samples().path("session.jsonl"), results.join("session.jsonl")).unwrap();
+    let session = folder.join("simulated/one");
+    std::fs::remove_file(&session).unwrap();
+    std::fs::create_dir(&session).unwrap();
+    copy(Path::new(&samples().path("2012-01-22")), &session);
+    let tolerances = ["information", "landmark", "odometry", "other", "pose", "rmse"].map(|quantity| {
+        format!("[tolerance.{quantity}]\nabsolute = 0.001\nrelative = 0.001\nreason = \"rounding\"\n")
+    });
+    let cover = "[[cover]]\nexperiment = \"trial-simulated\"\nseeds = 1\nmean_over = 1\n";
+    std::fs::write(folder.join("expected.toml"), tolerances.concat() + cover).unwrap();
 }
 
 fn experiment_arguments(task: &str, more: &[&str]) -> Vec<String> {
@@ -207,9 +228,21 @@ fn experiments() -> Vec<Case> {
         ..Case::new("experiment", &experiment_arguments("run", &["--stats", "stats.json"]), experiment)
     };
     let collect = ["--times", "further", "-o", "out"];
+    let ends = ["--expected", "expected.toml", "-o", "out", "--stats", "stats.json"];
+    let check = [&["--junit", "further"], &ends[..]].concat();
     vec![
         run.naming(&["results/", "simulated/", "stats.json"]),
         Case::new("experiment", &experiment_arguments("collect", &collect), finished_experiment)
             .naming(&["further", "out"]),
+        Case::new("experiment", &experiment_arguments("check", &check), unrecorded_experiment).naming(&[
+            "further",
+            "out",
+            "stats.json",
+        ]),
+        Case::new("experiment", &experiment_arguments("accept", &ends), unrecorded_experiment).naming(&[
+            "expected.toml",
+            "out",
+            "stats.json",
+        ]),
     ]
 }
