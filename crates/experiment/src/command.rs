@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, bail};
 use clap::{Parser, Subcommand, ValueEnum};
 use posecut_experiment::check::{accept, check};
-use posecut_experiment::{Expected, Programs, RunOptions, Selection, collect, junit, make_rules, run};
+use posecut_experiment::{Expected, Plan, Programs, RunOptions, Selection, collect, junit, make_rules, run};
 use posecut_stage::{CommonArguments, Context, Outcome, counted, info, write_atomically};
 
 #[derive(Parser)]
@@ -131,10 +131,13 @@ pub(crate) fn execute(command: &Command, context: &mut Context) -> anyhow::Resul
             execute_run(selection, &options, context)
         }
         Task::Collect { selection, times } => {
+            let plan = selection.plan()?;
+            note_read(context, &plan);
             if let Some(file) = times {
                 context.check_further_output("--times", file)?;
             }
-            let collected = collect(&selection.plan()?)?;
+            context.check_output()?;
+            let collected = collect(&plan)?;
             info!(
                 "{}, {}, {} missing",
                 counted(collected.found, "result"),
@@ -151,10 +154,13 @@ pub(crate) fn execute(command: &Command, context: &mut Context) -> anyhow::Resul
             Ok(if collected.missing == 0 { Outcome::Done } else { Outcome::CheckFailed })
         }
         Task::Check { selection, expected, junit: file } => {
+            let plan = selection.plan()?;
+            note_read(context, &plan);
+            context.note_read(expected);
             if let Some(file) = file {
                 context.check_further_output("--junit", file)?;
             }
-            let plan = selection.plan()?;
+            context.check_output()?;
             let report = check(&Expected::read(expected)?, &plan, &selection.results);
             if let Some(file) = file {
                 write_atomically(file, |writer| Ok(writer.write_all(junit(&report).as_bytes())?))?;
@@ -172,14 +178,25 @@ pub(crate) fn execute(command: &Command, context: &mut Context) -> anyhow::Resul
             Ok(if report.holds() { Outcome::Done } else { Outcome::CheckFailed })
         }
         Task::Accept { selection, expected } => {
+            let plan = selection.plan()?;
+            note_read(context, &plan);
+            context.note_read(expected);
             let before = Expected::read(expected)?;
-            let (after, changes) = accept(&before, &selection.plan()?, &selection.results)?;
+            let (after, changes) = accept(&before, &plan, &selection.results)?;
             let text = after.write()?;
-            write_atomically(expected, |writer| Ok(writer.write_all(text.as_bytes())?))?;
+            // What cannot be shown is not recorded either.
             context.write_bytes(changes.as_bytes())?;
+            write_atomically(expected, |writer| Ok(writer.write_all(text.as_bytes())?))?;
             Ok(Outcome::Done)
         }
         Task::Stages { stages, programs } => list_stages(stages, programs.as_ref(), context),
+    }
+}
+
+/// No output may take the place of what a plan reads and writes.
+fn note_read(context: &mut Context, plan: &Plan) {
+    for task in &plan.tasks {
+        context.note_read(&task.id);
     }
 }
 

@@ -302,3 +302,38 @@ fn a_file_without_expectation_fails() {
     assert!(said.contains("has no expectation yet"), "{said}");
     assert!(said.contains("not checked, since this run does not make them: 1 file"), "{said}");
 }
+
+/// `accept -o` of a result put the list of changes in its place.
+#[test]
+fn no_output_takes_the_place_of_a_result_or_of_the_expectations() {
+    let result = "results/trial-simulated/one/1/pcm.result.json";
+    let calls: [(&str, &[&str], &str); 7] = [
+        ("accept", &["--expected", "expected.toml", "-o", result], result),
+        ("accept", &["--expected", "expected.toml", "-o", "expected.toml"], "expected.toml"),
+        ("check", &["--expected", "expected.toml", "-o", result], result),
+        ("check", &["--expected", "expected.toml", "--junit", result], result),
+        ("check", &["--expected", "expected.toml", "--junit", "expected.toml"], "expected.toml"),
+        ("collect", &["-o", result], result),
+        ("collect", &["--times", result], result),
+    ];
+    let workshop = results();
+    for (task, more, kept) in calls {
+        let before = fs::read(workshop.path(kept)).unwrap();
+        let output = workshop.call(task, more);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{task} {more:?}: {said}");
+        assert!(said.contains("one would overwrite the other"), "{task} {more:?}: {said}");
+        assert_eq!(fs::read(workshop.path(kept)).unwrap(), before, "{task} {more:?}");
+    }
+}
+
+/// The expectations were recorded before it turned out that the changes could not be shown.
+#[test]
+fn changes_that_cannot_be_shown_are_not_recorded() {
+    let workshop = results();
+    let before = fs::read(workshop.path("expected.toml")).unwrap();
+    write_result(&workshop, "one/1/pcm.result.json", 50.0, 2);
+    let output = workshop.call("accept", &["--expected", "expected.toml", "-o", "no/such/folder"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(fs::read(workshop.path("expected.toml")).unwrap(), before);
+}

@@ -100,6 +100,11 @@ impl Context {
         Ok((name, bytes))
     }
 
+    /// Names a file that is read by other means: no output may take its place.
+    pub fn note_read(&mut self, path: impl Into<PathBuf>) {
+        self.opened.push(path.into());
+    }
+
     fn note_opened(&mut self, source: &Source) {
         if let Source::File(path) = source {
             self.opened.push(path.clone());
@@ -157,7 +162,10 @@ impl Context {
             bail!("{}: is a folder, and {option} writes a file; name a file", path.display());
         }
         let stats = self.common.stats.as_deref().filter(|_| option != STATS);
-        for (other, what) in [(self.common.output.path(), "as output"), (stats, "for --stats")] {
+        let read = self.opened.iter().map(|opened| (Some(opened.as_path()), "as input"));
+        for (other, what) in
+            [(self.common.output.path(), "as output"), (stats, "for --stats")].into_iter().chain(read)
+        {
             if other.is_some_and(|other| overwrites(path, other)) {
                 return Err(overwritten(path, what, option));
             }
@@ -173,7 +181,7 @@ impl Context {
     }
 
     /// Refuses a result that is no graph and would overwrite an input. A graph may take its own place.
-    fn check_output(&self) -> anyhow::Result<()> {
+    pub fn check_output(&self) -> anyhow::Result<()> {
         let Some(path) = self.common.output.path() else { return Ok(()) };
         let opened = self.opened.iter().any(|opened| overwrites(path, opened)).then_some("as input");
         let what = opened.or_else(|| self.given.other(OUTPUT, path));
