@@ -1,19 +1,26 @@
-//! What becomes of the candidates of a group.
+//! What becomes of the candidates of a group: pairs, maximum clique, growth, chance, one after the other.
+//!
+//! The clique needs a matrix of all pairs: [`cells`] solves groups that are too large for one, by hypotheses for each cell of
+//! distance travelled. [`growth`] adds candidates that the clique lost by a pair or two. Depends on
+//! [`clique`](crate::clique), [`chance`](crate::chance), odometry and pairs.
+
+pub mod cells;
+pub mod growth;
 
 use std::time::Instant;
 
 use posecut_graph::PoseGraph;
 use posecut_stage::GraphStage as _;
 
-use crate::candidate::Group;
-use crate::cells::solve_by_cells;
-use crate::chain::Chains;
 use crate::chance::{Chance, Pool};
 use crate::clique::{BitGraph, Limits, maximum_clique};
-use crate::consistency::Pairs;
-use crate::growth::grow;
-use crate::summary::Summary;
+use crate::odometry::chain::Chains;
+use crate::pairs::candidate::Group;
+use crate::pairs::consistency::Pairs;
+use crate::stage::summary::Summary;
 use crate::{Gate, Options, PcmError, Scheme, Spatial};
+use cells::solve_by_cells;
+use growth::grow;
 
 /// Whether a candidate stays, and why.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

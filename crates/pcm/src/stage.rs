@@ -1,4 +1,14 @@
 //! PCM as a stage: marks the landmark edges outside the maximum clique of each group.
+//!
+//! The options, the work divided among groups (`budget`), what is reported (`summary`), and what other stages show or reuse:
+//! [`replay`], [`selection`], [`dimacs`]. Depends on all of the theory, and holds none.
+
+pub(crate) mod budget;
+pub mod dimacs;
+pub(crate) mod options;
+pub mod replay;
+pub mod selection;
+pub(crate) mod summary;
 
 use std::thread::Builder;
 use std::time::{Duration, Instant};
@@ -7,16 +17,16 @@ use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 use posecut_stage::{Context, Doubt, GraphStage, write_atomically};
 
-use crate::budget::Budget;
 use crate::calibration::{NoScales, ScaleEstimate, Scales, estimate_scales};
-use crate::candidate::{Group, Grouped, group_with};
-use crate::chain::{Chains, Covariances};
 use crate::chance::Pool;
-use crate::dimacs::{NamedGraph, write_dimacs};
 use crate::judgement::judge;
+use crate::odometry::chain::{Chains, Covariances};
+use crate::pairs::candidate::{Group, Grouped, group_with};
 use crate::readmission::{divide_information, readmit};
-use crate::summary::{Summary, note_readmission};
 use crate::{Options, PcmError, Spatial, Test};
+use budget::Budget;
+use dimacs::{NamedGraph, write_dimacs};
+use summary::{Summary, note_readmission};
 
 /// How often progress is drawn while a group takes long.
 const TICK: Duration = Duration::from_millis(200);

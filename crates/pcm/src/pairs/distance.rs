@@ -5,8 +5,8 @@
 use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
-use crate::candidate::Candidate;
-use crate::chain::{Chain, squared_mahalanobis};
+use super::candidate::Candidate;
+use crate::odometry::chain::{Chain, squared_mahalanobis};
 
 /// The loop through candidates a = (i, k, `Z_a`) and b = (j, l, `Z_b`) and the odometry between them,
 ///

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
+use super::growth::grow_among;
 use crate::Gate;
 use crate::chance::Chance;
 use crate::clique::{BitGraph, BitSet, Limits, MaximumClique, maximum_clique};
-use crate::consistency::{PairCounts, Pairs};
-use crate::growth::grow_among;
-use crate::spread::Spatial;
+use crate::odometry::spread::Spatial;
+use crate::pairs::consistency::{PairCounts, Pairs};
 
 /// Hypotheses taken from a cell.
 const HYPOTHESES: usize = 3;

@@ -4,7 +4,7 @@
 
 use pulp::Simd;
 
-use crate::lanes::Lanes;
+use super::lanes::Lanes;
 
 /// The cosine of half a radian: of shorter turns all is a series.
 const HALF_COSINE: f64 = 0.877_582_561_890_372_8;
@@ -104,7 +104,7 @@ fn cross<S: Simd>(a: [Lanes<S>; 3], b: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::Wide;
+    use crate::pairs::lanes::Wide;
     use nalgebra::Vector6;
     use posecut_geometry::{LieGroup as _, SE3};
     use proptest::prelude::*;

@@ -4,9 +4,9 @@ use rayon::prelude::*;
 
 use crate::Gate;
 use crate::chance::{Chance, acceptable};
-use crate::consistency::{PairCounts, Pairs};
-use crate::nearest::Nearest;
-use crate::spread::Spatial;
+use crate::odometry::spread::Spatial;
+use crate::pairs::consistency::{PairCounts, Pairs};
+use crate::pairs::nearest::Nearest;
 
 /// Members that a candidate is held against.
 const WITNESSES: usize = 8;

@@ -4,7 +4,7 @@ use posecut_graph::{EdgeKind, PoseGraph};
 use posecut_stage::{Context, Doubt, counted, info, warn};
 
 use crate::calibration::{Ended, FEWEST, NoScales, ScaleEstimate};
-use crate::consistency::PairCounts;
+use crate::pairs::consistency::PairCounts;
 use crate::readmission::Readmitted;
 
 /// Figures of a run, over all groups.

@@ -6,15 +6,15 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::block::{Block, Row};
-use crate::candidate::{Candidate, Group};
-use crate::chain::{Chain, Chains};
+use super::block::{Block, Row};
+use super::candidate::{Candidate, Group};
+pub use super::distance::{squared_distance, squared_distance_to_odometry};
+use super::lanes::WIDTH;
+use super::pretest::{PreTest, Verdict};
 use crate::chance::Pool;
 use crate::clique::BitGraph;
-pub use crate::distance::{squared_distance, squared_distance_to_odometry};
-use crate::lanes::WIDTH;
-use crate::pretest::{PreTest, Verdict};
-use crate::spread::Spatial;
+use crate::odometry::chain::{Chain, Chains};
+use crate::odometry::spread::Spatial;
 use crate::{Gate, PerStep};
 
 /// Blocks of columns that are held against 64 rows before the next ones are: what the tests read of them stays in the

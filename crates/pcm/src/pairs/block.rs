@@ -9,12 +9,12 @@
 use nalgebra::{SMatrix, Vector3};
 use pulp::Simd;
 
-use crate::candidate::Candidate;
-use crate::chain::Chain;
-use crate::lanes::{Lanes, Mask, Wide};
-use crate::logarithm::logarithm;
-use crate::pretest::{Place, SLACK, Turn};
-use crate::spread::{Spatial, Spread};
+use super::candidate::Candidate;
+use super::lanes::{Lanes, Mask, Wide};
+use super::logarithm::logarithm;
+use super::pretest::{Place, SLACK, Turn};
+use crate::odometry::chain::Chain;
+use crate::odometry::spread::{Spatial, Spread};
 
 /// Eight candidates; of symmetric matrices the lower triangle is read.
 pub(crate) struct Block<const DOF: usize> {
@@ -409,7 +409,7 @@ impl<'a, const DOF: usize> Row<'a, DOF> {
     }
 }
 
-/// As [`crate::chain::squared_mahalanobis`]; NaN where the covariance is not positive definite.
+/// As [`crate::odometry::chain::squared_mahalanobis`]; NaN where the covariance is not positive definite.
 #[inline(always)]
 fn squared_mahalanobis<S: Simd, const DOF: usize>(
     simd: S,

@@ -1,7 +1,7 @@
 //! The nearest candidates by distance travelled.
 
-use crate::consistency::Pairs;
-use crate::spread::Spatial;
+use super::consistency::Pairs;
+use crate::odometry::spread::Spatial;
 
 /// Some candidates as a balanced tree of planes (Bentley, CACM 1975) over the distances travelled in both chains: the middle
 /// of a slice divides the rest, by one chain and the other in turn.
@@ -87,9 +87,9 @@ mod tests {
     use posecut_geometry::SE2;
     use proptest::prelude::*;
 
-    use crate::candidate::group;
-    use crate::chain::Chains;
     use crate::generate::{Falsehood, Scenario};
+    use crate::odometry::chain::Chains;
+    use crate::pairs::candidate::group;
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(60))]

@@ -3,7 +3,7 @@
 use posecut_graph::PoseGraph;
 use posecut_stage::{Context, Doubt, counted, warn};
 
-use crate::candidate::{Group, Grouped};
+use crate::pairs::candidate::{Group, Grouped};
 
 /// How many landmark edges there were, and how many were kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

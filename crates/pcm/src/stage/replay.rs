@@ -3,10 +3,10 @@
 use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, PoseGraph};
 
-use crate::candidate::Group;
+use super::{candidates, scale};
 use crate::clique::BitGraph;
-use crate::consistency::Pairs;
-use crate::stage::{candidates, scale};
+use crate::pairs::candidate::Group;
+use crate::pairs::consistency::Pairs;
 use crate::{Gate, Options, PcmError, Spatial};
 
 /// A group of candidates and which of them agree, as the stage decides on them.

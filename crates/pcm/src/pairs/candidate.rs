@@ -7,7 +7,7 @@ use posecut_geometry::LieGroup;
 use posecut_graph::{EdgeKind, PoseGraph};
 
 use crate::PcmError;
-use crate::chain::{Chain, Chains, Covariances, covariance};
+use crate::odometry::chain::{Chain, Chains, Covariances, covariance};
 
 /// A landmark edge between place `i` of chain A and place `k` of chain B.
 #[derive(Clone, Debug)]

@@ -4,9 +4,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::candidate::Group;
-use crate::chain::Chains;
-use crate::spread::{Spatial, Spread, largest_turn};
+use super::candidate::Group;
+use crate::odometry::chain::Chains;
+use crate::odometry::spread::{Spatial, Spread, largest_turn};
 
 /// Rounding must not turn a bound into a rejection.
 pub(crate) const SLACK: f64 = 1.0 + 1e-6;
@@ -66,7 +66,7 @@ impl PreTest {
     /// O(1) a candidate, after O(1) a node of both chains.
     pub fn new<G: Spatial<DOF>, const DOF: usize>(chains: &Chains<G, DOF>, group: &Group<G, DOF>) -> Self {
         let (chain_a, chain_b) = (&chains.chains[group.a], &chains.chains[group.b]);
-        let accumulated = |chain: &crate::chain::Chain<G, DOF>| -> Vec<f64> {
+        let accumulated = |chain: &crate::odometry::chain::Chain<G, DOF>| -> Vec<f64> {
             let mut turn = 0.0;
             let mut turns = vec![0.0];
             for pair in chain.covariances.windows(2) {
@@ -76,7 +76,7 @@ impl PreTest {
             turns
         };
         let (turns_a, turns_b) = (accumulated(chain_a), accumulated(chain_b));
-        let spread = |chain: &crate::chain::Chain<G, DOF>, place: usize, turns: &[f64]| {
+        let spread = |chain: &crate::odometry::chain::Chain<G, DOF>, place: usize, turns: &[f64]| {
             Spread::of::<G, DOF>(&chain.covariances[place], turns[place])
         };
         let mut turns = Vec::with_capacity(group.candidates.len());
