@@ -10,10 +10,10 @@ use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::{SMatrix, SVector};
 
 use super::tree::{Clique, Tree};
-use crate::cholesky::dense;
-use crate::cholesky::extend_add::{Run, extend_add, push_rows};
-use crate::magnitude::translations;
-use crate::residual::Linearised;
+use crate::linear::fronts::dense;
+use crate::linear::fronts::extend_add::{Run, extend_add, push_rows};
+use crate::model::magnitude::translations;
+use crate::model::residual::Linearised;
 
 /// Share of a diagonal entry that elimination must leave: below it the direction is undetermined.
 const SINGULAR: f64 = 1e-14;

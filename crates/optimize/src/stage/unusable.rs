@@ -2,8 +2,8 @@
 
 use posecut_geometry::LieGroup;
 
-use crate::magnitude::{distance, size};
-use crate::problem::Edge;
+use crate::model::magnitude::{distance, size};
+use crate::model::problem::Edge;
 
 /// Refuses a solution whose cost is not finite: it would be written as no number at all. `name` gives the name of the edge at a
 /// place of the list.

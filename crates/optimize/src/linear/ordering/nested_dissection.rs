@@ -5,8 +5,8 @@
 //! Mattheyses, "A linear-time heuristic for improving network partitions", 1982, on vertices rather than edges. What is small
 //! is left to minimum degree.
 
-use super::elimination::Adjacency;
-use super::ordering::approximate_minimum_degree;
+use super::minimum_degree::approximate_minimum_degree;
+use crate::linear::symbolic::elimination::Adjacency;
 
 /// Vertices below which minimum degree orders a part.
 const SMALL: usize = 120;
@@ -190,7 +190,7 @@ fn search(graph: &Adjacency, vertices: usize, first: usize) -> (Vec<usize>, Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cholesky::Symbolic;
+    use crate::linear::Symbolic;
 
     fn grid(side: usize) -> Vec<(usize, usize)> {
         let at = |x: usize, y: usize, z: usize| (z * side + y) * side + x;

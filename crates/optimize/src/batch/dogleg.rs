@@ -6,10 +6,10 @@
 use nalgebra::SVector;
 use posecut_geometry::LieGroup;
 
-use crate::levenberg_marquardt::{FIRST_DAMPING, LARGEST_DAMPING, Outcome, Step, Workspace, rounding};
-use crate::options::Options;
-use crate::residual::Term;
-use crate::solution::Termination;
+use super::levenberg_marquardt::{FIRST_DAMPING, LARGEST_DAMPING, Outcome, Step, Workspace, rounding};
+use super::options::Options;
+use super::solution::Termination;
+use crate::model::residual::Term;
 
 /// Share of its promise below which a step halves the radius, and above which it may grow.
 const POOR: f64 = 0.25;

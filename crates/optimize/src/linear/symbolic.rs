@@ -1,13 +1,20 @@
 //! Everything about a factorisation that depends on the pattern alone.
+//!
+//! [`elimination`]: the elimination tree and the structure of columns (Liu, SIAM J. Matrix Anal. Appl. 11, 1990);
+//! [`supernodes`]: columns eliminated together as one front; [`subtrees`]: what threads take. Depends on
+//! [`ordering`](super::ordering).
+
+pub(crate) mod elimination;
+mod subtrees;
+mod supernodes;
 
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use super::elimination::{Adjacency, elimination_tree, postorder};
-use super::nested_dissection::nested_dissection;
-use super::ordering::approximate_minimum_degree;
-use super::subtrees;
-use super::supernodes::{amalgamate, maximal};
+use super::ordering::minimum_degree::approximate_minimum_degree;
+use super::ordering::nested_dissection::nested_dissection;
+use elimination::{Adjacency, elimination_tree, postorder};
+use supernodes::{amalgamate, maximal};
 
 /// Operations by minimum degree from which nested dissection is tried too: its analysis takes several times as long, and a
 /// cheap factorisation would not pay that back.

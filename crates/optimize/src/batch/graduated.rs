@@ -8,11 +8,11 @@
 
 use posecut_geometry::LieGroup;
 
-use crate::kernel::Kernel;
-use crate::levenberg_marquardt::{Outcome, Workspace};
-use crate::options::Options;
-use crate::problem::{Edge, EdgeKind};
-use crate::residual::squared;
+use super::levenberg_marquardt::{Outcome, Workspace};
+use super::options::Options;
+use crate::model::kernel::Kernel;
+use crate::model::problem::{Edge, EdgeKind};
+use crate::model::residual::squared;
 
 /// Factor between one round's convexity and the next; remark 5 of the paper.
 const RATE: f64 = 1.4;

@@ -5,7 +5,7 @@ use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::{Definiteness, definiteness};
 use thiserror::Error;
 
-use crate::kernel::Kernel;
+use super::kernel::Kernel;
 
 /// What an edge comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! What tolerances are shares of, so that neither the unit of length nor the scale of the information decides.
 
-use crate::problem::Edge;
+use super::problem::Edge;
 use posecut_geometry::LieGroup;
 
 /// Share of the magnitude below which a cost is that of a graph without noise: residuals of a millionth. A graph without noise

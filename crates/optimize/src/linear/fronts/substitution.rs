@@ -10,7 +10,7 @@ use nalgebra::SVector;
 
 use super::dense::{products, subtract_columns};
 use super::factor::Factor;
-use super::symbolic::{Front, Symbolic};
+use crate::linear::symbolic::{Front, Symbolic};
 
 impl<const D: usize> Factor<D> {
     /// Solves `A x = b`; `values` holds `b` and becomes `x`.
@@ -63,7 +63,7 @@ fn open<'a, const D: usize>(
 
 /// `x_1 = L^-1 x_1`, then `x_2 -= M x_1`, for the columns of one front. `local` is working memory.
 #[inline(always)]
-pub(super) fn forward<const D: usize>(
+pub(crate) fn forward<const D: usize>(
     symbolic: &Symbolic,
     front: &Front,
     panels: &[f64],
@@ -100,7 +100,7 @@ pub(super) fn forward<const D: usize>(
 
 /// `x_1 = L^-T (x_1 - M^T x_2)` for the columns of one front. `local` is working memory.
 #[inline(always)]
-pub(super) fn backward<const D: usize>(
+pub(crate) fn backward<const D: usize>(
     symbolic: &Symbolic,
     front: &Front,
     panels: &[f64],

@@ -7,10 +7,10 @@
 
 use posecut_geometry::LieGroup;
 
-use crate::levenberg_marquardt::{Outcome, Step, Workspace};
-use crate::options::Options;
-use crate::residual::Term;
-use crate::solution::Termination;
+use super::levenberg_marquardt::{Outcome, Step, Workspace};
+use super::options::Options;
+use super::solution::Termination;
+use crate::model::residual::Term;
 
 /// Ratio of successive promises above which the old factor is not believed.
 const SLOW: f64 = 0.2;

@@ -7,8 +7,8 @@ use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
 use crate::initialisation::chordal::MatrixPose;
-use crate::problem::Edge;
-use crate::residual::{Linearised, Term};
+use crate::model::problem::Edge;
+use crate::model::residual::{Linearised, Term};
 
 /// An edge of `F`.
 pub(crate) struct ChordalEdge<const N: usize> {

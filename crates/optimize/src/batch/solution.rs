@@ -1,7 +1,7 @@
 //! What came out, and how.
 
-use crate::levenberg_marquardt::Outcome;
-use crate::phases::Phases;
+use super::levenberg_marquardt::Outcome;
+use super::phases::Phases;
 
 /// Where a part was started from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,9 +9,9 @@ use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
-use crate::cholesky::Symbolic;
-use crate::problem::Edge;
-use crate::residual::Term;
+use super::Symbolic;
+use crate::model::problem::Edge;
+use crate::model::residual::Term;
 
 /// Where an edge's blocks go.
 #[derive(Clone, Copy, Debug)]

@@ -4,8 +4,8 @@ use faer::traits::pulp::Arch;
 use nalgebra::SMatrix;
 use thiserror::Error;
 
-use super::symbolic::{Front, Symbolic};
 use super::task::{Matrix, SmallestPivot, Task, Worker, side_by_side};
+use crate::linear::symbolic::{Front, Symbolic};
 
 /// The matrix is not positive definite.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -25,9 +25,9 @@ pub struct Factor<const D: usize> {
     stacks: [Vec<f64>; 2],
     /// One for each stretch of fronts.
     workers: Vec<Worker>,
-    pub(super) permuted: Vec<f64>,
+    pub(crate) permuted: Vec<f64>,
     /// A front's part of a vector.
-    pub(super) local: Vec<f64>,
+    pub(crate) local: Vec<f64>,
     smallest_pivot: SmallestPivot,
 }
 

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use super::dense;
 use super::extend_add::{Run, extend_add, push_rows, rows_before};
 use super::factor::Breakdown;
-use super::symbolic::{Front, Stretch, Symbolic};
+use crate::linear::symbolic::{Front, Stretch, Symbolic};
 
 /// The values to factorise.
 #[derive(Clone, Copy)]

@@ -4,21 +4,21 @@ use std::cmp::Ordering;
 
 use posecut_geometry::{LieGroup, SE2, SE3};
 
+use super::graduated::{Graduated, set_landmark_kernels};
+use super::levenberg_marquardt::Workspace;
+use super::options::{Initialisation, Options};
+use super::phases::{Phases, timed};
+use super::solution::{ComponentReport, Solution, Start};
 use crate::certificate::{self, Certificate};
-use crate::cholesky::Factor;
-use crate::components::{Component, connected_components};
-use crate::graduated::{Graduated, set_landmark_kernels};
 use crate::initialisation::chordal;
 use crate::initialisation::tree::spanning_tree_from;
-use crate::kernel::charge;
-use crate::levenberg_marquardt::Workspace;
-use crate::magnitude::Magnitude;
-use crate::normal_equations::Pattern;
-use crate::options::{Initialisation, Options};
-use crate::phases::{Phases, timed};
-use crate::problem::{Edge, Problem};
-use crate::residual::{chi2, cost, squared};
-use crate::solution::{ComponentReport, Solution, Start};
+use crate::linear::Factor;
+use crate::linear::normal_equations::Pattern;
+use crate::model::components::{Component, connected_components};
+use crate::model::kernel::charge;
+use crate::model::magnitude::Magnitude;
+use crate::model::problem::{Edge, Problem};
+use crate::model::residual::{chi2, cost, squared};
 
 /// A group of poses that can be optimised, with its chordal relaxation.
 pub trait PoseGroup<const DOF: usize>: LieGroup<DOF> {

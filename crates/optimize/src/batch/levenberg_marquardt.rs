@@ -6,13 +6,13 @@
 use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
-use crate::cholesky::Factor;
-use crate::magnitude::{Magnitude, translations};
-use crate::normal_equations::{NormalEquations, Pattern};
-use crate::options::{Method, Options};
-use crate::phases::{Phases, timed};
-use crate::residual::Term;
-use crate::solution::Termination;
+use super::options::{Method, Options};
+use super::phases::{Phases, timed};
+use super::solution::Termination;
+use crate::linear::Factor;
+use crate::linear::normal_equations::{NormalEquations, Pattern};
+use crate::model::magnitude::{Magnitude, translations};
+use crate::model::residual::Term;
 
 /// Damping after the first failure, as a share of the diagonal.
 pub(crate) const FIRST_DAMPING: f64 = 1e-5;

@@ -8,8 +8,8 @@
 use nalgebra::{Matrix3, SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
-use crate::kernel::charge;
-use crate::problem::{Edge, Problem};
+use super::kernel::charge;
+use super::problem::{Edge, Problem};
 
 /// `e = Log(Z^-1 X_from^-1 X_to)`.
 pub fn residual<G: LieGroup<DOF>, const DOF: usize>(measurement: &G, from: &G, to: &G) -> SVector<f64, DOF> {
@@ -208,7 +208,7 @@ fn triangular_congruence<const DOF: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::EdgeKind;
+    use crate::model::problem::EdgeKind;
     use posecut_geometry::{SE2, SE3};
 
     /// Gradient and blocks of the model against central differences of the residual.

@@ -5,11 +5,12 @@ use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::between_correlated;
 use rayon::prelude::*;
 
-use crate::cholesky::{Factor, SelectedInverse, Symbolic, Workspace};
-use crate::components::connected_components;
-use crate::levenberg_marquardt::SINGULAR;
-use crate::normal_equations::{NormalEquations, Pattern};
-use crate::problem::{Edge, Problem};
+use super::{SelectedInverse, Workspace};
+use crate::batch::levenberg_marquardt::SINGULAR;
+use crate::linear::normal_equations::{NormalEquations, Pattern};
+use crate::linear::{Factor, Symbolic};
+use crate::model::components::connected_components;
+use crate::model::problem::{Edge, Problem};
 
 /// Distinct nodes in one request from which inverting at the whole pattern is cheaper than column by column.
 const MANY_NODES: usize = 16;

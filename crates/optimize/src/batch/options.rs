@@ -1,6 +1,6 @@
 //! What the caller may choose.
 
-use crate::graduated::Graduated;
+use super::graduated::Graduated;
 
 /// Where to start from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
-use crate::kernel::Kernel;
+use super::kernel::Kernel;
 
 /// Why a word is no kernel.
 #[derive(Clone, Debug, Error, PartialEq)]
