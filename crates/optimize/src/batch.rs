@@ -13,6 +13,7 @@ pub(crate) mod dogleg;
 pub(crate) mod graduated;
 pub(crate) mod levenberg_marquardt;
 pub(crate) mod options;
+pub(crate) mod outcome;
 pub(crate) mod phases;
 pub(crate) mod simplified_newton;
 pub(crate) mod solution;

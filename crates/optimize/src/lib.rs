@@ -38,10 +38,10 @@ pub mod linear;
 mod model;
 pub mod stage;
 
-pub use batch::graduated::Graduated;
-pub use batch::options::{Initialisation, Method, Options};
+pub use batch::options::{Graduated, Initialisation, Method, Options};
+pub use batch::outcome::Termination;
 pub use batch::phases::Phases;
-pub use batch::solution::{ComponentReport, Solution, Start, Termination};
+pub use batch::solution::{ComponentReport, Solution, Start};
 pub use batch::solve::{PoseGroup, certify, optimize};
 pub use certificate::Certificate;
 pub use covariance::marginals::{Joint, Marginals};

@@ -6,9 +6,9 @@
 use nalgebra::SVector;
 use posecut_geometry::LieGroup;
 
-use super::levenberg_marquardt::{FIRST_DAMPING, LARGEST_DAMPING, Outcome, Step, Workspace, rounding};
+use super::levenberg_marquardt::{FIRST_DAMPING, LARGEST_DAMPING, Workspace, rounding};
 use super::options::Options;
-use super::solution::Termination;
+use super::outcome::{Outcome, Termination};
 use crate::model::residual::Term;
 
 /// Share of its promise below which a step halves the radius, and above which it may grow.
@@ -159,21 +159,5 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
 
     fn scaled_norm(&self, a: &Steps<DOF>) -> f64 {
         self.scaled_dot(a, a).sqrt()
-    }
-}
-
-impl Outcome {
-    /// Before the first step.
-    pub(crate) fn new(cost: f64) -> Self {
-        Self {
-            cost,
-            iterations: 0,
-            rejected: 0,
-            factorizations: 0,
-            termination: Termination::IterationLimit,
-            gradient: 0.0,
-            last: Step { promised: f64::NAN, largest: f64::NAN },
-            undetermined: None,
-        }
     }
 }

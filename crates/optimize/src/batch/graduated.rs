@@ -8,8 +8,9 @@
 
 use posecut_geometry::LieGroup;
 
-use super::levenberg_marquardt::{Outcome, Workspace};
-use super::options::Options;
+use super::levenberg_marquardt::Workspace;
+use super::options::{Graduated, Options};
+use super::outcome::Outcome;
 use crate::model::kernel::Kernel;
 use crate::model::problem::{Edge, EdgeKind};
 use crate::model::residual::squared;
@@ -23,24 +24,7 @@ const ROUND_STEPS: usize = 10;
 /// Rounds after which even a residual of 1e9 widths has been graduated.
 const MOST_ROUNDS: usize = 200;
 
-/// The robust cost of landmark edges that graduation ends with.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Graduated {
-    /// `min(s, c^2)`: an edge is in or out. Parameter c in standard deviations.
-    TruncatedLeastSquares(f64),
-    /// `s c^2 / (c^2 + s)`. Parameter c in standard deviations.
-    GemanMcClure(f64),
-}
-
 impl Graduated {
-    /// The kernel of the last round.
-    pub fn kernel(self) -> Kernel {
-        match self {
-            Self::TruncatedLeastSquares(width) => Kernel::Truncated { width, convexity: f64::INFINITY },
-            Self::GemanMcClure(width) => Kernel::GemanMcClure(width),
-        }
-    }
-
     /// The surrogates, most convex first, for squared residuals up to `largest`. Remarks 5 and 6 of the paper:
     /// truncated least squares starts with `mu = c^2 / (2 r^2 - c^2)`, which grows; Geman-McClure with
     /// `mu = 2 r^2 / c^2`, which shrinks to 1.

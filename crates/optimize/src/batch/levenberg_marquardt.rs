@@ -7,8 +7,8 @@ use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
 use super::options::{Method, Options};
+use super::outcome::{Outcome, Step, Termination};
 use super::phases::{Phases, timed};
-use super::solution::Termination;
 use crate::linear::Factor;
 use crate::linear::normal_equations::{NormalEquations, Pattern};
 use crate::model::magnitude::{Magnitude, translations};
@@ -26,21 +26,6 @@ const NEARLY_FULL: f64 = 1e-3;
 const DAMPING_FLOOR: f64 = 1e-9;
 /// Share of a diagonal entry that elimination must leave: below it the direction is undetermined.
 pub(crate) const SINGULAR: f64 = 1e-14;
-
-/// How an iteration ended.
-pub(crate) struct Outcome {
-    pub(crate) cost: f64,
-    pub(crate) iterations: usize,
-    pub(crate) rejected: usize,
-    /// Factorisations among the steps tried.
-    pub(crate) factorizations: usize,
-    pub(crate) termination: Termination,
-    /// The largest cosine of the angle between residuals and a derivative.
-    pub(crate) gradient: f64,
-    /// The last step tried.
-    pub(crate) last: Step,
-    pub(crate) undetermined: Option<(usize, usize)>,
-}
 
 /// Memory of the iteration, reserved once.
 pub(crate) struct Workspace<'a, G, const DOF: usize> {
@@ -279,29 +264,6 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
 /// The cost that rounding alone may make at these poses.
 pub(crate) fn rounding<G, T: Term<G, DOF>, const DOF: usize>(edges: &[T], poses: &[G]) -> f64 {
     edges.iter().map(|edge| edge.rounding(poses)).sum()
-}
-
-/// What a step says of itself.
-#[derive(Clone, Copy)]
-pub(crate) struct Step {
-    /// By how much it would lower a quadratic cost: `-g^T d + damping d^T D d`.
-    pub(crate) promised: f64,
-    /// Its largest component: shares of the graph's length, and radians.
-    pub(crate) largest: f64,
-}
-
-impl Step {
-    /// The tolerance it meets at this cost, at least that of a graph without noise; `shrinks` if it is a full step, and shorter than the one before.
-    pub(crate) fn met(&self, cost: f64, shrinks: bool, options: &Options) -> Option<Termination> {
-        let goes_on = shrinks && options.is_hidden(self.promised, cost);
-        if self.promised <= options.promise_tolerance(cost) && !goes_on {
-            Some(Termination::Cost)
-        } else if self.largest <= options.step_tolerance {
-            Some(Termination::Step)
-        } else {
-            None
-        }
-    }
 }
 
 /// The damping and how fast it grows.

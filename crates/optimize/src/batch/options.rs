@@ -1,6 +1,6 @@
 //! What the caller may choose.
 
-use super::graduated::Graduated;
+use crate::model::kernel::Kernel;
 
 /// Where to start from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -27,6 +27,25 @@ pub enum Method {
     GaussNewton,
     /// Powell's dogleg within a region that is trusted.
     Dogleg,
+}
+
+/// The robust cost of landmark edges that graduation ends with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Graduated {
+    /// `min(s, c^2)`: an edge is in or out. Parameter c in standard deviations.
+    TruncatedLeastSquares(f64),
+    /// `s c^2 / (c^2 + s)`. Parameter c in standard deviations.
+    GemanMcClure(f64),
+}
+
+impl Graduated {
+    /// The kernel of the last round.
+    pub fn kernel(self) -> Kernel {
+        match self {
+            Self::TruncatedLeastSquares(width) => Kernel::Truncated { width, convexity: f64::INFINITY },
+            Self::GemanMcClure(width) => Kernel::GemanMcClure(width),
+        }
+    }
 }
 
 /// Settings of [`optimize`](crate::optimize).

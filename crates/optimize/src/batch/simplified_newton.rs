@@ -7,9 +7,9 @@
 
 use posecut_geometry::LieGroup;
 
-use super::levenberg_marquardt::{Outcome, Step, Workspace};
+use super::levenberg_marquardt::Workspace;
 use super::options::Options;
-use super::solution::Termination;
+use super::outcome::{Outcome, Step, Termination};
 use crate::model::residual::Term;
 
 /// Ratio of successive promises above which the old factor is not believed.

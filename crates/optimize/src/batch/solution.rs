@@ -1,6 +1,6 @@
 //! What came out, and how.
 
-use super::levenberg_marquardt::Outcome;
+use super::outcome::{Outcome, Termination};
 use super::phases::Phases;
 
 /// Where a part was started from.
@@ -21,43 +21,6 @@ impl Start {
             Self::Given => "given",
             Self::SpanningTree => "spanning tree",
             Self::Chordal => "chordal",
-        }
-    }
-}
-
-/// Why iteration ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Termination {
-    /// No edges, or every node is held.
-    NothingToDo,
-    /// A full step would lower the cost by less than the tolerance.
-    Cost,
-    /// A full step is shorter than the tolerance.
-    Step,
-    /// The gradient is below the tolerance.
-    Gradient,
-    /// The iteration limit was reached first.
-    IterationLimit,
-    /// No damping, however strong, gave a step that lowers the cost: rounding is all that is left, or the cost is not
-    /// finite near the poses.
-    Stalled,
-}
-
-impl Termination {
-    /// Whether a tolerance was met.
-    pub fn converged(self) -> bool {
-        matches!(self, Self::NothingToDo | Self::Cost | Self::Step | Self::Gradient)
-    }
-
-    /// Name for reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::NothingToDo => "nothing to do",
-            Self::Cost => "cost",
-            Self::Step => "step",
-            Self::Gradient => "gradient",
-            Self::IterationLimit => "iteration limit",
-            Self::Stalled => "stalled",
         }
     }
 }

@@ -4,9 +4,9 @@ use std::cmp::Ordering;
 
 use posecut_geometry::{LieGroup, SE2, SE3};
 
-use super::graduated::{Graduated, set_landmark_kernels};
+use super::graduated::set_landmark_kernels;
 use super::levenberg_marquardt::Workspace;
-use super::options::{Initialisation, Options};
+use super::options::{Graduated, Initialisation, Options};
 use super::phases::{Phases, timed};
 use super::solution::{ComponentReport, Solution, Start};
 use crate::certificate::{self, Certificate};
