@@ -4,40 +4,31 @@ use posecut_graph::{EdgeKind, PoseGraph};
 use posecut_stage::{Context, Doubt, counted, info, warn};
 
 use crate::calibration::{Ended, FEWEST, NoScales, ScaleEstimate};
-use crate::pairs::consistency::PairCounts;
+use crate::judgement::figures::Figures;
 use crate::readmission::Readmitted;
 
-/// Figures of a run, over all groups.
+/// Figures of a run.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Summary {
     pub(crate) groups: usize,
-    pub(crate) groups_by_cells: usize,
-    pub(crate) lone_candidates: usize,
-    pub(crate) against_odometry: usize,
-    pub(crate) candidates: usize,
     pub(crate) unmeasured: usize,
     pub(crate) rejected_before: usize,
-    pub(crate) counts: PairCounts,
-    pub(crate) cells: usize,
-    pub(crate) hypotheses: usize,
-    pub(crate) hypotheses_left_out: usize,
-    pub(crate) clique_size: usize,
-    pub(crate) clique_upper_bound: usize,
-    pub(crate) grown: usize,
-    pub(crate) by_chance: usize,
-    pub(crate) kept: usize,
-    pub(crate) work: u64,
+    /// Over all groups.
+    pub(crate) judged: Figures,
+    pub(crate) calibration: Calibration,
+}
+
+/// What calibration found.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Calibration {
     /// Where it was asked for.
     pub(crate) scale: Option<Result<ScaleEstimate, NoScales>>,
-    pub(crate) seconds_scale: f64,
-    pub(crate) seconds_pairs: f64,
-    pub(crate) seconds_clique: f64,
-    pub(crate) seconds_growth: f64,
+    pub(crate) seconds: f64,
 }
 
 impl Summary {
     fn scheme(&self) -> &'static str {
-        match self.groups_by_cells {
+        match self.judged.groups_by_cells {
             0 => "exact",
             all if all == self.groups => "cells",
             _ => "mixed",
@@ -45,18 +36,22 @@ impl Summary {
     }
 
     pub(crate) fn note(&self, context: &mut Context) {
-        let exact = self.groups_by_cells == 0;
-        let optimal = exact && self.clique_size == self.clique_upper_bound;
-        let kept = self.kept;
-        let grown = if self.grown > 0 { format!(", {} of them grown", self.grown) } else { String::new() };
-        let by_chance = if self.by_chance > 0 {
-            format!(", {} left out for agreeing by chance", self.by_chance)
+        let exact = self.judged.groups_by_cells == 0;
+        let optimal = exact && self.judged.clique_size == self.judged.clique_upper_bound;
+        let kept = self.judged.kept;
+        let grown = if self.judged.grown > 0 {
+            format!(", {} of them grown", self.judged.grown)
+        } else {
+            String::new()
+        };
+        let by_chance = if self.judged.by_chance > 0 {
+            format!(", {} left out for agreeing by chance", self.judged.by_chance)
         } else {
             String::new()
         };
         info!(
             "{kept} of {} kept{grown}{by_chance}, {}{}{}",
-            counted(self.candidates, "landmark edge"),
+            counted(self.judged.candidates, "landmark edge"),
             counted(self.groups, "group"),
             if optimal { ", proved largest" } else { "" },
             if exact { "" } else { ", by cells" }
@@ -70,37 +65,37 @@ impl Summary {
         }
         let statistics = &mut context.statistics;
         statistics.note("scheme", self.scheme());
-        statistics.note("candidates", self.candidates);
+        statistics.note("candidates", self.judged.candidates);
         statistics.note("groups", self.groups);
-        statistics.note("groups_by_cells", self.groups_by_cells);
-        statistics.note("lone_candidates", self.lone_candidates);
+        statistics.note("groups_by_cells", self.judged.groups_by_cells);
+        statistics.note("lone_candidates", self.judged.lone_candidates);
         statistics.note("unmeasured", self.unmeasured);
         statistics.note("rejected_before", self.rejected_before);
-        statistics.note("against_odometry", self.against_odometry);
-        statistics.note("pairs", self.counts.pairs);
-        statistics.note("pairs_skipped_by_rotation", self.counts.skipped_by_rotation);
-        statistics.note("pairs_skipped_by_translation", self.counts.skipped_by_translation);
-        statistics.note("consistent_pairs", self.counts.consistent);
-        statistics.note("indefinite_pairs", self.counts.indefinite);
+        statistics.note("against_odometry", self.judged.against_odometry);
+        statistics.note("pairs", self.judged.counts.pairs);
+        statistics.note("pairs_skipped_by_rotation", self.judged.counts.skipped_by_rotation);
+        statistics.note("pairs_skipped_by_translation", self.judged.counts.skipped_by_translation);
+        statistics.note("consistent_pairs", self.judged.counts.consistent);
+        statistics.note("indefinite_pairs", self.judged.counts.indefinite);
         if !exact {
-            statistics.note("cells", self.cells);
-            statistics.note("hypotheses", self.hypotheses);
-            statistics.note("hypotheses_left_out", self.hypotheses_left_out);
+            statistics.note("cells", self.judged.cells);
+            statistics.note("hypotheses", self.judged.hypotheses);
+            statistics.note("hypotheses_left_out", self.judged.hypotheses_left_out);
         }
-        statistics.note("clique_size", self.clique_size);
-        statistics.note("clique_upper_bound", self.clique_upper_bound);
+        statistics.note("clique_size", self.judged.clique_size);
+        statistics.note("clique_upper_bound", self.judged.clique_upper_bound);
         statistics.note("optimal", optimal);
-        statistics.note("grown", self.grown);
-        statistics.note("agree_by_chance", self.by_chance);
-        statistics.note("rejected", self.candidates - kept);
-        statistics.note("branch_and_bound_nodes", self.work);
-        if let Some(Err(NoScales::NoEvidence(nats))) = self.scale {
+        statistics.note("grown", self.judged.grown);
+        statistics.note("agree_by_chance", self.judged.by_chance);
+        statistics.note("rejected", self.judged.candidates - kept);
+        statistics.note("branch_and_bound_nodes", self.judged.work);
+        if let Some(Err(NoScales::NoEvidence(nats))) = self.calibration.scale {
             statistics.note("scale_evidence", nats);
         }
-        if let Some(Err(NoScales::AtBound(ended))) = self.scale {
+        if let Some(Err(NoScales::AtBound(ended))) = self.calibration.scale {
             statistics.note("scale_ended", ended.name());
         }
-        if let Some(Ok(estimate)) = self.scale {
+        if let Some(Ok(estimate)) = self.calibration.scale {
             statistics.note("scale_odometry", estimate.scales.odometry);
             statistics.note("scale_landmark", estimate.scales.landmark);
             statistics.note("scale_correct", estimate.correct);
@@ -109,17 +104,17 @@ impl Summary {
             statistics.note("scale_evidence", estimate.evidence);
             statistics.note("scale_ended", estimate.ended.map_or("converged", Ended::name));
         }
-        statistics.note("seconds_scale", self.seconds_scale);
-        statistics.note("seconds_pairs", self.seconds_pairs);
-        statistics.note("seconds_clique", self.seconds_clique);
-        statistics.note("seconds_growth", self.seconds_growth);
+        statistics.note("seconds_scale", self.calibration.seconds);
+        statistics.note("seconds_pairs", self.judged.seconds_pairs);
+        statistics.note("seconds_clique", self.judged.seconds_clique);
+        statistics.note("seconds_growth", self.judged.seconds_growth);
     }
 }
 
 impl Summary {
     /// Raises the doubts about the cliques and the scales. Without candidates there is nothing to doubt.
     fn doubt(&self, exact: bool, optimal: bool, context: &mut Context) {
-        if self.candidates == 0 {
+        if self.judged.candidates == 0 {
             return;
         }
         if exact && !optimal {
@@ -127,26 +122,26 @@ impl Summary {
                 Doubt::SearchLimit,
                 format!(
                     "a limit ended the proof: the cliques hold {} edges, at most {} are possible; raise --work-limit or --time-limit",
-                    self.clique_size, self.clique_upper_bound
+                    self.judged.clique_size, self.judged.clique_upper_bound
                 ),
             );
         }
-        if self.hypotheses_left_out > 0 {
+        if self.judged.hypotheses_left_out > 0 {
             context.doubt(
                 Doubt::SearchLimit,
                 format!(
                     "the search by cells left {} of {} hypotheses out; enlarge --cell-size, or use --scheme exact",
-                    self.hypotheses_left_out,
-                    self.hypotheses + self.hypotheses_left_out
+                    self.judged.hypotheses_left_out,
+                    self.judged.hypotheses + self.judged.hypotheses_left_out
                 ),
             );
         }
-        if self.kept == 0 {
+        if self.judged.kept == 0 {
             context.doubt(
                 Doubt::NothingKept,
                 format!(
                     "0 of {} kept; check the units of the information, the covariances (--scale auto) and whether there is overlap",
-                    counted(self.candidates, "landmark edge")
+                    counted(self.judged.candidates, "landmark edge")
                 ),
             );
         }
@@ -154,7 +149,7 @@ impl Summary {
     }
 
     fn doubt_scale(&self, context: &mut Context) {
-        let message = match self.scale {
+        let message = match self.calibration.scale {
             Some(Err(NoScales::FewEdges(edges))) => format!(
                 "no scale is estimated: that takes {FEWEST} landmark edges that close loops, and there are {edges}; the covariances \
                  are used unchanged, so check them or give --scale"
