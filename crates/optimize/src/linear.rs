@@ -9,11 +9,12 @@
 //!
 //! Depends on the model, for the terms of the normal equations.
 
+mod adjacency;
 pub(crate) mod fronts;
 pub(crate) mod normal_equations;
 mod ordering;
 pub(crate) mod symbolic;
 
+pub(crate) use adjacency::Adjacency;
 pub use fronts::factor::{Breakdown, Factor};
 pub use symbolic::Symbolic;
-pub(crate) use symbolic::elimination::Adjacency;

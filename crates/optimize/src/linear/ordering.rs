@@ -3,7 +3,7 @@
 //! [`minimum_degree`]: approximate minimum degree (Amestoy, Davis and Duff, 1996). [`nested_dissection`]: separators last (A.
 //! George, "Nested dissection of a regular finite element mesh", 1973). [`symbolic`](super::symbolic) takes the cheaper one.
 //!
-//! Depends on the adjacency lists of [`symbolic`](super::symbolic) alone.
+//! Depends on adjacency lists alone.
 
 pub(crate) mod minimum_degree;
 pub(crate) mod nested_dissection;

@@ -4,7 +4,7 @@
 //! [`supernodes`]: columns eliminated together as one front; [`subtrees`]: what threads take. Depends on
 //! [`ordering`](super::ordering).
 
-pub(crate) mod elimination;
+mod elimination;
 mod subtrees;
 mod supernodes;
 
@@ -13,7 +13,8 @@ use std::ops::Range;
 
 use super::ordering::minimum_degree::approximate_minimum_degree;
 use super::ordering::nested_dissection::nested_dissection;
-use elimination::{Adjacency, elimination_tree, postorder};
+use crate::linear::Adjacency;
+use elimination::{elimination_tree, postorder};
 use supernodes::{amalgamate, maximal};
 
 /// Operations by minimum degree from which nested dissection is tried too: its analysis takes several times as long, and a

@@ -6,7 +6,7 @@
 //! is left to minimum degree.
 
 use super::minimum_degree::approximate_minimum_degree;
-use crate::linear::symbolic::elimination::Adjacency;
+use crate::linear::Adjacency;
 
 /// Vertices below which minimum degree orders a part.
 const SMALL: usize = 120;

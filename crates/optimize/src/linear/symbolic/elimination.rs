@@ -2,39 +2,10 @@
 //!
 //! J. W. H. Liu, "The role of elimination trees in sparse factorization", SIAM J. Matrix Anal. Appl. 11, 1990.
 
+use crate::linear::Adjacency;
+
 /// No parent: a root of the elimination forest.
 pub(crate) const ROOT: usize = usize::MAX;
-
-/// Neighbours of every position with a smaller position (`lower_neighbours`), and with a larger one (`upper_neighbours`).
-pub(crate) struct Adjacency {
-    starts: Vec<usize>,
-    neighbours: Vec<usize>,
-}
-
-impl Adjacency {
-    /// Lists, per vertex, the other ends of the pairs that `select` keeps, as `(vertex, other)`.
-    pub(crate) fn new(vertices: usize, arcs: impl Iterator<Item = (usize, usize)> + Clone) -> Self {
-        let mut starts = vec![0; vertices + 1];
-        for (vertex, _) in arcs.clone() {
-            starts[vertex + 1] += 1;
-        }
-        for vertex in 0..vertices {
-            starts[vertex + 1] += starts[vertex];
-        }
-        let mut next = starts.clone();
-        let mut neighbours = vec![0; starts[vertices]];
-        for (vertex, other) in arcs {
-            neighbours[next[vertex]] = other;
-            next[vertex] += 1;
-        }
-        Self { starts, neighbours }
-    }
-
-    /// The other ends at a vertex.
-    pub(crate) fn of(&self, vertex: usize) -> &[usize] {
-        &self.neighbours[self.starts[vertex]..self.starts[vertex + 1]]
-    }
-}
 
 /// Parents in the elimination tree of a pattern in elimination order; `lower` lists smaller neighbours. Liu's algorithm
 /// with path compression, almost linear in the number of blocks.
