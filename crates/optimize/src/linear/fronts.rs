@@ -2,8 +2,8 @@
 //!
 //! Duff and Reid, "The multifrontal solution of indefinite sparse symmetric linear equations", 1983. A front is assembled from
 //! the matrix and from the update matrices of its children ([`task`], [`extend_add`]), its columns are eliminated
-//! ([`dense`], [`large_front`]), and what remains is its own update matrix. [`factor`] owns the memory; [`substitution`]
-//! solves with the factor, front by front.
+//! ([`dense`], [`large_front`]), and what remains is its own update matrix. [`view`] is a front's memory while that
+//! happens, [`factor`] owns it; [`substitution`] solves with the factor, front by front.
 //!
 //! Depends on [`symbolic`](super::symbolic).
 
@@ -13,3 +13,4 @@ pub(crate) mod factor;
 mod large_front;
 pub(crate) mod substitution;
 mod task;
+pub(crate) mod view;

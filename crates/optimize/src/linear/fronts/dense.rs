@@ -12,6 +12,7 @@ use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, Par};
 
 use super::large_front;
+use super::view::FrontView;
 
 /// Operations from which faer's kernels, which choose vector instructions at run time, pay for their entry cost.
 const LARGE_FRONT: usize = 60_000;
@@ -24,41 +25,24 @@ pub(crate) fn scratch(columns: usize) -> MemBuffer {
     MemBuffer::new(cholesky_in_place_scratch::<f64>(columns, Par::Seq, faer::prelude::default()))
 }
 
-/// Eliminates the `columns` columns of a front of `height` rows, all column-major.
-///
-/// `panel` holds the columns `[A; B]` and becomes `[L; M]` with `L L^T = A`, `M = B L^-T`. `update`, of order
-/// `height - columns`, is reduced by `M M^T`, or, if it is `fresh`, becomes `-M M^T` whatever it held; only its lower
-/// triangle is meant. On failure returns the column whose pivot was not positive.
+/// Eliminates the columns of a front. On failure returns the column whose pivot was not positive.
 #[inline(always)]
-pub(crate) fn eliminate<const D: usize>(
-    panel: &mut [f64],
-    height: usize,
-    columns: usize,
-    update: &mut [f64],
-    fresh: bool,
-    memory: &mut MemBuffer,
-) -> Result<(), usize> {
-    let below = height - columns;
+pub(crate) fn eliminate<const D: usize>(front: FrontView<'_>, memory: &mut MemBuffer) -> Result<(), usize> {
+    let (columns, below) = (front.columns, front.below());
     let operations = columns * (columns * columns / 3 + columns * below + below * below);
     if operations < LARGE_FRONT {
-        eliminate_small::<D>(panel, height, columns, update, fresh)
+        eliminate_small::<D>(front)
     } else if operations < LARGEST_FRONT {
-        eliminate_large(panel, height, columns, update, fresh, memory)
+        eliminate_large(front, memory)
     } else {
-        large_front::eliminate(panel, height, columns, update, fresh, memory)
+        large_front::eliminate(front, memory)
     }
 }
 
 /// By faer's dense kernels.
-pub(super) fn eliminate_large(
-    panel: &mut [f64],
-    height: usize,
-    columns: usize,
-    update: &mut [f64],
-    fresh: bool,
-    memory: &mut MemBuffer,
-) -> Result<(), usize> {
-    let below = height - columns;
+pub(super) fn eliminate_large(front: FrontView<'_>, memory: &mut MemBuffer) -> Result<(), usize> {
+    let below = front.below();
+    let FrontView { panel, height, columns, update, fresh } = front;
     let (mut diagonal, mut rest) =
         MatMut::from_column_major_slice_mut(panel, height, columns).split_at_row_mut(columns);
     let stack = MemStack::new(memory);
@@ -83,20 +67,15 @@ pub(super) fn eliminate_large(
 
 /// Left-looking by blocks of `D` columns, without calls.
 #[inline(always)]
-fn eliminate_small<const D: usize>(
-    panel: &mut [f64],
-    height: usize,
-    columns: usize,
-    update: &mut [f64],
-    fresh: bool,
-) -> Result<(), usize> {
+fn eliminate_small<const D: usize>(front: FrontView<'_>) -> Result<(), usize> {
+    let below = front.below();
+    let FrontView { panel, height, columns, update, fresh } = front;
     for start in (0..columns).step_by(D) {
         let (done, later) = panel.split_at_mut(start * height);
         let block = &mut later[..D * height];
         subtract_products::<D>(block, height, start, done, height, start);
         factor_block::<D>(block, height, start)?;
     }
-    let below = height - columns;
     if fresh {
         update.fill(0.0);
     }

@@ -5,6 +5,8 @@
     reason = "loops take the vector instructions of the caller they are inlined into"
 )]
 
+use super::view::FrontView;
+
 /// A stretch of a child's rows that lies together in the parent's front, too. Scalars.
 #[derive(Clone, Copy)]
 pub(crate) struct Run {
@@ -28,19 +30,18 @@ pub(crate) fn rows_before(runs: &[Run], columns: usize) -> usize {
     runs.iter().map(|run| columns.saturating_sub(run.target).min(run.length)).sum()
 }
 
-/// Adds these columns of the lower triangle of a child's update matrix of that order to the parent's front: `panel`, of
-/// `columns` columns and `height` rows, and `update`, of order `height - columns`. All are column-major. `runs` place all
-/// rows of the child.
+/// Adds these columns of the lower triangle of a child's update matrix of that order, column-major, to the parent's front.
+/// `runs` place all rows of the child.
 #[inline(always)]
 pub(crate) fn extend_add(
     child: &[f64],
     order: usize,
     sources: std::ops::Range<usize>,
     runs: &[Run],
-    (panel, height, columns): (&mut [f64], usize, usize),
-    update: &mut [f64],
+    front: FrontView<'_>,
 ) {
-    let below = height - columns;
+    let below = front.below();
+    let FrontView { panel, height, columns, update, .. } = front;
     let mut first = 0;
     for source in sources {
         while runs[first].source + runs[first].length <= source {

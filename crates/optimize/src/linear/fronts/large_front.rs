@@ -11,20 +11,17 @@ use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
+use super::view::FrontView;
+
 /// Columns eliminated at a time.
 const BLOCK: usize = 128;
 /// Rows or columns that a thread takes at least.
 const STRIP: usize = 192;
 
-/// As `eliminate` in the module above; the results differ from those of its other ways by rounding.
-pub(super) fn eliminate(
-    panel: &mut [f64],
-    height: usize,
-    columns: usize,
-    update: &mut [f64],
-    fresh: bool,
-    memory: &mut MemBuffer,
-) -> Result<(), usize> {
+/// As `dense::eliminate`; the results differ from those of its other ways by rounding.
+pub(super) fn eliminate(front: FrontView<'_>, memory: &mut MemBuffer) -> Result<(), usize> {
+    let below = front.below();
+    let FrontView { panel, height, columns, update, fresh } = front;
     for start in (0..columns).step_by(BLOCK) {
         let width = BLOCK.min(columns - start);
         let (done, later) = panel.split_at_mut((start + width) * height);
@@ -43,7 +40,6 @@ pub(super) fn eliminate(
         let block = MatRef::from_column_major_slice(&done[start * height..], height, width);
         subtract_products(later, height, start + width, block, Accum::Add);
     }
-    let below = height - columns;
     let panel = MatRef::from_column_major_slice(panel, height, columns);
     let accumulate = if fresh { Accum::Replace } else { Accum::Add };
     subtract_products(update, below, 0, panel.split_at_row(columns).1, accumulate);
@@ -119,15 +115,15 @@ mod tests {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
             let (mut panel, mut update) = (panel.clone(), start.clone());
             let mut memory = dense::scratch(columns);
-            pool.install(|| eliminate(&mut panel, height, columns, &mut update, fresh, &mut memory))
-                .expect("the matrix is dominated by its diagonal");
+            let front = FrontView { panel: &mut panel, height, columns, update: &mut update, fresh };
+            pool.install(|| eliminate(front, &mut memory)).expect("the matrix is dominated by its diagonal");
             (panel, update)
         };
         for fresh in [false, true] {
             let (mut expected, mut update) = (panel.clone(), start.clone());
             let mut memory = dense::scratch(columns);
-            dense::eliminate_large(&mut expected, height, columns, &mut update, fresh, &mut memory)
-                .expect("the matrix is dominated by its diagonal");
+            let front = FrontView { panel: &mut expected, height, columns, update: &mut update, fresh };
+            dense::eliminate_large(front, &mut memory).expect("the matrix is dominated by its diagonal");
             let (found, found_update) = solve(1, fresh);
             let lower = |matrix: &[f64], order: usize, columns: usize| -> Vec<f64> {
                 (0..columns)
@@ -144,7 +140,9 @@ mod tests {
         let mut indefinite = panel.clone();
         indefinite[200 * height + 200] = -1e6;
         let mut memory = dense::scratch(columns);
-        let outcome = eliminate(&mut indefinite, height, columns, &mut start.clone(), true, &mut memory);
+        let front =
+            FrontView { panel: &mut indefinite, height, columns, update: &mut start.clone(), fresh: true };
+        let outcome = eliminate(front, &mut memory);
         assert_eq!(outcome, Err(200));
     }
 }

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use super::dense;
 use super::extend_add::{Run, extend_add, push_rows, rows_before};
 use super::factor::Breakdown;
+use super::view::FrontView;
 use crate::linear::symbolic::{Front, Stretch, Symbolic};
 
 /// The values to factorise.
@@ -181,15 +182,18 @@ impl<const D: usize> WithSimd for Task<'_, D> {
             let update_start = front.update * D * D - own_base;
             let update = &mut own[update_start..update_start + below * below];
             let columns = front.columns * D;
+            // Elimination comes before the children's part of the update.
+            let mut view = FrontView { panel, height, columns, update, fresh: true };
             for &child in &symbolic.children[front.children.clone()] {
                 let child = &symbolic.fronts[child];
                 place_rows::<D>(symbolic, child, runs);
                 let eliminated = 0..rows_before(runs, columns);
                 let (child, order) = update_of::<D>(child, others, other_base);
-                extend_add(child, order, eliminated, runs, (panel, height, columns), update);
+                extend_add(child, order, eliminated, runs, view.reborrow());
             }
-            dense::eliminate::<D>(panel, height, columns, update, true, memory).map_err(|column| {
-                Breakdown { variable: symbolic.order[front.first + column / D], component: column % D }
+            dense::eliminate::<D>(view.reborrow(), memory).map_err(|column| Breakdown {
+                variable: symbolic.order[front.first + column / D],
+                component: column % D,
             })?;
             // The update takes the children's after its own part, so that it is written once less.
             for &child in &symbolic.children[front.children.clone()] {
@@ -197,13 +201,13 @@ impl<const D: usize> WithSimd for Task<'_, D> {
                 place_rows::<D>(symbolic, child, runs);
                 let (child, order) = update_of::<D>(child, others, other_base);
                 let rest = rows_before(runs, columns)..order;
-                extend_add(child, order, rest, runs, (panel, height, columns), update);
+                extend_add(child, order, rest, runs, view.reborrow());
             }
             // The smallest ratio of a pivot to the matrix's diagonal entry.
             for column in 0..columns {
                 let (variable, component) = (symbolic.order[front.first + column / D], column % D);
                 let entry = diagonal[variable][(component, component)];
-                let pivot = panel[column * height + column];
+                let pivot = view.panel[column * height + column];
                 let share = pivot * pivot / (entry + damping * entry.max(floor[component]));
                 smallest_pivot.note(SmallestPivot { share, variable, component });
             }
