@@ -189,7 +189,7 @@ def main():
                                                            ("--generated-limit", arguments.generated_limit),
                                                            ("--time-limit", arguments.time_limit))) +
             (" --peer python" if arguments.peer else ""), "",
-            "Family, n viewpoints in each of two sessions, share of false edges (`crates/multicut/src/generate.rs`); all others "
+            "Family, n viewpoints in each of two sessions, share of false edges (`crates/multicut/src/graph/generate.rs`); all others "
             "are published instances. CPU seconds and peak memory are the whole process's, reading included. *Share* is the "
             "percentage of edges that survive the reductions. Limits are wall time: how far a row that is not proved came depends on "
             "what else the machine did (its CPU seconds tell).", "",

@@ -17,7 +17,7 @@ COPY = ROOT / "target/faulty"
 WIDTH = 160
 # Stage, file, what stands there once, and what takes its place.
 FAULTS = [
-    ("pcm", "crates/pcm/src/gate.rs", "let quantile = chi_square_quantile(probability, degrees_of_freedom)?;",
+    ("pcm", "crates/pcm/src/pairs/gate.rs", "let quantile = chi_square_quantile(probability, degrees_of_freedom)?;",
      "let quantile = 2.0 * chi_square_quantile(probability, degrees_of_freedom)?;"),
     ("multicut", "crates/multicut/src/stage.rs", "(_, 0) => -1.0,", "(_, 0) => 1.0,"),
     ("construct", "crates/construct/src/landmark.rs", "|&(from, to)| viewpoints[from].pose.between(&viewpoints[to].pose)",

@@ -7,7 +7,7 @@ use anyhow::Context as _;
 use clap::Parser;
 use posecut_stage::{CommonArguments, Context, GraphStage as _, Identity, Outcome, Source, info, warn};
 
-use crate::delta::Delta;
+use crate::stage::delta::Delta;
 use crate::stage::{Costs, CutGraph, StageOptions, note};
 use crate::{Graph, Solution, VerifyError, read_mc, solve, verify};
 

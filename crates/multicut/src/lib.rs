@@ -14,55 +14,40 @@
 //! assert_eq!((solution.objective, solution.optimal), (-0.5, true));
 //! # Ok::<(), posecut_multicut::GraphError>(())
 //! ```
+//!
+//! # Where things are
+//!
+//! A folder of `src` is a piece of theory; the module of its name says which equations it rests on. Each depends only on
+//! those before it:
+//!
+//! - `graph`: signed graphs, and how they are read and generated.
+//! - `bound`: packings, the cycle relaxation, odd wheels.
+//! - `reduce`: reductions that keep an optimum, and independent blocks.
+//! - `heuristics`: greedy contraction, Kernighan-Lin with joins, fusion moves.
+//! - `certificate`: proofs of lower bounds, and their independent check.
+//! - `solve`: the whole graph, and branch and cut on kernels.
+//! - `stage`: costs of landmark edges from support, and the multicut of a pose graph.
+//!
+//! `budget` limits the work of all of them, `options` are the caller's choices, and `command` is the program.
 #![doc = include_str!("../docs/method.md")]
 
-mod bisection;
-mod blocks;
+mod bound;
 mod budget;
-mod canonical;
-mod clique_matrix;
-mod cluster_graph;
+mod certificate;
 pub mod command;
-mod conflict;
-mod contraction_queue;
-mod cycle_separation;
-mod decomposition;
-pub mod delta;
-mod error;
-pub mod generate;
 mod graph;
-mod greedy;
-mod interior_point;
-mod kernel;
-mod kernighan_lin;
-mod landmark_distances;
-mod landmarks;
-mod local_search;
-mod node_moves;
+mod heuristics;
 mod options;
-mod packing;
-mod proof;
-mod read;
-mod reduction;
-mod relaxation;
-mod search;
-mod signed_graph;
+mod reduce;
 mod solve;
 pub mod stage;
-mod start;
-mod sum;
-pub mod support;
-mod union_find;
-mod verified_packing;
-mod verified_part;
-mod verified_proof;
-mod verify;
-mod wheel_separation;
 
-pub use error::{GraphError, LabelError, MAXIMUM_NODES};
-pub use graph::{Edge, Graph};
+pub use certificate::proof::Certificate;
+pub use certificate::verify::{Verified, VerifyError, verify};
+pub use graph::error::{GraphError, LabelError, MAXIMUM_NODES};
+pub use graph::generate;
+pub use graph::instance::{Edge, Graph};
+pub use graph::read::{ReadError, read_mc};
 pub use options::{Options, Solver};
-pub use proof::Certificate;
-pub use read::{ReadError, read_mc};
 pub use solve::{Solution, solve};
-pub use verify::{Verified, VerifyError, verify};
+pub use stage::{delta, support};

@@ -1,18 +1,24 @@
 //! The whole graph: conflicted components, one after the other.
+//!
+//! Each component is reduced to kernels; [`search`] closes a kernel by branch and cut: a packing, the cycle relaxation with
+//! odd wheels, edges fixed by residual cost, branching. Depends on all theory of this crate: [`reduce`](crate::reduce),
+//! [`heuristics`](crate::heuristics), [`bound`](crate::bound), [`certificate`](crate::certificate).
+
+mod search;
 
 use std::time::Instant;
 
 use crate::budget::Budget;
-use crate::canonical::canonical_order;
-use crate::decomposition::{Decomposition, decompose};
-use crate::graph::Graph;
+use crate::certificate::proof::{Certificate, Reduced};
+use crate::graph::canonical::canonical_order;
+use crate::graph::instance::Graph;
+use crate::graph::signed_graph::SignedGraph;
+use crate::graph::sum::Sum;
+use crate::graph::union_find::UnionFind;
+use crate::heuristics::start::{contract, contract_and_move};
 use crate::options::{Options, Solver};
-use crate::proof::{Certificate, Reduced};
-use crate::search::{State, close, improve, survey};
-use crate::signed_graph::SignedGraph;
-use crate::start::{contract, contract_and_move};
-use crate::sum::Sum;
-use crate::union_find::UnionFind;
+use crate::reduce::decomposition::{Decomposition, decompose};
+use search::{State, close, improve, survey};
 
 /// A multicut, and how good it is known to be.
 #[derive(Debug, Clone)]

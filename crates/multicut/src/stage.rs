@@ -1,5 +1,12 @@
 //! The multicut as a stage: marks the landmark edges that an optimal multicut cuts, and labels the landmarks
 //! that remain.
+//!
+//! [`mod@support`] counts the landmark edges between neighbouring frames, within the distance of [`delta`]: the paper's cost of
+//! an edge is +1 with such support and -1 without. Depends on [`solve`](crate::solve()) alone; the theory knows no pose graphs.
+
+pub mod delta;
+pub(crate) mod landmarks;
+pub mod support;
 
 use std::time::Duration;
 
@@ -7,10 +14,10 @@ use posecut_graph::{EdgeKind, PoseGraph};
 use posecut_stage::{Context, Doubt, GraphStage, counted, info};
 use serde::Serialize;
 
-use crate::delta::Delta;
-use crate::landmarks::{label_landmarks, mark};
-use crate::support::{Support, support};
 use crate::{Graph, Solution, Solver, solve};
+use delta::Delta;
+use landmarks::{label_landmarks, mark};
+use support::{Support, support};
 
 /// What cutting a landmark edge costs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]

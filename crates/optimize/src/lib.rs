@@ -8,8 +8,11 @@
 //! 2. [`initialisation`] proposes starts: the given poses, a spanning tree, and the chordal relaxation, which finds all
 //!    rotations first. The cheapest in cost is taken.
 //! 3. [`optimize`] runs Gauss-Newton steps, damped (Levenberg-Marquardt) once one fails, over an own sparse
-//!    [`cholesky`] factorisation of 3 x 3 or 6 x 6 blocks.
+//!    Cholesky factorisation ([`linear`]) of 3 x 3 or 6 x 6 blocks.
 //! 4. [`Marginals`] gives covariances of poses and of pairs of them, from the factor.
+//!
+//! A folder of `src` is a piece of theory; the module of its name says which equations it rests on: `model`, [`linear`],
+//! [`initialisation`], `batch`, `certificate`, [`covariance`], [`incremental`], and [`stage`], all of it on a pose graph.
 //!
 //! ```
 //! use nalgebra::Matrix3;
@@ -25,40 +28,25 @@
 //! # Ok::<(), posecut_optimize::ProblemError>(())
 //! ```
 
+mod batch;
 mod certificate;
-pub mod cholesky;
-mod chordal_cost;
 pub mod command;
-pub mod components;
-mod dogleg;
-mod figures;
-mod graduated;
+pub mod covariance;
 pub mod incremental;
 pub mod initialisation;
-mod kernel;
-mod kernel_name;
-mod levenberg_marquardt;
-mod magnitude;
-mod marginals;
-mod normal_equations;
-mod options;
-mod phases;
-mod problem;
-mod residual;
-mod simplified_newton;
-mod solution;
-mod solve;
+pub mod linear;
+mod model;
 pub mod stage;
-mod unusable;
 
+pub use batch::options::{Graduated, Initialisation, Method, Options};
+pub use batch::outcome::Termination;
+pub use batch::phases::Phases;
+pub use batch::solution::{ComponentReport, Solution, Start};
+pub use batch::solve::{PoseGroup, certify, optimize};
 pub use certificate::Certificate;
-pub use graduated::Graduated;
-pub use kernel::Kernel;
-pub use kernel_name::KernelNameError;
-pub use marginals::{Joint, Marginals};
-pub use options::{Initialisation, Method, Options};
-pub use phases::Phases;
-pub use problem::{Edge, EdgeKind, Problem, ProblemError};
-pub use residual::{chi2, residual};
-pub use solution::{ComponentReport, Solution, Start, Termination};
-pub use solve::{PoseGroup, certify, optimize};
+pub use covariance::marginals::{Joint, Marginals};
+pub use model::components;
+pub use model::kernel::Kernel;
+pub use model::kernel_name::KernelNameError;
+pub use model::problem::{Edge, EdgeKind, Problem, ProblemError};
+pub use model::residual::{chi2, residual};

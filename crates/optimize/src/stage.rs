@@ -1,9 +1,14 @@
 //! Optimisation as a stage: writes the optimised poses of a pose graph.
+//!
+//! Options, warnings and statistics; `marginals` writes covariances, `robust` weights of edges. Depends on the theory, which
+//! knows no pose graphs.
 
 mod certify;
 mod doubts;
+pub(crate) mod figures;
 mod marginals;
 mod robust;
+pub(crate) mod unusable;
 
 use std::time::Instant;
 
@@ -19,11 +24,11 @@ pub(crate) use doubts::doubt_disconnected;
 pub use marginals::MarginalsOf;
 pub use robust::{Graduation, RobustOptions};
 
-use crate::figures::significant;
-use crate::unusable::refuse_unless_finite;
 use crate::{
     Edge, EdgeKind, Initialisation, Method, Options, Phases, PoseGroup, Problem, Solution, certify, optimize,
 };
+use figures::significant;
+use unusable::refuse_unless_finite;
 
 /// Where to start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]

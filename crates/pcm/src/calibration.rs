@@ -1,13 +1,17 @@
 //! How far the covariances are off, from the candidates themselves: one factor for odometry, one for landmark edges.
+//!
+//! `loops` closes loops of neighbouring candidates and shuffled ones for comparison; `mixture` fits variance components to
+//! them by expectation-maximisation (Zhou, Hu, Zhou, Lange, JCGS 2019; [`estimate_scales`] says how). Depends on odometry
+//! and pairs.
 
 mod loops;
 mod mixture;
 
 use serde::Serialize;
 
-use crate::candidate::Group;
-use crate::chain::Chains;
-use crate::spread::Spatial;
+use crate::odometry::chain::Chains;
+use crate::odometry::spread::Spatial;
+use crate::pairs::candidate::Group;
 
 /// Landmark edges below which there is no estimate. Loops do not count: one edge closes up to nine of them.
 pub(crate) const FEWEST: usize = 15;

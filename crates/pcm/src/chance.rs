@@ -1,16 +1,21 @@
 //! Agreement by chance: how many edges between random places would agree as well.
+//!
+//! The number of false alarms of an edge (a contrario: Desolneux, Moisan, Morel, IJCV 2000); [`Chance`] gives the
+//! formula. `islands` splits the members of a set into those that hang together. Depends on odometry and pairs.
+
+mod islands;
 
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 use statrs::function::gamma::ln_gamma;
 
-use crate::candidate::{Candidate, Group};
-use crate::chain::{Chain, Chains};
-use crate::consistency::{Pairs, elsewhere};
-use crate::distance::{loop_through, loop_through_odometry};
-use crate::islands::Islands;
-use crate::nearest::Nearest;
-use crate::spread::Spatial;
+use crate::odometry::chain::{Chain, Chains};
+use crate::odometry::spread::Spatial;
+use crate::pairs::candidate::{Candidate, Group};
+use crate::pairs::consistency::{Pairs, elsewhere};
+use crate::pairs::distance::{loop_through, loop_through_odometry};
+use crate::pairs::nearest::Nearest;
+use islands::Islands;
 
 /// What a wrong edge weighs, in correct ones, unless told otherwise.
 pub const COST: f64 = 3.0;

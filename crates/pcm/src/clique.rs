@@ -17,6 +17,8 @@
 //! Every number on the way is exact, every choice goes by the order of the vertices, and random draws have a fixed
 //! seed: one graph, one answer, at any number of threads. Among cliques of the same size the first one found in this
 //! order is taken.
+//!
+//! Depends on no other module of this crate: it knows graphs, not edges of a map.
 
 mod bits;
 mod buckets;

@@ -3,10 +3,10 @@
 use nalgebra::SMatrix;
 use posecut_geometry::LieGroup;
 
-use crate::candidate::Candidate;
-use crate::chain::Chain;
 use crate::clique::{BitGraph, BitSet, Limits, larger_clique};
-use crate::consistency::{squared_distance, squared_distance_to_odometry};
+use crate::odometry::chain::Chain;
+use crate::pairs::candidate::Candidate;
+use crate::pairs::consistency::{squared_distance, squared_distance_to_odometry};
 
 /// What one more candidate changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

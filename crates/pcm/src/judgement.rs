@@ -1,19 +1,27 @@
-//! What becomes of the candidates of a group.
+//! What becomes of the candidates of a group: pairs, maximum clique, growth, chance, one after the other.
+//!
+//! The clique needs a matrix of all pairs: [`cells`] solves groups that are too large for one, by hypotheses for each cell of
+//! distance travelled. [`growth`] adds candidates that the clique lost by a pair or two. Depends on
+//! [`clique`](crate::clique), [`chance`](crate::chance), odometry and pairs.
+
+pub mod cells;
+pub(crate) mod figures;
+pub mod growth;
 
 use std::time::Instant;
 
 use posecut_graph::PoseGraph;
 use posecut_stage::GraphStage as _;
 
-use crate::candidate::Group;
-use crate::cells::solve_by_cells;
-use crate::chain::Chains;
 use crate::chance::{Chance, Pool};
 use crate::clique::{BitGraph, Limits, maximum_clique};
-use crate::consistency::Pairs;
-use crate::growth::grow;
-use crate::summary::Summary;
+use crate::odometry::chain::Chains;
+use crate::pairs::candidate::Group;
+use crate::pairs::consistency::Pairs;
 use crate::{Gate, Options, PcmError, Scheme, Spatial};
+use cells::solve_by_cells;
+use figures::{Figures, Searched};
+use growth::grow;
 
 /// Whether a candidate stays, and why.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,12 +56,23 @@ pub(crate) struct Judged {
     false_alarms: Vec<Option<f64>>,
     /// The consistency graph with the candidates that its vertices stand for.
     pub(crate) graph: Option<(BitGraph, Vec<usize>)>,
+    pub(crate) figures: Figures,
 }
 
 impl Judged {
     fn new(degrees: Vec<usize>) -> Self {
-        let count = degrees.len();
-        Self { roles: vec![Role::Outside; count], degrees, false_alarms: vec![None; count], graph: None }
+        let candidates = degrees.len();
+        Self {
+            roles: vec![Role::Outside; candidates],
+            degrees,
+            false_alarms: vec![None; candidates],
+            graph: None,
+            figures: Figures {
+                candidates,
+                lone_candidates: usize::from(candidates == 1),
+                ..Figures::default()
+            },
+        }
     }
 
     fn play(&mut self, role: Role, candidates: &[usize]) {
@@ -83,12 +102,13 @@ impl Judged {
         }
     }
 
-    /// Adds the roles to the summary's counts.
-    fn count(&self, summary: &mut Summary) {
+    /// Counts the roles.
+    fn counted(mut self) -> Self {
         let playing = |role| self.roles.iter().filter(|&&played| played == role).count();
-        summary.kept += self.roles.iter().filter(|role| role.stays()).count();
-        summary.grown += playing(Role::Grown);
-        summary.by_chance += playing(Role::Chance);
+        self.figures.kept = self.roles.iter().filter(|role| role.stays()).count();
+        self.figures.grown = playing(Role::Grown);
+        self.figures.by_chance = playing(Role::Chance);
+        self
     }
 }
 
@@ -99,15 +119,12 @@ pub(crate) fn judge<G: Spatial<DOF>, const DOF: usize>(
     group: &Group<G, DOF>,
     pool: Option<Pool<DOF>>,
     limits: Limits,
-    summary: &mut Summary,
 ) -> Result<Judged, PcmError> {
     let count = group.candidates.len();
     let scheme = options.scheme.for_candidates(count);
     if scheme == Scheme::Cells && options.consistency_graph.is_some() {
         return Err(PcmError::GraphNotMade { candidates: count, megabytes: (count * count / 8) >> 20 });
     }
-    summary.candidates += count;
-    summary.lone_candidates += usize::from(count == 1);
     let pairs = Pairs::new(chains, group).with_odometry_test(!options.no_odometry_test).with_pool(pool);
     let gate = options.gate(options.probability, count, DOF)?;
     let growth_gate = match options.grow {
@@ -115,11 +132,10 @@ pub(crate) fn judge<G: Spatial<DOF>, const DOF: usize>(
         None => None,
     };
     let judged = match scheme {
-        Scheme::Cells => by_cells(options, &pairs, (gate, growth_gate.unwrap_or(gate)), limits, summary),
-        _ => by_clique(options, &pairs, (gate, growth_gate), limits, summary),
+        Scheme::Cells => by_cells(options, &pairs, (gate, growth_gate.unwrap_or(gate)), limits),
+        _ => by_clique(options, &pairs, (gate, growth_gate), limits),
     };
-    judged.count(summary);
-    Ok(judged)
+    Ok(judged.counted())
 }
 
 fn by_cells<G: Spatial<DOF>, const DOF: usize>(
@@ -127,22 +143,25 @@ fn by_cells<G: Spatial<DOF>, const DOF: usize>(
     pairs: &Pairs<'_, G, DOF>,
     (gate, growth_gate): (Gate, Gate),
     limits: Limits,
-    summary: &mut Summary,
 ) -> Judged {
     let start = Instant::now();
     let solution = solve_by_cells(pairs, gate, growth_gate, options.cell_size, limits, options.cost());
-    summary.seconds_clique += start.elapsed().as_secs_f64();
-    summary.groups_by_cells += 1;
-    summary.cells += solution.cells;
-    summary.hypotheses += solution.hypotheses;
-    summary.hypotheses_left_out += solution.hypotheses_left_out;
-    summary.counts += solution.counts;
-    summary.clique_size += solution.members.len();
-    // Nothing is proved about candidates that are no hypotheses.
-    summary.clique_upper_bound += pairs.len();
-    summary.searched.add(&solution.clique);
-    summary.work += solution.clique.work;
+    let seconds_clique = start.elapsed().as_secs_f64();
     let mut judged = Judged::new(solution.degrees);
+    judged.figures = Figures {
+        seconds_clique,
+        groups_by_cells: 1,
+        cells: solution.cells,
+        hypotheses: solution.hypotheses,
+        hypotheses_left_out: solution.hypotheses_left_out,
+        counts: solution.counts,
+        clique_size: solution.members.len(),
+        // Nothing is proved about candidates that are no hypotheses.
+        clique_upper_bound: pairs.len(),
+        searched: Searched::of(&solution.clique),
+        work: solution.clique.work,
+        ..judged.figures
+    };
     judged.play(Role::Chance, &solution.by_chance);
     judged.play(Role::Grown, &solution.grown);
     judged.play(Role::Clique, &solution.members);
@@ -155,25 +174,29 @@ fn by_clique<G: Spatial<DOF>, const DOF: usize>(
     pairs: &Pairs<'_, G, DOF>,
     (gate, growth_gate): (Gate, Option<Gate>),
     limits: Limits,
-    summary: &mut Summary,
 ) -> Judged {
     let start = Instant::now();
     let (tested, graph, counts) = pairs.tested_graph(gate);
-    summary.against_odometry += pairs.len() - tested.len();
-    summary.seconds_pairs += start.elapsed().as_secs_f64();
-    summary.counts += counts;
+    let seconds_pairs = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let clique = maximum_clique(&graph, limits);
-    summary.seconds_clique += start.elapsed().as_secs_f64();
-    summary.clique_size += clique.vertices.len();
-    summary.clique_upper_bound += clique.upper_bound;
-    summary.searched.add(&clique);
-    summary.work += clique.work;
+    let seconds_clique = start.elapsed().as_secs_f64();
     let mut degrees = vec![0; pairs.len()];
     for (vertex, &candidate) in tested.iter().enumerate() {
         degrees[candidate] = graph.degree(vertex);
     }
     let mut judged = Judged::new(degrees);
+    judged.figures = Figures {
+        against_odometry: pairs.len() - tested.len(),
+        counts,
+        clique_size: clique.vertices.len(),
+        clique_upper_bound: clique.upper_bound,
+        searched: Searched::of(&clique),
+        work: clique.work,
+        seconds_pairs,
+        seconds_clique,
+        ..judged.figures
+    };
     let mut members: Vec<usize> = clique.vertices.iter().map(|&vertex| tested[vertex]).collect();
     let start = Instant::now();
     if let Some(cost) = options.chance {
@@ -188,9 +211,9 @@ fn by_clique<G: Spatial<DOF>, const DOF: usize>(
         judged.play(Role::Chance, &growth.by_chance);
         judged.play(Role::Grown, &growth.grown);
         judged.note(&growth.false_alarms);
-        summary.counts += growth.counts;
+        judged.figures.counts += growth.counts;
     }
-    summary.seconds_growth += start.elapsed().as_secs_f64();
+    judged.figures.seconds_growth = start.elapsed().as_secs_f64();
     judged.graph = options.consistency_graph.is_some().then_some((graph, tested));
     judged
 }

@@ -7,10 +7,10 @@ use posecut_graph::{Dimension, Edge, EdgeKind, PoseGraph};
 use statrs::function::gamma::ln_gamma;
 
 use crate::PcmError;
-use crate::chain::{Covariances, covariance, squared_mahalanobis};
 use crate::chance::acceptable;
-use crate::consistency::elsewhere;
-use crate::gate::chi_square_quantile;
+use crate::odometry::chain::{Covariances, covariance, squared_mahalanobis};
+use crate::pairs::consistency::elsewhere;
+use crate::pairs::gate::chi_square_quantile;
 
 /// The field in which the optimiser predicts the pose that a landmark edge measures.
 pub const PREDICTED_COVARIANCE: &str = "predicted_covariance";

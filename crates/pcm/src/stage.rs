@@ -1,4 +1,14 @@
 //! PCM as a stage: marks the landmark edges outside the maximum clique of each group.
+//!
+//! The options, the work divided among groups (`budget`), what is reported (`summary`), and what other stages show or reuse:
+//! [`replay`], [`selection`], [`dimacs`]. Depends on all of the theory, and holds none.
+
+pub(crate) mod budget;
+pub mod dimacs;
+pub(crate) mod options;
+pub mod replay;
+pub mod selection;
+pub(crate) mod summary;
 
 use std::thread::Builder;
 use std::time::{Duration, Instant};
@@ -7,16 +17,17 @@ use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 use posecut_stage::{Context, Doubt, GraphStage, write_atomically};
 
-use crate::budget::Budget;
 use crate::calibration::{NoScales, ScaleEstimate, Scales, estimate_scales};
-use crate::candidate::{Group, Grouped, group_with};
-use crate::chain::{Chains, Covariances};
 use crate::chance::Pool;
-use crate::dimacs::{NamedGraph, write_dimacs};
+use crate::judgement::figures::Figures;
 use crate::judgement::judge;
+use crate::odometry::chain::{Chains, Covariances};
+use crate::pairs::candidate::{Group, Grouped, group_with};
 use crate::readmission::{divide_information, readmit};
-use crate::summary::{Summary, note_readmission};
 use crate::{Options, PcmError, Spatial, Test};
+use budget::Budget;
+use dimacs::{NamedGraph, write_dimacs};
+use summary::{Calibration, Summary, note_readmission};
 
 /// How often progress is drawn while a group takes long.
 const TICK: Duration = Duration::from_millis(200);
@@ -55,14 +66,15 @@ fn reject<G: Spatial<DOF>, const DOF: usize>(
     context: &Context,
 ) -> Result<(Summary, Vec<NamedGraph>), PcmError> {
     let (mut chains, mut grouped) = candidates::<G, DOF>(options, graph)?;
+    let deadline = options.deadline();
+    let calibration = calibrate(options, graph, &mut chains, &mut grouped.groups);
     let mut summary = Summary {
         unmeasured: grouped.unmeasured,
         rejected_before: grouped.rejected_before,
         groups: grouped.groups.len(),
-        ..Summary::default()
+        judged: Figures::default(),
+        calibration,
     };
-    let deadline = options.deadline();
-    calibrate(options, graph, &mut chains, &mut grouped.groups, &mut summary);
     // Without --chance every group is judged by itself, as PCM is defined.
     let pool = options.chance.map(|_| Pool::of(&chains, &grouped.groups));
     let mut graphs = Vec::new();
@@ -77,15 +89,15 @@ fn reject<G: Spatial<DOF>, const DOF: usize>(
     for group in &grouped.groups {
         let count = group.candidates.len();
         let alone = options.limits(count, deadline);
-        let before = summary.work;
-        let judged = judge(options, &chains, group, pool, budget.next(count, alone), &mut summary)?;
-        budget.spend(count, alone, summary.work - before);
+        let judged = judge(options, &chains, group, pool, budget.next(count, alone))?;
+        budget.spend(count, alone, judged.figures.work);
         progress.inc(pairs(count));
         judged.mark(graph, group);
         if let Some((consistency, vertices)) = judged.graph {
             let id = |&vertex: &usize| graph.edges[group.candidates[vertex].edge].id;
             graphs.push(NamedGraph { edges: vertices.iter().map(id).collect(), graph: consistency });
         }
+        summary.judged += judged.figures;
     }
     progress.finish_and_clear();
     Ok((summary, graphs))
@@ -126,14 +138,13 @@ fn calibrate<G: Spatial<DOF>, const DOF: usize>(
     graph: &mut PoseGraph,
     chains: &mut Chains<G, DOF>,
     groups: &mut [Group<G, DOF>],
-    summary: &mut Summary,
-) {
+) -> Calibration {
     let start = Instant::now();
-    summary.scale = scale(options, chains, groups);
+    let scale = scale(options, chains, groups);
     if options.calibrate {
-        let estimated = summary.scale.and_then(Result::ok).map_or(Scales::ONE, |estimate| estimate.scales);
+        let estimated = scale.and_then(Result::ok).map_or(Scales::ONE, |estimate| estimate.scales);
         divide_information(graph, EdgeKind::Odometry, estimated.odometry);
         divide_information(graph, EdgeKind::Landmark, estimated.landmark);
     }
-    summary.seconds_scale += start.elapsed().as_secs_f64();
+    Calibration { scale, seconds: start.elapsed().as_secs_f64() }
 }

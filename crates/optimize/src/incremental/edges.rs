@@ -13,9 +13,9 @@ use super::IncrementalError;
 use super::elimination::Incidence;
 use super::estimate::Estimate;
 use super::linear_model::LinearModel;
-use crate::magnitude::{distance, size};
-use crate::problem::Edge;
-use crate::residual::Linearised;
+use crate::model::magnitude::{distance, size};
+use crate::model::problem::Edge;
+use crate::model::residual::Linearised;
 
 /// An edge as seen from one of its ends.
 #[derive(Clone, Copy, Debug)]

@@ -10,10 +10,11 @@ use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::{SMatrix, SVector};
 
 use super::tree::{Clique, Tree};
-use crate::cholesky::dense;
-use crate::cholesky::extend_add::{Run, extend_add, push_rows};
-use crate::magnitude::translations;
-use crate::residual::Linearised;
+use crate::linear::fronts::dense;
+use crate::linear::fronts::extend_add::{Run, extend_add, push_rows};
+use crate::linear::fronts::view::FrontView;
+use crate::model::magnitude::translations;
+use crate::model::residual::Linearised;
 
 /// Share of a diagonal entry that elimination must leave: below it the direction is undetermined.
 const SINGULAR: f64 = 1e-14;
@@ -173,14 +174,14 @@ impl<const D: usize> Elimination<D> {
                 self.diagonal[column] += stiffness;
             }
         }
-        let fresh = clique.children.is_empty();
+        let mut front = FrontView { panel, height, columns, update, fresh: clique.children.is_empty() };
         for &child in &clique.children {
-            self.add_child(tree.clique(child), panel, height, columns, update);
+            self.add_child(tree.clique(child), front.reborrow());
         }
-        if let Err(column) = dense::eliminate::<D>(panel, height, columns, update, fresh, &mut self.scratch) {
+        if let Err(column) = dense::eliminate::<D>(front.reborrow(), &mut self.scratch) {
             return Some(Failure { column: self.not_held(column), height, broke_down: true });
         }
-        let column = (0..columns).find(|&column| self.is_singular(panel, height, column))?;
+        let column = (0..columns).find(|&column| self.is_singular(front.panel, height, column))?;
         Some(Failure { column, height, broke_down: false })
     }
 
@@ -248,18 +249,11 @@ impl<const D: usize> Elimination<D> {
 
     /// Adds a child's update to the front.
     #[inline(always)]
-    fn add_child(
-        &mut self,
-        child: &Clique,
-        panel: &mut [f64],
-        height: usize,
-        columns: usize,
-        update: &mut [f64],
-    ) {
+    fn add_child(&mut self, child: &Clique, front: FrontView<'_>) {
         let separator = &child.variables[child.frontals..];
         let ascends = separator.windows(2).all(|pair| self.place[pair[0]] < self.place[pair[1]]);
         if !ascends {
-            self.add_unsorted_child(child, panel, height, columns, update);
+            self.add_unsorted_child(child, front);
             return;
         }
         self.runs.clear();
@@ -268,23 +262,17 @@ impl<const D: usize> Elimination<D> {
         }
         // The right-hand side.
         let order = separator.len() * D + 1;
-        push_rows(&mut self.runs, order - 1, height - 1, 1);
-        extend_add(&child.update, order, 0..order, &self.runs, (panel, height, columns), update);
+        push_rows(&mut self.runs, order - 1, front.height - 1, 1);
+        extend_add(&child.update, order, 0..order, &self.runs, front);
     }
 
     /// Adds the update of a child whose separator has been put in another order since.
     #[inline(always)]
-    fn add_unsorted_child(
-        &self,
-        child: &Clique,
-        panel: &mut [f64],
-        height: usize,
-        columns: usize,
-        update: &mut [f64],
-    ) {
+    fn add_unsorted_child(&self, child: &Clique, front: FrontView<'_>) {
+        let below = front.below();
+        let FrontView { panel, height, columns, update, .. } = front;
         let separator = &child.variables[child.frontals..];
         let order = separator.len() * D + 1;
-        let below = height - columns;
         // Block by block, so that the two places are compared once for all of a block's entries.
         for (block_column, &node) in separator.iter().enumerate() {
             let column = self.place[node] * D;

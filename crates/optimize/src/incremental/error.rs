@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::problem::ProblemError;
+use crate::model::problem::ProblemError;
 
 /// Why a change cannot be made. The solver is as it was before.
 #[derive(Clone, Debug, Error, PartialEq)]

@@ -3,9 +3,9 @@
 use nalgebra::SVector;
 
 use super::{FinishReport, IncrementalSolver};
-use crate::magnitude::{Magnitude, translations};
-use crate::problem::Problem;
-use crate::residual::Term as _;
+use crate::model::magnitude::{Magnitude, translations};
+use crate::model::problem::Problem;
+use crate::model::residual::Term as _;
 use crate::{Initialisation, Options, PoseGroup, optimize};
 
 /// Most full relinearisations in [`IncrementalSolver::finish`].

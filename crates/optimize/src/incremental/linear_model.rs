@@ -3,9 +3,9 @@
 use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
-use crate::kernel::charge;
-use crate::problem::Edge;
-use crate::residual::{Expansion, Linearised, residual};
+use crate::model::kernel::charge;
+use crate::model::problem::Edge;
+use crate::model::residual::{Expansion, Linearised, residual};
 
 /// An edge's residual as a linear function of the linear updates of its ends: `e = constant + from d_from + to d_to`.
 pub(super) struct LinearModel<const DOF: usize> {

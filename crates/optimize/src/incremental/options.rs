@@ -1,7 +1,7 @@
 //! What the caller may choose.
 
 use super::IncrementalError;
-use crate::magnitude::translations;
+use crate::model::magnitude::translations;
 
 /// Settings of [`IncrementalSolver`](super::IncrementalSolver).
 #[derive(Clone, Copy, Debug, PartialEq)]

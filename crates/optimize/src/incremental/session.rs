@@ -8,8 +8,8 @@ use posecut_graph::{Edge, Node, PoseGraph};
 use serde::Serialize;
 
 use super::{EdgeId, IncrementalOptions, IncrementalSolver};
+use crate::stage::unusable::refuse_unless_finite;
 use crate::stage::{is_fixed, measured_edge};
-use crate::unusable::refuse_unless_finite;
 use crate::{EdgeKind, Kernel, PoseGroup};
 
 /// A record of a session.

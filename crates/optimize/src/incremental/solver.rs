@@ -13,9 +13,9 @@ use super::tree::{NONE, Tree};
 use super::update::Restarts;
 use super::{IncrementalError, IncrementalOptions, Split};
 use crate::PoseGroup;
-use crate::magnitude::distance;
-use crate::problem::{Edge, ProblemError, check_edge, is_finite};
-use crate::residual::Term as _;
+use crate::model::magnitude::distance;
+use crate::model::problem::{Edge, ProblemError, check_edge, is_finite};
+use crate::model::residual::Term as _;
 
 /// The number of an edge, given when it is added and never again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

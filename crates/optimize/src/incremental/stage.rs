@@ -13,7 +13,7 @@ use super::replay::{Located, empty, for_each};
 use super::session::{Arrival, Kernels, Session};
 use super::{FinishReport, IncrementalOptions};
 use crate::PoseGroup;
-use crate::figures::significant;
+use crate::stage::figures::significant;
 use crate::stage::{StageOptions, doubt_disconnected, warn_of_unmeasured};
 
 /// Options of the incremental mode.

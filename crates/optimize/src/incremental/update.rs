@@ -9,7 +9,7 @@ use nalgebra::SVector;
 
 use super::{IncrementalSolver, UpdateReport};
 use crate::PoseGroup;
-use crate::magnitude::translations;
+use crate::model::magnitude::translations;
 
 /// A rotation beyond which a Gauss-Newton step is not trusted without a look at the cost, radians. Translations beyond all measured
 /// distances together are not, either.

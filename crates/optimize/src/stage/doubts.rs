@@ -3,7 +3,7 @@
 use posecut_graph::PoseGraph;
 use posecut_stage::{Context, Doubt, counted};
 
-use crate::figures::significant;
+use super::figures::significant;
 use crate::{ComponentReport, Solution};
 
 /// Costs that differ by less than this, absolutely and as a share, are equal. They have no unit.

@@ -2,12 +2,12 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::candidate::{Candidate, Group};
-use crate::chain::Chains;
-use crate::consistency::Pairs;
-use crate::distance::add_odometry;
-use crate::nearest::Nearest;
-use crate::spread::Spatial;
+use crate::odometry::chain::Chains;
+use crate::odometry::spread::Spatial;
+use crate::pairs::candidate::{Candidate, Group};
+use crate::pairs::consistency::Pairs;
+use crate::pairs::distance::add_odometry;
+use crate::pairs::nearest::Nearest;
 
 /// Candidates looked at, over all groups; more would not change the estimate.
 const SAMPLE: usize = 1000;
@@ -112,7 +112,7 @@ fn log_volume<const DOF: usize>(errors: &[SVector<f64, DOF>]) -> f64 {
         .sum()
 }
 
-/// Closes loops of a group. Errors are those of [`crate::distance`], in the frame of chain B.
+/// Closes loops of a group. Errors are those of [`crate::pairs::distance`], in the frame of chain B.
 struct Closing<'a, G, const DOF: usize>(&'a Pairs<'a, G, DOF>);
 
 impl<G: Spatial<DOF>, const DOF: usize> Closing<'_, G, DOF> {

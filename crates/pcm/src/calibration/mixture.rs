@@ -8,7 +8,7 @@ use statrs::function::gamma::ln_gamma;
 
 use super::loops::{CLASSES, Loop, Sample};
 use super::{Ended, ScaleEstimate, Scales};
-use crate::gate::chi_square_quantile;
+use crate::pairs::gate::chi_square_quantile;
 
 /// Degrees of freedom of a correct loop's t distribution.
 const TAIL: f64 = 4.0;

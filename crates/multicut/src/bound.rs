@@ -1,0 +1,26 @@
+//! Lower bounds: packings of conflicted cycles and odd wheels, and the linear program whose dual they are.
+//!
+//! An edge is paid `y` if it attracts, `1 - y` if it repels. The cycle relaxation minimises `c^+ y + |c^-| (1 - y)`
+//! subject to
+//!
+//! - cycle inequalities (Chopra, Rao 1993): `y(P) + (1 - y_f) >= 1` for each repulsive edge `f` and each attractive path
+//!   `P` between its ends. Other cycles do not change the optimum (Lange, Karrenbauer, Andres, ICML 2018);
+//!   [`cycle_separation`] finds violated ones by shortest paths.
+//! - odd wheel inequalities (Chopra, Rao 1993): a closed walk with an odd number `k` of repulsive edges and its spokes
+//!   are paid `(k + 1) / 2` or more. [`conflict`] proves it; [`odd_wheel_separation`] finds violated ones by
+//!   shortest walks of odd parity (after Deza, Groetschel, Laurent 1992).
+//!
+//! [`interior_point`] solves the program (Mehrotra, SIAM J. Optimization 2(4), 1992). Every dual point packs these conflicts
+//! into the capacities `|c|` and so is a lower bound; [`packing`] also makes one greedily (Lange, Karrenbauer, Andres, ICML
+//! 2018, algorithm 1).
+//!
+//! Depends on [`graph`](crate::graph).
+
+pub(crate) mod clique_matrix;
+pub(crate) mod conflict;
+pub(crate) mod cycle_separation;
+pub(crate) mod interior_point;
+pub(crate) mod landmark_distances;
+pub(crate) mod odd_wheel_separation;
+pub(crate) mod packing;
+pub(crate) mod relaxation;

@@ -1,0 +1,153 @@
+//! Proofs of lower bounds, and how they are written.
+
+use std::io::Write;
+
+use crate::bound::conflict::Conflict;
+use crate::bound::packing::Packed;
+use crate::reduce::decomposition::Trace;
+use crate::reduce::reduction::Step;
+
+/// Why a kernel costs at least its bound. Nodes are those of the kernel.
+#[derive(Debug, Clone)]
+pub(crate) enum Proof {
+    /// Disjoint conflicts.
+    Packing(Vec<Packed>),
+    /// Cutting one of `edges` lifts the packing's bound by the edge's residual cost; the rest of the proof may reward
+    /// joining them.
+    Fixed { conflicts: Vec<Packed>, edges: Vec<(u32, u32)>, reward: f64, rest: Reduced },
+    /// The ends of an edge are joined or apart; either may be rewarded.
+    Branch { edge: (u32, u32), reward: f64, joined: Reduced, apart: Reduced },
+}
+
+/// A proof for a graph by reductions, and proofs for the kernels they leave.
+#[derive(Debug, Clone)]
+pub(crate) struct Reduced {
+    pub(crate) trace: Vec<Trace>,
+    pub(crate) kernels: Vec<Proof>,
+}
+
+/// A solution and the proof of its lower bound, to be written to a file and checked by [`verify`](crate::verify()).
+///
+/// Text, one statement a line, each with the numbers it needs:
+///
+/// ```text
+/// POSECUT-MULTICUT-CERTIFICATE 1
+/// labels 0 0 1 …                 one for each node
+/// component 4 7 8 …              nodes of a part of the graph, numbered 0, 1, … from here on
+/// reduce 2                       number of pieces that follow
+/// piece - 0 1 2 …                the whole; steps follow
+/// i NODE                         isolate a node without attraction
+/// 2 NODE                         eliminate a node of degree two
+/// d KEPT GONE                    contract by dominance
+/// t KEPT GONE APEX               contract by the triangle rule
+/// piece 0 2 5 …                  a part of piece 0 with its edges; a kernel is followed by its proof:
+/// pack 3                         three conflicts. A cycle: weight, then nodes (numbered within the
+/// 1 0 1 4                        piece), the last and the first joined by the repulsive edge. A wheel:
+/// wheel 1 1 2 3 / 0 1 / 0 2 / 0 3   weight, rim, and a spoke from the centre for each repulsive edge of
+///                                the rim, in order, to where the rim enters it
+/// fix 1 2 99                     one conflict, two edges (tail head) fixed, reward; then reduce …
+/// branch 3 8 99                  edge and reward; then reduce … if joined, and reduce … if apart
+/// end
+/// ```
+///
+/// Bounds of parts add up, because no edge is in two of them; edges in no part count with their cost if negative.
+/// The bound of a kernel is the sum of its negative costs and the weights packed (times (k + 1) / 2 for a wheel with k
+/// spokes), rounded up if all its costs are
+/// integers.
+#[derive(Debug, Clone)]
+pub struct Certificate {
+    pub(crate) labels: Vec<u32>,
+    pub(crate) components: Vec<(Vec<u32>, Reduced)>,
+}
+
+/// First line of a certificate.
+pub(crate) const MAGIC: &str = "POSECUT-MULTICUT-CERTIFICATE 1";
+
+impl Certificate {
+    /// Writes the certificate; buffers nothing itself.
+    pub fn write(&self, output: &mut impl Write) -> std::io::Result<()> {
+        writeln!(output, "{MAGIC}")?;
+        write_line(output, "labels", &self.labels)?;
+        for (nodes, reduced) in &self.components {
+            write_line(output, "component", nodes)?;
+            write_reduced(output, reduced)?;
+        }
+        writeln!(output, "end")
+    }
+}
+
+fn write_line(output: &mut impl Write, word: &str, numbers: &[u32]) -> std::io::Result<()> {
+    write!(output, "{word}")?;
+    for number in numbers {
+        write!(output, " {number}")?;
+    }
+    writeln!(output)
+}
+
+fn write_reduced(output: &mut impl Write, reduced: &Reduced) -> std::io::Result<()> {
+    writeln!(output, "reduce {}", reduced.trace.len())?;
+    for piece in &reduced.trace {
+        let parent = piece.parent.map_or_else(|| "-".into(), |parent| parent.to_string());
+        write_line(output, &format!("piece {parent}"), &piece.names)?;
+        for step in &piece.steps {
+            match step {
+                Step::Isolate { node } => writeln!(output, "i {node}")?,
+                Step::DegreeTwo { node } => writeln!(output, "2 {node}")?,
+                Step::Dominance { kept, gone } => writeln!(output, "d {kept} {gone}")?,
+                Step::Triangle { kept, gone, apex } => writeln!(output, "t {kept} {gone} {apex}")?,
+            }
+        }
+        if let Some(conflicts) = &piece.packed {
+            write_packing(output, conflicts)?;
+        } else if let Some(proof) = piece.kernel.and_then(|kernel| reduced.kernels.get(kernel)) {
+            write_proof(output, proof)?;
+        }
+    }
+    Ok(())
+}
+
+fn write_proof(output: &mut impl Write, proof: &Proof) -> std::io::Result<()> {
+    match proof {
+        Proof::Packing(conflicts) => write_packing(output, conflicts),
+        Proof::Fixed { conflicts, edges, reward, rest } => {
+            writeln!(output, "fix {} {} {reward}", conflicts.len(), edges.len())?;
+            write_conflicts(output, conflicts)?;
+            for (tail, head) in edges {
+                writeln!(output, "{tail} {head}")?;
+            }
+            write_reduced(output, rest)
+        }
+        Proof::Branch { edge: (tail, head), reward, joined, apart } => {
+            writeln!(output, "branch {tail} {head} {reward}")?;
+            write_reduced(output, joined)?;
+            write_reduced(output, apart)
+        }
+    }
+}
+
+fn write_packing(output: &mut impl Write, conflicts: &[Packed]) -> std::io::Result<()> {
+    writeln!(output, "pack {}", conflicts.len())?;
+    write_conflicts(output, conflicts)
+}
+
+fn write_conflicts(output: &mut impl Write, conflicts: &[Packed]) -> std::io::Result<()> {
+    for Packed { conflict, weight } in conflicts {
+        match conflict {
+            Conflict::Cycle(nodes) => write_line(output, &weight.to_string(), nodes)?,
+            Conflict::Wheel(wheel) => {
+                write!(output, "wheel {weight}")?;
+                for node in &wheel.rim {
+                    write!(output, " {node}")?;
+                }
+                for spoke in &wheel.spokes {
+                    write!(output, " /")?;
+                    for node in spoke {
+                        write!(output, " {node}")?;
+                    }
+                }
+                writeln!(output)?;
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,16 @@
+//! Heuristics: good multicuts without a proof.
+//!
+//! [`greedy`] contracts (GAEC: Keuper et al., ICCV 2015, algorithm 2; greedy fixation: Levinkov, Kirillov, Andres, GCPR
+//! 2017), [`kernighan_lin`] exchanges nodes between clusters and joins them (KLj: Keuper et al., ICCV 2015, algorithm 1),
+//! [`node_moves`] moves single nodes, [`local_search`] fuses proposals (Beier, Hamprecht, Kappes, CVPR 2015), [`bisection`]
+//! starts long graphs, and [`start`] combines them on a kernel.
+//!
+//! Depends on [`graph`](crate::graph), and on [`reduce`](crate::reduce) for the contracted graphs of fusions.
+
+pub(crate) mod bisection;
+pub(crate) mod contraction_queue;
+pub(crate) mod greedy;
+pub(crate) mod kernighan_lin;
+pub(crate) mod local_search;
+pub(crate) mod node_moves;
+pub(crate) mod start;

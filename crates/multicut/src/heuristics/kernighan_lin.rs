@@ -1,0 +1,304 @@
+//! Kernighan-Lin with joins.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use crate::budget::Budget;
+use crate::graph::signed_graph::SignedGraph;
+
+/// Moves tried after the best one of a sequence before the sequence is given up: at least, for each node of the smaller
+/// cluster besides, and at most.
+const PATIENCE: (usize, usize, usize) = (20, 2, 200);
+
+/// The same for splitting a cluster, where the way to a gain is longer: half of a band has to leave.
+const PATIENCE_OF_SPLITS: usize = 10_000;
+
+/// Gains below this share of the absolute costs are rounding errors.
+const TOLERANCE: f64 = 1e-12;
+
+/// Improves `labels` by Kernighan-Lin with joins (Keuper et al., ICCV 2015, algorithm 1, "KLj"): for each pair of
+/// neighbouring clusters the best prefix of a sequence of moves across their border, or joining both; for each
+/// cluster, splitting a part off. Repeated while something improves. Never worsens.
+///
+/// Neighbours are clusters that some edge attracts: where all edges between two repel, nodes that gain by moving across
+/// gain as much by leaving, and splitting finds that. Most pairs of clusters are of that kind.
+///
+/// Each sequence takes its moves from a heap: `O(b log b)` for `b` arcs at the nodes that come near the border.
+pub(crate) fn kernighan_lin_with_joins(graph: &SignedGraph, labels: &mut Vec<u32>, budget: &mut Budget) {
+    if budget.is_over() {
+        return;
+    }
+    Search::new(graph, labels).run(budget);
+    *labels = graph.connected_labels(labels);
+}
+
+struct Search<'a> {
+    graph: &'a SignedGraph,
+    labels: &'a mut Vec<u32>,
+    members: Vec<Vec<u32>>,
+    /// Whether the cluster changed in this round; in the last round.
+    changed: Vec<bool>,
+    recent: Vec<bool>,
+    /// Gain of moving a node across, valid where `stamp` is the current sequence.
+    gain: Vec<f64>,
+    stamp: Vec<u32>,
+    moved: Vec<bool>,
+    sequence: u32,
+    tolerance: f64,
+}
+
+impl<'a> Search<'a> {
+    fn new(graph: &'a SignedGraph, labels: &'a mut Vec<u32>) -> Self {
+        let clusters = labels.iter().max().map_or(0, |&label| label as usize + 1);
+        let mut members = vec![Vec::new(); clusters];
+        for (node, &label) in labels.iter().enumerate() {
+            members[label as usize].push(node as u32);
+        }
+        let magnitude: f64 = graph.edges().map(|(_, _, cost)| cost.abs()).sum();
+        let nodes = graph.node_count();
+        Self {
+            graph,
+            labels,
+            members,
+            changed: vec![true; clusters],
+            recent: Vec::new(),
+            gain: vec![0.0; nodes],
+            stamp: vec![0; nodes],
+            moved: vec![false; nodes],
+            sequence: 0,
+            tolerance: magnitude * TOLERANCE,
+        }
+    }
+
+    fn run(&mut self, budget: &mut Budget) {
+        loop {
+            self.recent = std::mem::replace(&mut self.changed, vec![false; self.members.len()]);
+            let mut pairs: Vec<(u32, u32)> = self
+                .graph
+                .edges()
+                .filter(|edge| edge.2 > 0.0)
+                .map(|(tail, head, _)| {
+                    let (a, b) = (self.labels[tail as usize], self.labels[head as usize]);
+                    (a.min(b), a.max(b))
+                })
+                .filter(|&(a, b)| a != b && (self.recent[a as usize] || self.recent[b as usize]))
+                .collect();
+            pairs.sort_unstable();
+            pairs.dedup();
+            let mut gained = false;
+            for (a, b) in pairs {
+                if !self.members[a as usize].is_empty() && !self.members[b as usize].is_empty() {
+                    gained |= self.improve(a, b, budget);
+                }
+                if budget.is_over() {
+                    return;
+                }
+            }
+            for cluster in 0..self.members.len() as u32 {
+                let touched = self.recent.get(cluster as usize).copied().unwrap_or(true)
+                    || self.changed[cluster as usize];
+                while touched && self.members[cluster as usize].len() > 1 {
+                    let fresh = self.members.len() as u32;
+                    self.members.push(Vec::new());
+                    self.changed.push(false);
+                    if !self.improve(cluster, fresh, budget) || budget.is_over() {
+                        break;
+                    }
+                    gained = true;
+                }
+            }
+            if !gained || budget.is_over() {
+                return;
+            }
+        }
+    }
+
+    /// Gain of moving `node` from its cluster to the other of two.
+    fn gain_of(&self, node: u32, from: u32, to: u32) -> f64 {
+        let mut gain = 0.0;
+        for arc in self.graph.arcs(node) {
+            let label = self.labels[arc.node as usize];
+            if label == to {
+                gain += arc.cost;
+            } else if label == from {
+                gain -= arc.cost;
+            }
+        }
+        gain
+    }
+
+    /// Best prefix of moves between clusters `a` and `b`, or joining them; true if the objective fell.
+    fn improve(&mut self, a: u32, b: u32, budget: &mut Budget) -> bool {
+        self.sequence += 1;
+        let mut heap = BinaryHeap::new();
+        let mut between = 0.0;
+        let splitting = self.members[b as usize].is_empty();
+        // The smaller cluster knows the border; an empty one borders everywhere.
+        let (near, far) = if splitting || self.members[a as usize].len() <= self.members[b as usize].len() {
+            (a, b)
+        } else {
+            (b, a)
+        };
+        let (least, each, most) = PATIENCE;
+        let patience = if splitting {
+            PATIENCE_OF_SPLITS
+        } else {
+            (least + each * self.members[near as usize].len()).min(most)
+        };
+        let mut work = 1;
+        for index in 0..self.members[near as usize].len() {
+            let node = self.members[near as usize][index];
+            let graph = self.graph;
+            work += graph.arcs(node).len();
+            let mut border = splitting;
+            for arc in graph.arcs(node) {
+                if self.labels[arc.node as usize] == far {
+                    between += arc.cost;
+                    border = true;
+                    work += self.touch(arc.node, far, near, &mut heap);
+                }
+            }
+            if border {
+                work += self.touch(node, near, far, &mut heap);
+            }
+        }
+        budget.spend(work as u64);
+
+        let mut moves: Vec<u32> = Vec::new();
+        let (mut total, mut best, mut best_length) = (0.0, 0.0, 0);
+        while let Some((Key(gain), Reverse(node))) = heap.pop() {
+            if self.moved[node as usize] || self.gain[node as usize] != gain {
+                continue;
+            }
+            let (from, to) = if self.labels[node as usize] == a { (a, b) } else { (b, a) };
+            self.moved[node as usize] = true;
+            self.labels[node as usize] = to;
+            moves.push(node);
+            total += gain;
+            if total > best + self.tolerance {
+                best = total;
+                best_length = moves.len();
+            } else if moves.len() >= best_length + patience {
+                break;
+            }
+            let graph = self.graph;
+            let mut work = graph.arcs(node).len();
+            for arc in graph.arcs(node) {
+                let label = self.labels[arc.node as usize];
+                if self.moved[arc.node as usize] || (label != a && label != b) {
+                    continue;
+                }
+                if self.stamp[arc.node as usize] == self.sequence {
+                    // Moving towards `node` gains what moving away from it lost, and vice versa.
+                    self.gain[arc.node as usize] +=
+                        if label == from { 2.0 * arc.cost } else { -2.0 * arc.cost };
+                    heap.push((Key(self.gain[arc.node as usize]), Reverse(arc.node)));
+                } else {
+                    let other = if label == a { b } else { a };
+                    work += self.touch(arc.node, label, other, &mut heap);
+                }
+            }
+            if !budget.spend(1 + work as u64) {
+                break;
+            }
+        }
+        for &node in &moves {
+            self.moved[node as usize] = false;
+        }
+        let join = between > best + self.tolerance && !splitting;
+        for &node in &moves[if join { 0 } else { best_length }..] {
+            let label = &mut self.labels[node as usize];
+            *label = if *label == a { b } else { a };
+        }
+        if join {
+            self.join(near, far);
+        } else if best_length > 0 {
+            self.regroup(a, b);
+        } else {
+            return false;
+        }
+        self.changed[a as usize] = true;
+        self.changed[b as usize] = true;
+        true
+    }
+
+    /// Makes a node a candidate of this sequence; returns the arcs visited.
+    fn touch(&mut self, node: u32, from: u32, to: u32, heap: &mut BinaryHeap<(Key, Reverse<u32>)>) -> usize {
+        if self.stamp[node as usize] == self.sequence {
+            return 0;
+        }
+        self.stamp[node as usize] = self.sequence;
+        self.gain[node as usize] = self.gain_of(node, from, to);
+        heap.push((Key(self.gain[node as usize]), Reverse(node)));
+        self.graph.arcs(node).len()
+    }
+
+    fn join(&mut self, gone: u32, kept: u32) {
+        let nodes = std::mem::take(&mut self.members[gone as usize]);
+        for &node in &nodes {
+            self.labels[node as usize] = kept;
+        }
+        self.members[kept as usize].extend(nodes);
+    }
+
+    fn regroup(&mut self, a: u32, b: u32) {
+        let mut all = std::mem::take(&mut self.members[a as usize]);
+        all.append(&mut self.members[b as usize]);
+        // In order, so that later sequences do not depend on earlier ones more than through the partition.
+        all.sort_unstable();
+        for node in all {
+            let label = self.labels[node as usize];
+            self.members[label as usize].push(node);
+        }
+    }
+}
+
+/// A gain as a heap key.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Key(f64);
+
+impl Eq for Key {}
+
+impl PartialOrd for Key {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Key {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn improved(edges: &[(u32, u32, f64)], labels: &[u32]) -> (f64, Vec<u32>) {
+        let graph = SignedGraph::new(labels.len(), edges.iter().copied());
+        let mut labels = labels.to_vec();
+        kernighan_lin_with_joins(&graph, &mut labels, &mut Budget::new(None, None));
+        (graph.objective(&labels), labels)
+    }
+
+    #[test]
+    fn joins_clusters_that_attract() {
+        assert_eq!(improved(&[(0, 1, 1.0), (1, 2, 1.0), (0, 2, -1.5)], &[0, 1, 2]).0, -0.5);
+    }
+
+    #[test]
+    fn splits_a_cluster() {
+        assert_eq!(
+            improved(&[(0, 1, 3.0), (2, 3, 3.0), (0, 2, -1.0), (1, 3, -1.0), (1, 2, 1.0)], &[0; 4]).0,
+            -1.0
+        );
+    }
+
+    #[test]
+    fn moves_two_nodes_where_no_single_move_gains() {
+        // Nodes 2 and 3 hold to each other by 5 and to their wrong cluster by less than to the right one.
+        let edges = [(0, 2, 1.0), (0, 3, 1.0), (1, 2, 2.0), (1, 3, 2.0), (2, 3, 5.0), (0, 1, -9.0)];
+        assert_eq!(improved(&edges, &[0, 1, 0, 0]), (-7.0, vec![0, 1, 1, 1]));
+    }
+}

@@ -1,0 +1,12 @@
+//! Reductions: what an optimum is known to do, done before any search.
+//!
+//! [`reduction`] isolates, eliminates and contracts nodes: degrees one and two, dominance (Lange, Karrenbauer, Andres, ICML
+//! 2018), triangles (after Lange, Andres, Swoboda, CVPR 2019); it states and proves each rule. [`blocks`] splits a graph
+//! into biconnected blocks, which are independent because a cycle lies in one of them (Hopcroft, Tarjan, CACM 1973).
+//! [`decomposition`] alternates both until only kernels remain, and joins parts that a complete packing closes.
+//!
+//! Depends on [`graph`](crate::graph), and on [`bound`](crate::bound) for complete packings.
+
+pub(crate) mod blocks;
+pub(crate) mod decomposition;
+pub(crate) mod reduction;

@@ -1,0 +1,336 @@
+//! Branch and cut on kernels.
+
+use crate::bound::packing::Packing;
+use crate::bound::relaxation::{Relaxation, solve_relaxation};
+use crate::budget::Budget;
+use crate::certificate::proof::{Proof, Reduced};
+use crate::graph::kernel::Kernel;
+use crate::graph::signed_graph::SignedGraph;
+use crate::graph::sum::Sum;
+use crate::graph::union_find::UnionFind;
+use crate::heuristics::greedy::{Preference, additive_edge_contraction};
+use crate::heuristics::kernighan_lin::kernighan_lin_with_joins;
+use crate::heuristics::local_search::{fuse_proposals, solve_contracted};
+use crate::heuristics::start::contract;
+use crate::options::Solver;
+use crate::reduce::decomposition::decompose;
+
+/// What is known about the optimum of a kernel.
+#[derive(Debug, Clone)]
+pub(crate) struct State {
+    pub(crate) labels: Vec<u32>,
+    /// Objective of `labels`: an upper bound.
+    pub(crate) objective: f64,
+    /// Lower bound; at least the optimum's, or the cutoff's.
+    pub(crate) bound: f64,
+    /// Gap that counts as closed.
+    tolerance: f64,
+    packing: Packing,
+    /// Why the bound holds, where a certificate is wanted.
+    pub(crate) proof: Option<Proof>,
+}
+
+/// Differences of this share of the absolute costs count as none where costs are not integers.
+const TOLERANCE: f64 = 1e-10;
+
+/// Inside the tree differences must be smaller, so that their sum stays below [`TOLERANCE`].
+const INNER_TOLERANCE: f64 = 1e-12;
+
+/// A relaxation that stalls is left for one with edges fixed if that saves one node in this many.
+const FEW: usize = 50;
+
+fn magnitude(graph: &SignedGraph) -> f64 {
+    graph.edges().map(|(_, _, cost)| cost.abs()).sum()
+}
+
+impl State {
+    pub(crate) fn is_closed(&self) -> bool {
+        self.bound >= self.objective - self.tolerance
+    }
+
+    /// A solution, and the least that can be said of the optimum.
+    fn unknown(graph: &SignedGraph, labels: Vec<u32>, record: bool) -> Self {
+        let (objective, packing) = (graph.objective(&labels), Packing::default());
+        let bound = graph.edges().map(|(_, _, cost)| cost.min(0.0)).sum();
+        let tolerance = TOLERANCE * magnitude(graph);
+        State {
+            labels,
+            objective,
+            bound,
+            tolerance,
+            packing,
+            proof: record.then(|| Proof::Packing(Vec::new())),
+        }
+    }
+
+    /// Takes over a better bound.
+    fn raise(&mut self, bound: f64, proof: impl FnOnce() -> Option<Proof>) {
+        if bound > self.bound {
+            self.bound = bound;
+            if self.proof.is_some() {
+                self.proof = proof();
+            }
+        }
+    }
+
+    fn offer(&mut self, graph: &SignedGraph, labels: Vec<u32>) {
+        let objective = graph.objective(&labels);
+        if objective < self.objective {
+            self.objective = objective;
+            self.labels = labels;
+        }
+    }
+}
+
+/// Work on the first packing, for each edge and besides: long cycles in large kernels cost more than they bring.
+fn packing_effort(solver: Solver, edges: usize) -> u64 {
+    let (each, besides) = match solver {
+        Solver::Exact => (200, 20_000_000),
+        Solver::Klj => (20, 100_000),
+        Solver::Gaec => (5, 10_000),
+    };
+    besides + each * edges as u64
+}
+
+/// What is known of a kernel with a solution at hand: its objective and the packing bound. Where costs are no whole
+/// numbers, what capacity the packing leaves tells so much about an optimum that Kernighan-Lin takes it up at once.
+pub(crate) fn survey(
+    graph: &SignedGraph,
+    labels: Vec<u32>,
+    solver: Solver,
+    record: bool,
+    budget: &mut Budget,
+) -> State {
+    if budget.is_over() {
+        return State::unknown(graph, labels, record);
+    }
+    let kernel = Kernel::new(graph);
+    let mut packing = Packing::new(&kernel);
+    packing.extend(&kernel, packing_effort(solver, kernel.edge_count()), budget);
+    let objective = graph.objective(&labels);
+    let tolerance = TOLERANCE * magnitude(graph);
+    let proof = record.then(|| Proof::Packing(packing.conflicts.clone()));
+    let mut state =
+        State { labels, objective, bound: kernel.rounded(packing.bound), tolerance, packing, proof };
+    if solver == Solver::Klj && !kernel.integral && !state.is_closed() {
+        improve(graph, &mut state, 0, 0, budget);
+    }
+    state
+}
+
+/// Improves the solution of a kernel by local search.
+pub(crate) fn improve(graph: &SignedGraph, state: &mut State, rounds: usize, seed: u64, budget: &mut Budget) {
+    if budget.is_over() {
+        return;
+    }
+    // If the packing were tight, an optimum would cut no edge with capacity left.
+    let kernel = Kernel::new(graph);
+    let left = |tail: u32, head: u32| {
+        let edge = kernel.edge(tail, head).map_or(0, |edge| edge as usize);
+        kernel.costs[edge] > 0.0 && state.packing.residual[edge] > 1e-6 * kernel.costs[edge]
+    };
+    let labels = solve_contracted(graph, left, kernighan_lin_with_joins, budget);
+    state.offer(graph, labels);
+    if state.is_closed() {
+        return;
+    }
+    let mut labels = state.labels.clone();
+    fuse_proposals(graph, &mut labels, rounds, seed, budget);
+    state.offer(graph, labels);
+}
+
+/// Closes the gap of a kernel: relaxation, rounding, fixing, branching.
+pub(crate) fn close(graph: &SignedGraph, state: &mut State, budget: &mut Budget) {
+    let magnitude = magnitude(graph);
+    let tree = Tree { big: 1.0 + magnitude.ceil(), tolerance: INNER_TOLERANCE * magnitude };
+    tree.close(graph, state, f64::INFINITY, budget);
+}
+
+/// One kernel's branch-and-cut tree.
+struct Tree {
+    /// More than all costs of the kernel together: an edge of this cost is surely joined, one of minus twice this cost
+    /// surely cut. One number for the whole tree, or it would grow with the depth.
+    big: f64,
+    /// Gap that counts as closed within the tree; absolute, since big costs would swamp a relative one.
+    tolerance: f64,
+}
+
+impl Tree {
+    /// Closes the gap of a node, or raises its bound to `cutoff`, which allows for rounding already.
+    fn close(&self, graph: &SignedGraph, state: &mut State, cutoff: f64, budget: &mut Budget) {
+        let goal = |state: &State| cutoff.min(state.objective - self.tolerance);
+        if state.bound >= goal(state) || budget.is_over() {
+            return;
+        }
+        let kernel = Kernel::new(graph);
+        let packing = std::mem::take(&mut state.packing);
+        let target = goal(state);
+        let pays = |packing: &Packing| {
+            let fixed = self.fix(graph, &kernel, packing, target);
+            fixed.is_some_and(|fixed| fixed.nodes * FEW >= graph.node_count())
+        };
+        let relaxation = solve_relaxation(&kernel, packing, target, pays, budget);
+        let packing = relaxation.packing.clone();
+        let bound = kernel.rounded(packing.bound);
+        state.raise(bound, || Some(Proof::Packing(packing.conflicts.clone())));
+        round(graph, &kernel, &relaxation, state, budget);
+        if state.bound < goal(state) && !budget.is_over() {
+            if let Some(fixed) = self.fix(graph, &kernel, &packing, goal(state)) {
+                // Whatever the fixed graph leaves out is no better than what is known.
+                let Inside { labels, bound, proof } =
+                    self.solve_within(fixed.graph, goal(state), state.proof.is_some(), budget);
+                state.offer(graph, labels);
+                state.raise(bound.min(fixed.left_out), || {
+                    let (conflicts, edges) = (packing.conflicts.clone(), fixed.edges);
+                    Some(Proof::Fixed { conflicts, edges, reward: self.big, rest: proof? })
+                });
+            } else {
+                self.branch(graph, &kernel, &relaxation, state, cutoff, budget);
+            }
+        }
+        state.packing = packing;
+    }
+
+    /// Joins the ends of attractive edges whose cutting alone would lift the bound over the goal.
+    fn fix(&self, graph: &SignedGraph, kernel: &Kernel, packing: &Packing, goal: f64) -> Option<Fixed> {
+        let mut fixed = Fixed { graph: graph.clone(), edges: Vec::new(), nodes: 0, left_out: f64::INFINITY };
+        let mut sets = UnionFind::new(graph.node_count());
+        for (edge, &(tail, head)) in kernel.ends.iter().enumerate() {
+            let without = kernel.rounded(packing.bound + packing.residual[edge]);
+            if kernel.costs[edge] > 0.0 && without >= goal {
+                fixed.left_out = fixed.left_out.min(without);
+                // A big cost joins for sure: dominance contracts it at once, and labels keep their numbers.
+                if sets.union(tail, head) {
+                    fixed.graph.add_cost(tail, head, self.big);
+                    fixed.edges.push((tail, head));
+                    fixed.nodes += 1;
+                }
+            }
+        }
+        (fixed.nodes > 0).then_some(fixed)
+    }
+
+    /// Decomposes a graph and solves its kernels so far as needed to tell its optimum from `cutoff`: labels and bound.
+    fn solve_within(&self, graph: SignedGraph, cutoff: f64, record: bool, budget: &mut Budget) -> Inside {
+        let decomposition = decompose(graph, record, budget);
+        let kernels = &decomposition.kernels;
+        let mut states: Vec<State> = kernels
+            .iter()
+            .map(|piece| {
+                let mut labels = contract(&piece.graph, budget);
+                kernighan_lin_with_joins(&piece.graph, &mut labels, budget);
+                survey(&piece.graph, labels, Solver::Exact, record, budget)
+            })
+            .collect();
+        let total = |states: &[State]| {
+            let mut sum = Sum::default();
+            sum.add(decomposition.constant);
+            for state in states {
+                sum.add(state.bound);
+            }
+            sum.value()
+        };
+        let mut order: Vec<usize> = (0..kernels.len()).collect();
+        order.sort_by_key(|&index| kernels[index].graph.node_count());
+        for index in order {
+            let others = total(&states);
+            if others >= cutoff {
+                break;
+            }
+            let slack = cutoff - (others - states[index].bound);
+            self.close(&kernels[index].graph, &mut states[index], slack, budget);
+        }
+        let labels = decomposition.assemble(states.iter().map(|state| state.labels.as_slice()));
+        let bound = total(&states);
+        let kernels = states.into_iter().map_while(|state| state.proof).collect();
+        let proof = decomposition.trace.map(|trace| Reduced { trace, kernels });
+        Inside { labels, bound, proof }
+    }
+
+    /// Splits on the attractive edge whose value is nearest to one half: joined, or apart.
+    fn branch(
+        &self,
+        graph: &SignedGraph,
+        kernel: &Kernel,
+        relaxation: &Relaxation,
+        state: &mut State,
+        cutoff: f64,
+        budget: &mut Budget,
+    ) {
+        let undecided = |edge: usize| (relaxation.paid[edge] - 0.5).abs();
+        let Some(edge) =
+            (0..kernel.edge_count()).filter(|&edge| kernel.costs[edge] > 0.0).min_by(|&a, &b| {
+                undecided(a).total_cmp(&undecided(b)).then(kernel.costs[b].total_cmp(&kernel.costs[a]))
+            })
+        else {
+            return;
+        };
+        let (tail, head) = kernel.ends[edge];
+        let record = state.proof.is_some();
+        let mut bound = f64::INFINITY;
+        let mut proofs = [None, None];
+        for apart in [relaxation.paid[edge] > 0.5, relaxation.paid[edge] <= 0.5] {
+            let mut child = graph.clone();
+            child.add_cost(tail, head, if apart { -2.0 * self.big } else { self.big });
+            // An edge that is surely cut pays its big reward; the constant takes it back.
+            let constant = if apart { 2.0 * self.big } else { 0.0 };
+            let goal = cutoff.min(state.objective - self.tolerance) - constant;
+            let inside = self.solve_within(child, goal, record, budget);
+            state.offer(graph, inside.labels);
+            bound = bound.min(inside.bound + constant);
+            proofs[usize::from(apart)] = inside.proof;
+        }
+        let [joined, apart] = proofs;
+        state.raise(bound, || {
+            Some(Proof::Branch { edge: (tail, head), reward: self.big, joined: joined?, apart: apart? })
+        });
+    }
+}
+
+/// Solutions near a fractional point: contraction by cost scaled with how little each edge is cut.
+fn round(
+    graph: &SignedGraph,
+    kernel: &Kernel,
+    relaxation: &Relaxation,
+    state: &mut State,
+    budget: &mut Budget,
+) {
+    if budget.is_over() {
+        return;
+    }
+    let scaled = kernel
+        .ends
+        .iter()
+        .zip(&kernel.costs)
+        .zip(&relaxation.paid)
+        .map(|((&(tail, head), &cost), &paid)| (tail, head, cost * (1.0 - paid.clamp(0.0, 1.0) + 1e-3)));
+    // Where the relaxation is integral, its multicut is the optimum.
+    let mut uncut = UnionFind::new(graph.node_count());
+    for (edge, &(tail, head)) in kernel.ends.iter().enumerate() {
+        if kernel.costs[edge] > 0.0 && relaxation.paid[edge] < 0.5 {
+            uncut.union(tail, head);
+        }
+    }
+    state.offer(graph, uncut.labels());
+    let scaled = SignedGraph::new(graph.node_count(), scaled);
+    let mut labels = additive_edge_contraction(&scaled, Preference::Degree, budget);
+    kernighan_lin_with_joins(graph, &mut labels, budget);
+    state.offer(graph, labels);
+}
+
+struct Fixed {
+    graph: SignedGraph,
+    /// The edges whose ends are joined.
+    edges: Vec<(u32, u32)>,
+    /// How many nodes fewer it has.
+    nodes: usize,
+    /// Lower bound on every solution that is left out.
+    left_out: f64,
+}
+
+/// What [`Tree::solve_within`] finds.
+struct Inside {
+    labels: Vec<u32>,
+    bound: f64,
+    proof: Option<Reduced>,
+}

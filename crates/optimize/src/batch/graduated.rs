@@ -1,0 +1,120 @@
+//! Graduated non-convexity: outliers set aside without a good start.
+//!
+//! H. Yang, P. Antonante, V. Tzoumas, L. Carlone, "Graduated non-convexity for robust spatial perception", IEEE RA-L 5(2),
+//! 2020. A robust cost is replaced by a convex surrogate, which is minimised, made a little less convex, minimised from
+//! there, and so on. The surrogates are kernels ([`Kernel::GemanMcClure`] with a growing width, and
+//! [`Kernel::Truncated`]) whose derivatives are the weights of the paper, equations (12) and (14), so that every round is
+//! a descent of the surrogate itself rather than an alternation.
+
+use posecut_geometry::LieGroup;
+
+use super::levenberg_marquardt::Workspace;
+use super::options::{Graduated, Options};
+use super::outcome::Outcome;
+use crate::model::kernel::Kernel;
+use crate::model::problem::{Edge, EdgeKind};
+use crate::model::residual::squared;
+
+/// Factor between one round's convexity and the next; remark 5 of the paper.
+const RATE: f64 = 1.4;
+/// Share of the cost below which a round ends: only the last one needs the digits.
+const ROUND_TOLERANCE: f64 = 1e-4;
+/// Steps per round at most.
+const ROUND_STEPS: usize = 10;
+/// Rounds after which even a residual of 1e9 widths has been graduated.
+const MOST_ROUNDS: usize = 200;
+
+impl Graduated {
+    /// The surrogates, most convex first, for squared residuals up to `largest`. Remarks 5 and 6 of the paper:
+    /// truncated least squares starts with `mu = c^2 / (2 r^2 - c^2)`, which grows; Geman-McClure with
+    /// `mu = 2 r^2 / c^2`, which shrinks to 1.
+    fn surrogates(self, largest: f64) -> Vec<Kernel> {
+        let mut kernels = Vec::new();
+        match self {
+            Self::TruncatedLeastSquares(width) => {
+                let mut convexity = width * width / (2.0 * largest - width * width);
+                // From 1e3 on the surrogate is the cost itself but for a thousandth of the width.
+                while convexity > 0.0 && convexity < 1e3 && kernels.len() < MOST_ROUNDS {
+                    kernels.push(Kernel::Truncated { width, convexity });
+                    convexity *= RATE;
+                }
+            }
+            Self::GemanMcClure(width) => {
+                let mut convexity = 2.0 * largest / (width * width);
+                while convexity > 1.0 && convexity.is_finite() && kernels.len() < MOST_ROUNDS {
+                    kernels.push(Kernel::GemanMcClure(width * convexity.sqrt()));
+                    convexity /= RATE;
+                }
+            }
+        }
+        kernels
+    }
+
+    /// Graduates from poses that minimise the cost without kernels; odometry edges keep their own kernels.
+    pub(crate) fn minimise<G: LieGroup<DOF>, const DOF: usize>(
+        self,
+        workspace: &mut Workspace<'_, G, DOF>,
+        edges: &[Edge<G, DOF>],
+        poses: &mut [G],
+        options: &Options,
+    ) -> Outcome {
+        let landmarks = || edges.iter().filter(|edge| edge.kind == EdgeKind::Landmark);
+        let largest = landmarks().map(|edge| squared(edge, poses)).fold(0.0, f64::max);
+        let round = Options {
+            cost_tolerance: options.cost_tolerance.max(ROUND_TOLERANCE),
+            max_iterations: options.max_iterations.min(ROUND_STEPS),
+            ..*options
+        };
+        let mut edges = edges.to_vec();
+        let (mut iterations, mut rejected, mut factorizations) = (0, 0, 0);
+        for kernel in self.surrogates(largest) {
+            set_landmark_kernels(&mut edges, Some(kernel));
+            let outcome = workspace.minimise(&edges, poses, &round);
+            iterations += outcome.iterations;
+            rejected += outcome.rejected;
+            factorizations += outcome.factorizations;
+            // The range of weights between 0 and 1 only shrinks: later rounds would weigh every edge the same.
+            let decided = |edge: &Edge<G, DOF>| matches!(kernel.evaluate(squared(edge, poses)).1, 0.0 | 1.0);
+            if outcome.termination.converged()
+                && edges.iter().filter(|edge| edge.kind == EdgeKind::Landmark).all(decided)
+            {
+                break;
+            }
+        }
+        set_landmark_kernels(&mut edges, Some(self.kernel()));
+        let mut outcome = workspace.minimise(&edges, poses, options);
+        outcome.iterations += iterations;
+        outcome.rejected += rejected;
+        outcome.factorizations += factorizations;
+        outcome
+    }
+}
+
+/// Gives every landmark edge this kernel.
+pub(crate) fn set_landmark_kernels<G, const DOF: usize>(edges: &mut [Edge<G, DOF>], kernel: Option<Kernel>) {
+    for edge in edges.iter_mut().filter(|edge| edge.kind == EdgeKind::Landmark) {
+        edge.kernel = kernel;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_surrogate_is_convex_up_to_the_largest_residual_and_the_last_is_the_cost() {
+        for squared in [30.0, 1e3, 1e7] {
+            let surrogates = Graduated::TruncatedLeastSquares(2.0).surrogates(squared);
+            assert!(surrogates[0].evaluate(squared).1 > 0.0, "{squared}");
+            assert!(
+                surrogates.windows(2).all(|pair| pair[0].evaluate(squared).1 >= pair[1].evaluate(squared).1)
+            );
+            assert_eq!(surrogates[surrogates.len() - 1].evaluate(squared), (4.0, 0.0));
+            let surrogates = Graduated::GemanMcClure(2.0).surrogates(squared);
+            // rho'' >= 0 in e where s <= c^2 / 3; the paper's start is wider than that.
+            assert!(surrogates[0].evaluate(squared).1 > 0.4);
+        }
+        assert!(Graduated::TruncatedLeastSquares(2.0).surrogates(1.9).is_empty());
+        assert!(Graduated::GemanMcClure(2.0).surrogates(1.9).is_empty());
+    }
+}

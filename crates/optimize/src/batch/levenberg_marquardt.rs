@@ -1,0 +1,292 @@
+//! Gauss-Newton on the manifold, damped after a step that fails.
+//!
+//! K. Madsen, H. B. Nielsen, O. Tingleff, "Methods for non-linear least squares problems", 2004, section 3.2, with the
+//! scaling of Marquardt and a damping that starts at zero.
+
+use nalgebra::{SMatrix, SVector};
+use posecut_geometry::LieGroup;
+
+use super::options::{Method, Options};
+use super::outcome::{Outcome, Step, Termination};
+use super::phases::{Phases, timed};
+use crate::linear::Factor;
+use crate::linear::normal_equations::{NormalEquations, Pattern};
+use crate::model::magnitude::{Magnitude, translations};
+use crate::model::residual::Term;
+
+/// Damping after the first failure, as a share of the diagonal.
+pub(crate) const FIRST_DAMPING: f64 = 1e-5;
+/// Damping beyond which a step is no longer than rounding.
+pub(crate) const LARGEST_DAMPING: f64 = 1e16;
+/// Damping below which the next step is undamped again.
+const SMALLEST_DAMPING: f64 = 1e-8;
+/// Damping up to which the tolerances of a full step apply.
+const NEARLY_FULL: f64 = 1e-3;
+/// Share of the largest diagonal entry that damping takes every other one for at least.
+const DAMPING_FLOOR: f64 = 1e-9;
+/// Share of a diagonal entry that elimination must leave: below it the direction is undetermined.
+pub(crate) const SINGULAR: f64 = 1e-14;
+
+/// Memory of the iteration, reserved once.
+pub(crate) struct Workspace<'a, G, const DOF: usize> {
+    pub(crate) pattern: &'a Pattern,
+    /// What tolerances are shares of.
+    pub(crate) magnitude: Magnitude,
+    pub(crate) equations: NormalEquations<DOF>,
+    pub(crate) factor: Factor<DOF>,
+    pub(crate) step: Vec<SVector<f64, DOF>>,
+    pub(crate) trial: Vec<G>,
+    /// Seconds so far, over all calls.
+    pub(crate) phases: Phases,
+}
+
+impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
+    pub(crate) fn new(pattern: &'a Pattern, magnitude: Magnitude) -> Self {
+        Self {
+            pattern,
+            magnitude,
+            equations: NormalEquations::new(pattern),
+            factor: Factor::new(&pattern.symbolic),
+            step: vec![SVector::zeros(); pattern.variables],
+            trial: Vec::new(),
+            phases: Phases::default(),
+        }
+    }
+
+    /// Minimises the cost of the edges over all poses but those that are held.
+    pub(crate) fn minimise<T: Term<G, DOF>>(
+        &mut self,
+        edges: &[T],
+        poses: &mut [G],
+        options: &Options,
+    ) -> Outcome {
+        match options.method {
+            Method::Dogleg => self.minimise_by_dogleg(edges, poses, options),
+            Method::LevenbergMarquardt => self.minimise_damped(edges, poses, options, LARGEST_DAMPING),
+            Method::GaussNewton => self.minimise_damped(edges, poses, options, 0.0),
+        }
+    }
+
+    fn minimise_damped<T: Term<G, DOF>>(
+        &mut self,
+        edges: &[T],
+        poses: &mut [G],
+        options: &Options,
+        largest_damping: f64,
+    ) -> Outcome {
+        let mut damping = Damping { value: 0.0, growth: 4.0, largest: largest_damping };
+        let mut outcome = Outcome::new(self.assemble(edges, poses));
+        outcome.gradient = self.cosine(outcome.cost);
+        if outcome.gradient <= options.gradient_tolerance {
+            outcome.termination = Termination::Gradient;
+            return outcome;
+        }
+        // The longest component of the last undamped step.
+        let mut undamped_before = f64::INFINITY;
+        while outcome.iterations < options.max_iterations {
+            outcome.iterations += 1;
+            outcome.factorizations += 1;
+            let Some(step) = self.solve(damping.value, &mut outcome.undetermined) else {
+                outcome.rejected += 1;
+                if !damping.raise() {
+                    outcome.termination = Termination::Stalled;
+                    break;
+                }
+                continue;
+            };
+            let undamped = damping.value == 0.0;
+            let shrinks = undamped && step.largest < undamped_before;
+            if undamped {
+                undamped_before = step.largest;
+            }
+            outcome.last = step;
+            self.retract(poses);
+            let met = if damping.value <= NEARLY_FULL {
+                step.met(self.at_least(outcome.cost), shrinks, options)
+            } else {
+                None
+            };
+            // The gradient at the trial is what the next step starts from, if it is taken.
+            let cost =
+                if undamped && met.is_none() { self.trial_gradient(edges) } else { self.trial_cost(edges) };
+            let lower = cost < outcome.cost
+                || (shrinks && options.is_hidden(step.promised, self.at_least(outcome.cost)));
+            if lower || (met.is_some() && cost <= outcome.cost) {
+                poses.copy_from_slice(&self.trial);
+                let gain = (outcome.cost - cost) / step.promised;
+                outcome.cost = cost;
+                if let Some(termination) = met {
+                    outcome.termination = termination;
+                    break;
+                }
+                damping.lower(gain);
+                if undamped && let Some(termination) = self.reuse(edges, poses, options, &step, &mut outcome)
+                {
+                    outcome.termination = termination;
+                    break;
+                }
+                if undamped {
+                    undamped_before = outcome.last.largest;
+                }
+                outcome.cost = self.assemble(edges, poses);
+                outcome.gradient = self.cosine(outcome.cost);
+                if outcome.gradient <= options.gradient_tolerance {
+                    outcome.termination = Termination::Gradient;
+                    break;
+                }
+            } else if let Some(termination) = met {
+                outcome.termination = termination;
+                break;
+            } else if damping.value <= NEARLY_FULL && step.promised <= rounding(edges, poses) {
+                // The cost cannot show whether the step keeps its promise.
+                outcome.termination = Termination::Cost;
+                break;
+            } else {
+                outcome.rejected += 1;
+                if !damping.raise() {
+                    outcome.termination = Termination::Stalled;
+                    break;
+                }
+                if undamped {
+                    let Self { equations, pattern, phases, .. } = self;
+                    timed(&mut phases.linearisation, || {
+                        equations.assemble_gradient(pattern, edges, poses);
+                    });
+                }
+            }
+        }
+        outcome
+    }
+
+    /// The cost that tolerances are shares of: not below that of a graph without noise.
+    pub(crate) fn at_least(&self, cost: f64) -> f64 {
+        cost.max(self.magnitude.noiseless())
+    }
+
+    /// The largest `|g_k| / sqrt(H_kk cost)`, the cosine of the angle between the whitened residuals and their derivative by a
+    /// component of a pose; infinite where the cost is no finite number.
+    pub(crate) fn cosine(&self, cost: f64) -> f64 {
+        if !cost.is_finite() {
+            return f64::INFINITY;
+        }
+        let steepest = self.equations.steepest();
+        if steepest == 0.0 { 0.0 } else { (steepest / self.at_least(cost)).sqrt() }
+    }
+
+    /// The least that diagonal entries are taken for when they are damped, by component: a share of the largest of them, all
+    /// seen in units of the graph's length.
+    fn damping_floor(&self) -> [f64; DOF] {
+        let length = self.magnitude.length;
+        let unit = |axis: usize| if axis < translations(DOF) { length * length } else { 1.0 };
+        let largest = |block: &SMatrix<f64, DOF, DOF>| {
+            (0..DOF).map(|axis| block[(axis, axis)] * unit(axis)).fold(0.0, f64::max)
+        };
+        let largest = self.equations.diagonal.iter().map(largest).fold(0.0, f64::max);
+        std::array::from_fn(|axis| DAMPING_FLOOR * largest / unit(axis))
+    }
+
+    /// The damped step `(H + damping D) d = -g`.
+    pub(crate) fn solve(&mut self, damping: f64, undetermined: &mut Option<(usize, usize)>) -> Option<Step> {
+        let floor = self.damping_floor();
+        let equations = &self.equations;
+        let symbolic = &self.pattern.symbolic;
+        let factor = &mut self.factor;
+        if let Err(breakdown) = timed(&mut self.phases.factorisation, || {
+            factor.factorize(symbolic, &equations.diagonal, &equations.off_diagonal, damping, floor)
+        }) {
+            undetermined.get_or_insert((self.pattern.held + breakdown.variable, breakdown.component));
+            return None;
+        }
+        let (share, variable, component) = self.factor.smallest_pivot();
+        if share.is_nan() || share <= SINGULAR {
+            undetermined.get_or_insert((self.pattern.held + variable, component));
+            return None;
+        }
+        let mut step = self.substitute()?;
+        if damping > 0.0 {
+            for (step_block, block) in self.step.iter().zip(&self.equations.diagonal) {
+                for (component, &value) in step_block.iter().enumerate() {
+                    step.promised +=
+                        damping * block[(component, component)].max(floor[component]) * value * value;
+                }
+            }
+        }
+        Some(step)
+    }
+
+    /// The step `d = -A^-1 g` for the matrix that was factorised last; `None` if it is not finite.
+    pub(crate) fn substitute(&mut self) -> Option<Step> {
+        for (step, gradient) in self.step.iter_mut().zip(&self.equations.gradient) {
+            *step = -gradient;
+        }
+        let Self { factor, pattern, step, phases, magnitude, .. } = self;
+        timed(&mut phases.substitution, || factor.solve(&pattern.symbolic, step));
+        let mut promised = 0.0;
+        let mut largest = 0.0_f64;
+        for (step, gradient) in self.step.iter().zip(&self.equations.gradient) {
+            promised -= gradient.dot(step);
+            largest = largest.max(magnitude.largest(step.iter(), translations(DOF)));
+        }
+        (promised.is_finite() && largest.is_finite()).then_some(Step { promised, largest })
+    }
+
+    /// `trial = X Exp(d)`.
+    pub(crate) fn retract(&mut self, poses: &[G]) {
+        let Self { trial, step, pattern, phases, .. } = self;
+        timed(&mut phases.linearisation, || {
+            trial.clear();
+            trial.extend_from_slice(poses);
+            for (pose, step) in trial.iter_mut().skip(pattern.held).zip(step) {
+                *pose = pose.compose(&G::exp(step));
+            }
+        });
+    }
+
+    /// The equations at these poses, and the cost.
+    pub(crate) fn assemble<T: Term<G, DOF>>(&mut self, edges: &[T], poses: &[G]) -> f64 {
+        let Self { equations, pattern, phases, .. } = self;
+        timed(&mut phases.linearisation, || equations.assemble(pattern, edges, poses))
+    }
+
+    /// The gradient at the trial, and the cost there; the matrix stays what it was.
+    pub(crate) fn trial_gradient<T: Term<G, DOF>>(&mut self, edges: &[T]) -> f64 {
+        let Self { equations, pattern, trial, phases, .. } = self;
+        timed(&mut phases.linearisation, || equations.assemble_gradient(pattern, edges, trial))
+    }
+
+    /// The cost at the trial.
+    pub(crate) fn trial_cost<T: Term<G, DOF>>(&mut self, edges: &[T]) -> f64 {
+        let Self { trial, phases, .. } = self;
+        timed(&mut phases.linearisation, || edges.iter().map(|edge| edge.cost(trial)).sum())
+    }
+}
+
+/// The cost that rounding alone may make at these poses.
+pub(crate) fn rounding<G, T: Term<G, DOF>, const DOF: usize>(edges: &[T], poses: &[G]) -> f64 {
+    edges.iter().map(|edge| edge.rounding(poses)).sum()
+}
+
+/// The damping and how fast it grows.
+struct Damping {
+    value: f64,
+    growth: f64,
+    largest: f64,
+}
+
+impl Damping {
+    /// More damping; false once it is beyond use.
+    fn raise(&mut self) -> bool {
+        self.value = if self.value == 0.0 { FIRST_DAMPING } else { self.value * self.growth };
+        self.growth *= 2.0;
+        self.value <= self.largest
+    }
+
+    /// Less damping after a step that gained this share of what it promised. Nielsen's rule.
+    fn lower(&mut self, gain: f64) {
+        self.value *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(0.1);
+        self.growth = 4.0;
+        if self.value < SMALLEST_DAMPING {
+            self.value = 0.0;
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! What the caller may choose.
+
+use crate::model::kernel::Kernel;
+
+/// Where to start from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Initialisation {
+    /// The given poses.
+    Given,
+    /// Odometry composed from the first node, its chains joined over landmark edges.
+    SpanningTree,
+    /// Rotations by the chordal relaxation, then translations.
+    Chordal,
+    /// The relaxation, and the others too if its result costs more than they do at the start; with robust kernels the
+    /// cheapest start comes first. The lowest result is kept.
+    #[default]
+    Best,
+}
+
+/// How steps are chosen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Gauss-Newton steps, damped once one fails.
+    #[default]
+    LevenbergMarquardt,
+    /// Gauss-Newton steps; the first that fails ends the iteration.
+    GaussNewton,
+    /// Powell's dogleg within a region that is trusted.
+    Dogleg,
+}
+
+/// The robust cost of landmark edges that graduation ends with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Graduated {
+    /// `min(s, c^2)`: an edge is in or out. Parameter c in standard deviations.
+    TruncatedLeastSquares(f64),
+    /// `s c^2 / (c^2 + s)`. Parameter c in standard deviations.
+    GemanMcClure(f64),
+}
+
+impl Graduated {
+    /// The kernel of the last round.
+    pub fn kernel(self) -> Kernel {
+        match self {
+            Self::TruncatedLeastSquares(width) => Kernel::Truncated { width, convexity: f64::INFINITY },
+            Self::GemanMcClure(width) => Kernel::GemanMcClure(width),
+        }
+    }
+}
+
+/// Settings of [`optimize`](crate::optimize).
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Where to start from.
+    pub initialisation: Initialisation,
+    /// How steps are chosen.
+    pub method: Method,
+    /// Most steps tried per connected part, rejected ones included.
+    pub max_iterations: usize,
+    /// Converged when a full Gauss-Newton step promises to lower the cost by less than this share of it. With zero, and not by
+    /// the dogleg, steps go on where the cost no longer shows their gain, until they no longer shrink: poses that the edges hold
+    /// weakly then are as exact as the gradient is, by some digits more than the cost can tell.
+    pub cost_tolerance: f64,
+    /// Converged when no component of a full Gauss-Newton step exceeds this: shares of the median measured distance, and radians.
+    pub step_tolerance: f64,
+    /// Converged when the residuals are orthogonal to all derivatives: when no `|g_k| / sqrt(H_kk cost)`, the cosine of the angle
+    /// between the whitened residuals and their derivative by a component of a pose, exceeds this. Neither the unit of length
+    /// nor the scale of the information changes it.
+    pub gradient_tolerance: f64,
+    /// Graduated non-convexity over the landmark edges, whose own kernels it replaces.
+    pub graduated: Option<Graduated>,
+}
+
+/// Share of the cost under which the gain of a step is lost in the rounding of the sum.
+const HIDDEN: f64 = 1e-12;
+
+impl Options {
+    /// Whether a step goes on by the gradient alone, since the cost is too coarse to judge it. The cost is at least that of a
+    /// graph without noise.
+    pub(crate) fn is_hidden(&self, promised: f64, cost: f64) -> bool {
+        self.cost_tolerance == 0.0 && promised <= HIDDEN * cost
+    }
+
+    /// The promise of a step that ends the iteration at this cost, which is at least that of a graph without noise.
+    pub(crate) fn promise_tolerance(&self, cost: f64) -> f64 {
+        // A promise below the rounding of the sum cannot be seen kept.
+        self.cost_tolerance.max(4.0 * f64::EPSILON) * cost
+    }
+}
+
+impl Default for Options {
+    /// Best start, Levenberg-Marquardt, 200 iterations, tolerances 1e-10 (cost), 1e-10 (step), 1e-12 (gradient); no
+    /// graduation.
+    fn default() -> Self {
+        Self {
+            initialisation: Initialisation::Best,
+            method: Method::LevenbergMarquardt,
+            max_iterations: 200,
+            cost_tolerance: 1e-10,
+            step_tolerance: 1e-10,
+            gradient_tolerance: 1e-12,
+            graduated: None,
+        }
+    }
+}

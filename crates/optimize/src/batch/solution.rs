@@ -1,0 +1,132 @@
+//! What came out, and how.
+
+use super::outcome::{Outcome, Termination};
+use super::phases::Phases;
+
+/// Where a part was started from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// The given poses.
+    Given,
+    /// The spanning tree.
+    SpanningTree,
+    /// The chordal relaxation.
+    Chordal,
+}
+
+impl Start {
+    /// Name for reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Given => "given",
+            Self::SpanningTree => "spanning tree",
+            Self::Chordal => "chordal",
+        }
+    }
+}
+
+/// How one connected part was solved.
+#[derive(Clone, Debug)]
+pub struct ComponentReport {
+    /// Its first node that was held.
+    pub gauge: usize,
+    /// Nodes that were to be held; with none the gauge is the part's first node.
+    pub held: usize,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Number of edges.
+    pub edges: usize,
+    /// Cost at the given poses (kernels applied).
+    pub cost_given: f64,
+    /// Cost at the start that was chosen.
+    pub cost_start: f64,
+    /// Final cost.
+    pub cost: f64,
+    /// Start that was chosen.
+    pub start: Start,
+    /// Steps tried, over all starts.
+    pub iterations: usize,
+    /// Steps tried that did not lower the cost.
+    pub rejected: usize,
+    /// Factorisations for these steps; steps near the minimum take that of an earlier one.
+    pub factorizations: usize,
+    /// Why iteration ended.
+    pub termination: Termination,
+    /// Largest cosine of the angle between residuals and a derivative at the end: see
+    /// [`Options::gradient_tolerance`](crate::Options::gradient_tolerance).
+    pub gradient: f64,
+    /// What the last step promised to lower the cost by; NaN if none was tried.
+    pub last_promise: f64,
+    /// Largest component of the last step, shares of the median measured distance and radians; NaN if none was tried.
+    pub last_step: f64,
+    /// Node and component that the edges leave undetermined, if damping had to make the equations solvable.
+    pub undetermined: Option<(usize, usize)>,
+    /// Blocks of the factor.
+    pub factor_blocks: usize,
+    /// Floating-point operations of one numeric factorisation.
+    pub flops: f64,
+    /// Where the time went.
+    pub phases: Phases,
+}
+
+impl ComponentReport {
+    /// Of a part that nothing has been done to.
+    pub(crate) fn untouched(nodes: usize, edges: usize, cost: f64) -> Self {
+        Self {
+            gauge: 0,
+            held: 0,
+            nodes,
+            edges,
+            cost_given: cost,
+            cost_start: cost,
+            cost,
+            start: Start::Given,
+            iterations: 0,
+            rejected: 0,
+            factorizations: 0,
+            termination: Termination::NothingToDo,
+            gradient: 0.0,
+            last_promise: f64::NAN,
+            last_step: f64::NAN,
+            undetermined: None,
+            factor_blocks: 0,
+            flops: 0.0,
+            phases: Phases::default(),
+        }
+    }
+
+    /// Takes over the result of one start; steps are counted over all starts.
+    pub(crate) fn adopt(&mut self, start: Start, cost_start: f64, outcome: &Outcome) {
+        self.start = start;
+        self.cost_start = cost_start;
+        self.cost = outcome.cost;
+        self.termination = outcome.termination;
+        self.gradient = outcome.gradient;
+        self.last_promise = outcome.last.promised;
+        self.last_step = outcome.last.largest;
+        self.undetermined = outcome.undetermined;
+    }
+}
+
+/// Result of [`optimize`](crate::optimize).
+#[derive(Clone, Debug)]
+pub struct Solution<G> {
+    /// Optimised poses, in the order of the nodes.
+    pub poses: Vec<G>,
+    /// Sum of `e^T Omega e` at the given poses.
+    pub chi2_given: f64,
+    /// Sum of `e^T Omega e` at the starts that were chosen.
+    pub chi2_initial: f64,
+    /// Sum of `e^T Omega e` at the result.
+    pub chi2: f64,
+    /// Sum of `rho(e^T Omega e)` at the result; equals `chi2` without kernels.
+    pub cost: f64,
+    /// Steps tried, summed over the parts.
+    pub iterations: usize,
+    /// Whether every part met a tolerance.
+    pub converged: bool,
+    /// Weight `rho'` of every edge at the result: 1 without kernel.
+    pub weights: Vec<f64>,
+    /// The connected parts, in the order of their first nodes.
+    pub components: Vec<ComponentReport>,
+}

@@ -1,0 +1,319 @@
+//! From a checked graph to its solution.
+
+use std::cmp::Ordering;
+
+use posecut_geometry::{LieGroup, SE2, SE3};
+
+use super::graduated::set_landmark_kernels;
+use super::levenberg_marquardt::Workspace;
+use super::options::{Graduated, Initialisation, Options};
+use super::phases::{Phases, timed};
+use super::solution::{ComponentReport, Solution, Start};
+use crate::certificate::{self, Certificate};
+use crate::initialisation::chordal;
+use crate::initialisation::tree::spanning_tree_from;
+use crate::linear::Factor;
+use crate::linear::normal_equations::Pattern;
+use crate::model::components::{Component, connected_components};
+use crate::model::kernel::charge;
+use crate::model::magnitude::Magnitude;
+use crate::model::problem::{Edge, Problem};
+use crate::model::residual::{chi2, cost, squared};
+
+/// A group of poses that can be optimised, with its chordal relaxation.
+pub trait PoseGroup<const DOF: usize>: LieGroup<DOF> {
+    /// Poses by rotations first, for a connected graph with its first poses given; `None` if the edges do not determine
+    /// them.
+    #[doc(hidden)]
+    fn chordal_poses(
+        memory: &mut Relaxation<'_, DOF>,
+        edges: &[Edge<Self, DOF>],
+        held: &[Self],
+    ) -> Option<Vec<Self>>;
+
+    /// The certificate of a connected graph.
+    #[doc(hidden)]
+    fn certificate(edges: &[Edge<Self, DOF>], poses: &[Self]) -> Certificate;
+}
+
+/// What the relaxation needs of the normal equations: their pattern, and the memory of their factor.
+#[doc(hidden)]
+#[derive(Debug)]
+pub struct Relaxation<'a, const DOF: usize> {
+    pattern: &'a Pattern,
+    factor: &'a mut Factor<DOF>,
+}
+
+impl PoseGroup<3> for SE2 {
+    fn chordal_poses(
+        memory: &mut Relaxation<'_, 3>,
+        edges: &[Edge<Self, 3>],
+        held: &[Self],
+    ) -> Option<Vec<Self>> {
+        let pattern = memory.pattern;
+        memory.factor.lend(|factor| chordal::poses::<Self, 3, 2>(pattern, edges, held, factor))
+    }
+
+    fn certificate(edges: &[Edge<Self, 3>], poses: &[Self]) -> Certificate {
+        certificate::certify::<Self, 3, 2, 3>(edges, poses)
+    }
+}
+
+impl PoseGroup<6> for SE3 {
+    fn chordal_poses(
+        memory: &mut Relaxation<'_, 6>,
+        edges: &[Edge<Self, 6>],
+        held: &[Self],
+    ) -> Option<Vec<Self>> {
+        let pattern = memory.pattern;
+        memory.factor.lend(|factor| chordal::poses::<Self, 6, 3>(pattern, edges, held, factor))
+    }
+
+    fn certificate(edges: &[Edge<Self, 6>], poses: &[Self]) -> Certificate {
+        certificate::certify::<Self, 6, 3, 4>(edges, poses)
+    }
+}
+
+/// Minimises the cost of a graph over its poses.
+///
+/// Every connected part is solved on its own; nodes that are held stay at their given poses, whatever the start, or the part's first
+/// node where none is. Parts that
+/// edges leave undetermined are damped and reported, not refused. The result depends on the input alone: sums have a
+/// fixed order.
+pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
+    problem: &Problem<G, DOF>,
+    options: &Options,
+) -> Solution<G> {
+    let graduated;
+    let problem = if let Some(graduation) = options.graduated {
+        let mut edges = problem.edges().to_vec();
+        set_landmark_kernels(&mut edges, Some(graduation.kernel()));
+        graduated = Problem::from_checked(problem.poses().to_vec(), edges, problem.held().to_vec());
+        &graduated
+    } else {
+        problem
+    };
+    let edges = problem.edges();
+    let mut components =
+        connected_components(problem.poses().len(), edges.iter().map(|edge| (edge.from, edge.to)));
+    let mut poses = problem.poses().to_vec();
+    let mut starts = poses.clone();
+    let mut reports = Vec::with_capacity(components.len());
+    let mut local = vec![0; poses.len()];
+    let whole = components.len() == 1;
+    for component in &mut components {
+        let held = component.put_held_first(problem.held());
+        for (index, &node) in component.nodes.iter().enumerate() {
+            local[node] = index;
+        }
+        let extracted;
+        let part = if whole && component.nodes.is_sorted() {
+            problem
+        } else {
+            extracted = extract(problem, component, &local);
+            &extracted
+        };
+        let mut seconds = 0.0;
+        let (start, result, mut report) = timed(&mut seconds, || match options.graduated {
+            Some(graduation) => graduate_component(part, held, graduation, options),
+            None => solve_component(part, held, options),
+        });
+        report.phases.total = seconds;
+        report.gauge = component.nodes[0];
+        report.held = component.held(problem.held());
+        report.undetermined = report.undetermined.map(|(node, axis)| (component.nodes[node], axis));
+        for ((&node, start), pose) in component.nodes.iter().zip(start).zip(result) {
+            starts[node] = start;
+            poses[node] = pose;
+        }
+        reports.push(report);
+    }
+    let robust = edges.iter().any(|edge| edge.kernel.is_some());
+    // `sum` of nothing is -0.
+    let total = |of: fn(&ComponentReport) -> f64| reports.iter().map(of).fold(0.0, |sum, part| sum + part);
+    Solution {
+        chi2_given: if robust { chi2(problem, problem.poses()) } else { total(|report| report.cost_given) },
+        chi2_initial: if robust { chi2(problem, &starts) } else { total(|report| report.cost_start) },
+        chi2: if robust { chi2(problem, &poses) } else { total(|report| report.cost) },
+        cost: total(|report| report.cost),
+        iterations: reports.iter().map(|report| report.iterations).sum(),
+        converged: reports.iter().all(|report| report.termination.converged()),
+        weights: if robust {
+            edges.iter().map(|edge| charge(edge.kernel, squared(edge, &poses)).1).collect()
+        } else {
+            vec![1.0; edges.len()]
+        },
+        components: reports,
+        poses,
+    }
+}
+
+/// SE-Sync's dual certificate of every connected part, for its cost `F` (chordal, isotropic weights), not for that of
+/// [`optimize`]: the poses are refined for `F` first. Kernels are not looked at. A part with several nodes held is another problem, of
+/// which nothing is known: its figures are not numbers.
+pub fn certify<G: PoseGroup<DOF>, const DOF: usize>(
+    problem: &Problem<G, DOF>,
+    poses: &[G],
+) -> Vec<Certificate> {
+    let ends = problem.edges().iter().map(|edge| (edge.from, edge.to));
+    let solved = Problem::from_checked(poses.to_vec(), problem.edges().to_vec(), problem.held().to_vec());
+    let mut local = vec![0; poses.len()];
+    let certificate = |component: &Component| {
+        if component.held(problem.held()) > 1 {
+            return Certificate::NONE;
+        }
+        for (index, &node) in component.nodes.iter().enumerate() {
+            local[node] = index;
+        }
+        let part = extract(&solved, component, &local);
+        G::certificate(part.edges(), part.poses())
+    };
+    connected_components(poses.len(), ends).iter().map(certificate).collect()
+}
+
+/// The part of the graph with its own numbering.
+fn extract<G: PoseGroup<DOF>, const DOF: usize>(
+    problem: &Problem<G, DOF>,
+    component: &Component,
+    local: &[usize],
+) -> Problem<G, DOF> {
+    let poses = component.nodes.iter().map(|&node| problem.poses()[node]).collect();
+    let held = component.nodes.iter().map(|&node| problem.held()[node]).collect();
+    let renumber = |edge: &Edge<G, DOF>| Edge { from: local[edge.from], to: local[edge.to], ..*edge };
+    let edges = component.edges.iter().map(|&edge| renumber(&problem.edges()[edge])).collect();
+    Problem::from_checked(poses, edges, held)
+}
+
+/// Start, result and report of a connected graph whose first `held` nodes keep their poses.
+///
+/// Without kernels the relaxation is tried first: a start's cost says little about its basin where a few stiff edges
+/// dominate. Should its result be worse than another *start*, that one is tried too, and the lowest result is kept.
+/// Kernels change this: the relaxation knows nothing of outliers, so there the cheapest start is tried first.
+fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
+    part: &Problem<G, DOF>,
+    held: usize,
+    options: &Options,
+) -> (Vec<G>, Vec<G>, ComponentReport) {
+    let edges = part.edges();
+    let given = part.poses();
+    let mut report = ComponentReport::untouched(given.len(), edges.len(), cost(edges, given));
+    if edges.is_empty() || held == given.len() {
+        return (given.to_vec(), given.to_vec(), report);
+    }
+    let mut phases = Phases::default();
+    let pattern = timed(&mut phases.analysis, || Pattern::of(given.len(), held, edges));
+    report.factor_blocks = pattern.symbolic.factor_blocks();
+    report.flops = pattern.symbolic.flops();
+    let mut workspace = Workspace::new(&pattern, Magnitude::of(edges.iter()));
+    let mut best: Option<(Vec<G>, Vec<G>)> = None;
+    let starts = timed(&mut phases.start, || {
+        candidates(part, &mut workspace, options.initialisation, report.cost_given)
+    });
+    for candidate in starts {
+        if best.is_some() && candidate.cost.partial_cmp(&report.cost) != Some(Ordering::Less) {
+            continue;
+        }
+        let mut result = candidate.poses.clone();
+        let outcome = workspace.minimise(edges, &mut result, options);
+        report.iterations += outcome.iterations;
+        report.rejected += outcome.rejected;
+        report.factorizations += outcome.factorizations;
+        if best.is_none() || outcome.cost < report.cost {
+            report.adopt(candidate.start, candidate.cost, &outcome);
+            best = Some((candidate.poses, result));
+        }
+    }
+    let (start, result) = best.unwrap_or_else(|| (given.to_vec(), given.to_vec()));
+    report.phases += phases;
+    report.phases += workspace.phases;
+    (start, result, report)
+}
+
+/// Graduation from the result of [`solve_component`] without kernels on the landmark edges, and, if the best start is
+/// asked for, from the spanning tree too: false edges may fold the former so that no surrogate unfolds it, while odometry
+/// drifts but never folds. The lower cost is kept.
+fn graduate_component<G: PoseGroup<DOF>, const DOF: usize>(
+    part: &Problem<G, DOF>,
+    held: usize,
+    graduation: Graduated,
+    options: &Options,
+) -> (Vec<G>, Vec<G>, ComponentReport) {
+    let edges = part.edges();
+    if edges.is_empty() || held == part.poses().len() {
+        return solve_component(part, held, options);
+    }
+    let mut plain = edges.to_vec();
+    set_landmark_kernels(&mut plain, None);
+    let plain = Problem::from_checked(part.poses().to_vec(), plain, part.held().to_vec());
+    let (start, solved, mut report) = solve_component(&plain, held, options);
+    let mut starts = vec![(report.start, start, solved)];
+    if options.initialisation == Initialisation::Best {
+        let tree = spanning_tree_from(held, part.poses(), edges);
+        starts.push((Start::SpanningTree, tree.clone(), tree));
+    }
+    let pattern = timed(&mut report.phases.analysis, || Pattern::of(part.poses().len(), held, edges));
+    let mut workspace = Workspace::new(&pattern, Magnitude::of(edges.iter()));
+    report.cost_given = cost(edges, part.poses());
+    report.cost = f64::INFINITY;
+    let mut best = (Vec::new(), part.poses().to_vec());
+    for (name, start, mut poses) in starts {
+        let outcome = graduation.minimise(&mut workspace, edges, &mut poses, options);
+        report.iterations += outcome.iterations;
+        report.rejected += outcome.rejected;
+        report.factorizations += outcome.factorizations;
+        if best.0.is_empty() || outcome.cost < report.cost {
+            report.adopt(name, cost(edges, &start), &outcome);
+            best = (start, poses);
+        }
+    }
+    report.phases += workspace.phases;
+    (best.0, best.1, report)
+}
+
+/// A proposed start.
+struct Candidate<G> {
+    start: Start,
+    poses: Vec<G>,
+    cost: f64,
+}
+
+/// The starts asked for, in the order in which they should be tried; at least one.
+fn candidates<G: PoseGroup<DOF>, const DOF: usize>(
+    part: &Problem<G, DOF>,
+    workspace: &mut Workspace<'_, G, DOF>,
+    initialisation: Initialisation,
+    cost_given: f64,
+) -> Vec<Candidate<G>> {
+    let edges = part.edges();
+    let propose = |start: Start, poses: Vec<G>| Candidate { start, cost: cost(edges, &poses), poses };
+    let given = || Candidate { start: Start::Given, cost: cost_given, poses: part.poses().to_vec() };
+    let tree =
+        || propose(Start::SpanningTree, spanning_tree_from(workspace.pattern.held, part.poses(), edges));
+    let mut relaxed = || {
+        let mut memory = Relaxation { pattern: workspace.pattern, factor: &mut workspace.factor };
+        let held = &part.poses()[..memory.pattern.held];
+        G::chordal_poses(&mut memory, edges, held)
+            .map(|poses| propose(Start::Chordal, poses))
+            .filter(|candidate| candidate.cost.is_finite())
+    };
+    match initialisation {
+        Initialisation::Given => vec![given()],
+        Initialisation::SpanningTree => vec![tree()],
+        // The tree stands in where the relaxation is singular.
+        Initialisation::Chordal => vec![relaxed().unwrap_or_else(tree)],
+        Initialisation::Best => {
+            let mut others = vec![given(), tree()];
+            others.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+            let robust = edges.iter().any(|edge| edge.kernel.is_some());
+            let mut all: Vec<_> = relaxed().into_iter().chain(others).collect();
+            if robust {
+                all.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+            }
+            // NaN compares with nothing: the others would not be tried.
+            if all.iter().any(|candidate| candidate.cost.is_finite()) {
+                all.retain(|candidate| candidate.cost.is_finite());
+            }
+            all
+        }
+    }
+}

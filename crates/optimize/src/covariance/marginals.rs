@@ -1,0 +1,216 @@
+//! Covariances of poses and of pairs of poses at a solution.
+
+use nalgebra::SMatrix;
+use posecut_geometry::LieGroup;
+use posecut_geometry::covariance::between_correlated;
+use rayon::prelude::*;
+
+use super::{SelectedInverse, Workspace};
+use crate::batch::levenberg_marquardt::SINGULAR;
+use crate::linear::normal_equations::{NormalEquations, Pattern};
+use crate::linear::{Factor, Symbolic};
+use crate::model::components::connected_components;
+use crate::model::problem::{Edge, Problem};
+
+/// Distinct nodes in one request from which inverting at the whole pattern is cheaper than column by column.
+const MANY_NODES: usize = 16;
+
+/// Covariances of two poses `X_a`, `X_b` and between them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Joint<const DOF: usize> {
+    /// `E[a a^T]`.
+    pub first: SMatrix<f64, DOF, DOF>,
+    /// `E[a b^T]`.
+    pub cross: SMatrix<f64, DOF, DOF>,
+    /// `E[b b^T]`.
+    pub second: SMatrix<f64, DOF, DOF>,
+}
+
+/// Covariances at given poses: exact blocks of the inverse of the Gauss-Newton matrix `sum of J^T w Omega J`.
+///
+/// Every covariance is that of a right perturbation, `X = X_hat Exp(xi)`, translation before rotation, in square metres
+/// and square radians. **Gauge:** nodes that are held have no uncertainty, nor has the first node of a connected part where none
+/// is, and the covariances of poses are relative to it; those of relative poses do not depend on it. They are the propagation of the edges' information to
+/// first order at the given poses and hold as far as that does.
+///
+/// Parts are those that edges of positive weight connect. A part whose edges leave a direction undetermined has no
+/// covariances: `None`, as have pairs in different parts and nodes that do not exist.
+pub struct Marginals<G, const DOF: usize> {
+    poses: Vec<G>,
+    /// Part of each node, and its number there.
+    places: Vec<(usize, usize)>,
+    parts: Vec<Part<DOF>>,
+}
+
+/// The factorised equations of a connected part.
+struct Part<const DOF: usize> {
+    held: usize,
+    symbolic: Symbolic,
+    factor: Factor<DOF>,
+    inverse: Option<SelectedInverse<DOF>>,
+    /// Node and component that the edges leave undetermined.
+    undetermined: Option<(usize, usize)>,
+}
+
+impl<G, const DOF: usize> std::fmt::Debug for Marginals<G, DOF> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter
+            .debug_struct("Marginals")
+            .field("poses", &self.poses.len())
+            .field("parts", &self.parts.len())
+            .finish_non_exhaustive()
+    }
+}
+
+impl<G: LieGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
+    /// Factorises the equations at `poses`, the information of edge `k` multiplied by `weights[k]`: for the weights
+    /// of a [`Solution`](crate::Solution), `Marginals::new(&problem, &solution.poses, &solution.weights)`. Kernels are not
+    /// looked at. Missing weights are one. Takes the time of one Gauss-Newton step.
+    pub fn new(problem: &Problem<G, DOF>, poses: &[G], weights: &[f64]) -> Self {
+        let weigh = |(index, edge): (usize, &Edge<G, DOF>)| {
+            let weight = weights.get(index).copied().unwrap_or(1.0);
+            (weight > 0.0).then(|| Edge { information: edge.information * weight, kernel: None, ..*edge })
+        };
+        let edges: Vec<_> = problem.edges().iter().enumerate().filter_map(weigh).collect();
+        let mut components = connected_components(poses.len(), edges.iter().map(|edge| (edge.from, edge.to)));
+        let mut places = vec![(0, 0); poses.len()];
+        let mut parts = Vec::with_capacity(components.len());
+        for (index, component) in components.iter_mut().enumerate() {
+            let held = component.put_held_first(problem.held());
+            for (number, &node) in component.nodes.iter().enumerate() {
+                places[node] = (index, number);
+            }
+            let part_poses: Vec<G> = component.nodes.iter().map(|&node| poses[node]).collect();
+            let renumber = |&edge: &usize| {
+                let edge = &edges[edge];
+                Edge { from: places[edge.from].1, to: places[edge.to].1, ..*edge }
+            };
+            let part_edges: Vec<_> = component.edges.iter().map(renumber).collect();
+            let mut part = Part::new(&part_poses, held, &part_edges);
+            part.undetermined = part.undetermined.map(|(node, axis)| (component.nodes[node], axis));
+            parts.push(part);
+        }
+        Self { poses: poses.to_vec(), places, parts }
+    }
+
+    /// Node and component of its pose for every part that the edges leave undetermined.
+    pub fn undetermined(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.parts.iter().filter_map(|part| part.undetermined)
+    }
+
+    /// Covariances of chosen poses.
+    pub fn poses(&mut self, nodes: &[usize]) -> Vec<Option<SMatrix<f64, DOF, DOF>>> {
+        let pairs: Vec<_> = nodes.iter().map(|&node| (node, node)).collect();
+        self.joint(&pairs).into_iter().map(|joint| joint.map(|joint| joint.first)).collect()
+    }
+
+    /// Covariances of the relative poses `X_a^-1 X_b` of pairs `(a, b)`.
+    ///
+    /// What is uncertain in both poses alike cancels: a relative pose `c` times as certain as its two poses loses
+    /// `log10 c` of sixteen digits, twice.
+    pub fn relative(&mut self, pairs: &[(usize, usize)]) -> Vec<Option<SMatrix<f64, DOF, DOF>>> {
+        let joints = self.joint(pairs);
+        let propagate = |(joint, &(a, b)): (Option<Joint<DOF>>, &(usize, usize))| {
+            joint.map(|joint| {
+                between_correlated(&self.poses[a], &joint.first, &self.poses[b], &joint.second, &joint.cross)
+            })
+        };
+        joints.into_par_iter().zip(pairs).map(propagate).collect()
+    }
+
+    /// Covariances of pairs of poses.
+    ///
+    /// A request for many nodes costs about two factorisations, plus triangular solves along the elimination tree for the
+    /// first node of each pair that no edge and no fill joins; a request for few costs the latter for each.
+    pub fn joint(&mut self, pairs: &[(usize, usize)]) -> Vec<Option<Joint<DOF>>> {
+        let mut wanted: Vec<Vec<(usize, usize)>> = vec![Vec::new(); self.parts.len()];
+        for (part, a, b) in pairs.iter().filter_map(|&pair| self.place(pair)) {
+            wanted[part].extend([(a, a), (a.min(b), a.max(b)), (b, b)]);
+        }
+        for wanted in &mut wanted {
+            wanted.sort_unstable();
+            wanted.dedup();
+        }
+        let blocks: Vec<_> =
+            self.parts.iter_mut().zip(&wanted).map(|(part, wanted)| part.blocks(wanted)).collect();
+        let find = |part: usize, a: usize, b: usize| {
+            let block = blocks[part][wanted[part].binary_search(&(a.min(b), a.max(b))).ok()?];
+            Some(if a <= b { block } else { block.transpose() })
+        };
+        let join = |&pair: &(usize, usize)| {
+            let (part, a, b) = self.place(pair)?;
+            Some(Joint { first: find(part, a, a)?, cross: find(part, a, b)?, second: find(part, b, b)? })
+        };
+        pairs.iter().map(join).collect()
+    }
+
+    /// The part of a pair, and the nodes' numbers there, if it has covariances.
+    fn place(&self, (a, b): (usize, usize)) -> Option<(usize, usize, usize)> {
+        let (&(part, a), &(other, b)) = (self.places.get(a)?, self.places.get(b)?);
+        (part == other && self.parts[part].undetermined.is_none()).then_some((part, a, b))
+    }
+}
+
+impl<const DOF: usize> Part<DOF> {
+    fn new<G: LieGroup<DOF>>(poses: &[G], held: usize, edges: &[Edge<G, DOF>]) -> Self {
+        let pattern = Pattern::of(poses.len(), held, edges);
+        let mut equations = NormalEquations::new(&pattern);
+        equations.assemble(&pattern, edges, poses);
+        let symbolic = pattern.symbolic;
+        let mut factor = Factor::new(&symbolic);
+        let outcome =
+            factor.factorize(&symbolic, &equations.diagonal, &equations.off_diagonal, 0.0, [0.0; DOF]);
+        let (share, variable, component) = factor.smallest_pivot();
+        let undetermined = match outcome {
+            Err(breakdown) => Some((held + breakdown.variable, breakdown.component)),
+            Ok(()) => (share.is_nan() || share <= SINGULAR).then_some((held + variable, component)),
+        };
+        Self { held, symbolic, factor, inverse: None, undetermined }
+    }
+
+    /// The wanted blocks `(a, b)`, `a <= b`, of the covariance, by numbers of nodes in ascending order.
+    fn blocks(&mut self, wanted: &[(usize, usize)]) -> Vec<SMatrix<f64, DOF, DOF>> {
+        let distinct = wanted.iter().filter(|(a, b)| a == b).count();
+        if distinct > MANY_NODES && self.inverse.is_none() {
+            self.inverse = Some(SelectedInverse::new(&self.symbolic, &self.factor));
+        }
+        let part = &*self;
+        // Nodes that are held have no uncertainty.
+        let variable = |node: usize| node.checked_sub(part.held);
+        let mut blocks: Vec<Option<SMatrix<f64, DOF, DOF>>> = wanted
+            .par_iter()
+            .map(|&(a, b)| match variable(a).zip(variable(b)) {
+                Some((row, column)) => part.inverse.as_ref()?.block(&part.symbolic, row, column),
+                None => Some(SMatrix::zeros()),
+            })
+            .collect();
+        // Where the factor has no block, a column of the inverse for each first node.
+        let missing: Vec<usize> = (0..wanted.len()).filter(|&place| blocks[place].is_none()).collect();
+        let columns: Vec<&[usize]> =
+            missing.chunk_by(|&one, &other| wanted[one].0 == wanted[other].0).collect();
+        let found: Vec<_> = columns
+            .par_iter()
+            .map_init(|| part.factor.workspace(), |workspace, column| part.column(wanted, column, workspace))
+            .collect();
+        for (&place, block) in columns.iter().copied().flatten().zip(found.into_iter().flatten()) {
+            blocks[place] = Some(block.transpose());
+        }
+        let symmetric = |(block, (a, b)): (Option<SMatrix<f64, DOF, DOF>>, &(usize, usize))| {
+            let block = block.unwrap_or_else(SMatrix::zeros);
+            if a == b { (block + block.transpose()) * 0.5 } else { block }
+        };
+        blocks.into_iter().zip(wanted).map(symmetric).collect()
+    }
+
+    /// The blocks of the wanted pairs at these places, all with the same first node.
+    fn column(
+        &self,
+        wanted: &[(usize, usize)],
+        places: &[usize],
+        workspace: &mut Workspace,
+    ) -> Vec<SMatrix<f64, DOF, DOF>> {
+        let first = wanted[places[0]].0 - self.held;
+        let others: Vec<usize> = places.iter().map(|&place| wanted[place].1 - self.held).collect();
+        self.factor.inverse_column(&self.symbolic, first, &others, workspace)
+    }
+}

@@ -1,0 +1,32 @@
+//! Neighbours of vertices, as lists one after the other.
+
+/// Neighbours of every position with a smaller position (`lower_neighbours`), and with a larger one (`upper_neighbours`).
+pub(crate) struct Adjacency {
+    starts: Vec<usize>,
+    neighbours: Vec<usize>,
+}
+
+impl Adjacency {
+    /// Lists, per vertex, the other ends of the pairs that `select` keeps, as `(vertex, other)`.
+    pub(crate) fn new(vertices: usize, arcs: impl Iterator<Item = (usize, usize)> + Clone) -> Self {
+        let mut starts = vec![0; vertices + 1];
+        for (vertex, _) in arcs.clone() {
+            starts[vertex + 1] += 1;
+        }
+        for vertex in 0..vertices {
+            starts[vertex + 1] += starts[vertex];
+        }
+        let mut next = starts.clone();
+        let mut neighbours = vec![0; starts[vertices]];
+        for (vertex, other) in arcs {
+            neighbours[next[vertex]] = other;
+            next[vertex] += 1;
+        }
+        Self { starts, neighbours }
+    }
+
+    /// The other ends at a vertex.
+    pub(crate) fn of(&self, vertex: usize) -> &[usize] {
+        &self.neighbours[self.starts[vertex]..self.starts[vertex + 1]]
+    }
+}

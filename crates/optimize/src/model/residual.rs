@@ -1,0 +1,264 @@
+//! Residuals of edges and their Jacobians.
+
+#![allow(
+    clippy::inline_always,
+    reason = "loops take the vector instructions of the caller they are inlined into"
+)]
+
+use nalgebra::{Matrix3, SMatrix, SVector};
+use posecut_geometry::LieGroup;
+
+use super::kernel::charge;
+use super::problem::{Edge, Problem};
+
+/// `e = Log(Z^-1 X_from^-1 X_to)`.
+pub fn residual<G: LieGroup<DOF>, const DOF: usize>(measurement: &G, from: &G, to: &G) -> SVector<f64, DOF> {
+    measurement.between(&from.between(to)).log()
+}
+
+/// The sum of `e^T Omega e` over the edges, without kernels.
+pub fn chi2<G: LieGroup<DOF>, const DOF: usize>(problem: &Problem<G, DOF>, poses: &[G]) -> f64 {
+    problem.edges().iter().map(|edge| squared(edge, poses)).sum()
+}
+
+/// The sum of `rho(e^T Omega e)` over the edges.
+pub(crate) fn cost<G: LieGroup<DOF>, const DOF: usize>(edges: &[Edge<G, DOF>], poses: &[G]) -> f64 {
+    edges.iter().map(|edge| charge(edge.kernel, squared(edge, poses)).0).sum()
+}
+
+/// `e^T Omega e` of one edge.
+pub(crate) fn squared<G: LieGroup<DOF>, const DOF: usize>(edge: &Edge<G, DOF>, poses: &[G]) -> f64 {
+    let error = residual(&edge.measurement, &poses[edge.from], &poses[edge.to]);
+    error.dot(&(edge.information * error))
+}
+
+/// Quadratic model of one edge's cost around the current poses, in right perturbations of its two poses.
+pub(crate) struct Linearised<const DOF: usize> {
+    /// Block of the normal equations at (from, from).
+    pub(crate) from_from: SMatrix<f64, DOF, DOF>,
+    /// Block at (from, to).
+    pub(crate) from_to: SMatrix<f64, DOF, DOF>,
+    /// Block at (to, to).
+    pub(crate) to_to: SMatrix<f64, DOF, DOF>,
+    /// Half the gradient at from.
+    pub(crate) from_gradient: SVector<f64, DOF>,
+    /// Half the gradient at to.
+    pub(crate) to_gradient: SVector<f64, DOF>,
+    /// `rho(e^T Omega e)`.
+    pub(crate) cost: f64,
+}
+
+/// Linear model of one edge's cost.
+pub(crate) struct Gradient<const DOF: usize> {
+    /// Half the gradient at from.
+    pub(crate) from: SVector<f64, DOF>,
+    /// Half the gradient at to.
+    pub(crate) to: SVector<f64, DOF>,
+    /// `rho(e^T Omega e)`.
+    pub(crate) cost: f64,
+}
+
+impl<const DOF: usize> Gradient<DOF> {
+    /// From the half gradient in a right perturbation of `X_ij`, which equals one of `X_j`.
+    #[inline(always)]
+    pub(crate) fn new<G: LieGroup<DOF>>(relative: &G, to: SVector<f64, DOF>, cost: f64) -> Self {
+        Self { from: -relative.inverse().adjoint().tr_mul(&to), to, cost }
+    }
+}
+
+/// One summand of a cost over poses.
+pub(crate) trait Term<G, const DOF: usize> {
+    /// Its value.
+    fn cost(&self, poses: &[G]) -> f64;
+    /// Its quadratic model.
+    fn linearise(&self, poses: &[G]) -> Linearised<DOF>;
+    /// The cost that rounding alone may make of it.
+    fn rounding(&self, _poses: &[G]) -> f64 {
+        0.0
+    }
+    /// Its linear model.
+    fn gradient(&self, poses: &[G]) -> Gradient<DOF> {
+        let model = self.linearise(poses);
+        Gradient { from: model.from_gradient, to: model.to_gradient, cost: model.cost }
+    }
+}
+
+impl<G: LieGroup<DOF>, const DOF: usize> Term<G, DOF> for Edge<G, DOF> {
+    fn cost(&self, poses: &[G]) -> f64 {
+        charge(self.kernel, squared(self, poses)).0
+    }
+
+    /// Residuals in a direction that the information does not measure cancel in `e^T Omega e`, but for rounding.
+    fn rounding(&self, poses: &[G]) -> f64 {
+        let error = residual(&self.measurement, &poses[self.from], &poses[self.to]).abs();
+        4.0 * f64::EPSILON * error.dot(&(self.information.abs() * error))
+    }
+
+    #[inline(always)]
+    fn linearise(&self, poses: &[G]) -> Linearised<DOF> {
+        linearise(self, poses)
+    }
+
+    #[inline(always)]
+    fn gradient(&self, poses: &[G]) -> Gradient<DOF> {
+        let relative = poses[self.from].between(&poses[self.to]);
+        let error = self.measurement.between(&relative).log();
+        let weighted = self.information * error;
+        let (cost, weight) = charge(self.kernel, error.dot(&weighted));
+        let to = G::right_jacobian_inverse(&error).tr_mul(&weighted) * weight;
+        Gradient::new(&relative, to, cost)
+    }
+}
+
+impl<const DOF: usize> Linearised<DOF> {
+    /// From block and half gradient in a right perturbation of `X_ij`, which equals one of `X_j`.
+    #[inline(always)]
+    pub(crate) fn new<G: LieGroup<DOF>>(
+        relative: &G,
+        to_to: SMatrix<f64, DOF, DOF>,
+        to_gradient: SVector<f64, DOF>,
+        cost: f64,
+    ) -> Self {
+        let adjoint = relative.inverse().adjoint();
+        let from_gradient = -adjoint.tr_mul(&to_gradient);
+        let (product, from_from) = triangular_congruence(&adjoint, &to_to);
+        let from_to = -product;
+        Self { from_from, from_to, to_to, from_gradient, to_gradient, cost }
+    }
+}
+
+/// The residual of an edge and its derivatives.
+///
+/// With `X_ij = X_i^-1 X_j` and `E = Z^-1 X_ij`: `J_j = J_r^-1(Log E)`, and since `Exp(-d) X_ij = X_ij Exp(-Ad(X_ij^-1) d)`,
+/// `J_i = -J_j Ad(X_ij^-1)`.
+pub(crate) struct Expansion<G, const DOF: usize> {
+    relative: G,
+    /// `Log E`.
+    pub(crate) error: SVector<f64, DOF>,
+    /// `J_j`.
+    pub(crate) to: SMatrix<f64, DOF, DOF>,
+}
+
+impl<G: LieGroup<DOF>, const DOF: usize> Expansion<G, DOF> {
+    /// At these poses of the edge's ends.
+    #[inline(always)]
+    pub(crate) fn new(edge: &Edge<G, DOF>, from: &G, to: &G) -> Self {
+        let relative = from.between(to);
+        let error = edge.measurement.between(&relative).log();
+        Self { relative, error, to: G::right_jacobian_inverse(&error) }
+    }
+
+    /// `J_i`.
+    #[inline(always)]
+    pub(crate) fn from(&self) -> SMatrix<f64, DOF, DOF> {
+        -self.to * self.relative.inverse().adjoint()
+    }
+
+    /// The quadratic model and the kernel's weight. All blocks follow from `A = J_j^T w Omega J_j` by the adjoint alone.
+    #[inline(always)]
+    pub(crate) fn model(&self, edge: &Edge<G, DOF>) -> (Linearised<DOF>, f64) {
+        let weighted = edge.information * self.error;
+        let (cost, weight) = charge(edge.kernel, self.error.dot(&weighted));
+        let to_to = triangular_congruence(&self.to, &edge.information).1 * weight;
+        let to_gradient = self.to.tr_mul(&weighted) * weight;
+        (Linearised::new(&self.relative, to_to, to_gradient, cost), weight)
+    }
+}
+
+/// Linearises an edge.
+#[inline(always)]
+pub(crate) fn linearise<G: LieGroup<DOF>, const DOF: usize>(
+    edge: &Edge<G, DOF>,
+    poses: &[G],
+) -> Linearised<DOF> {
+    Expansion::new(edge, &poses[edge.from], &poses[edge.to]).model(edge).0
+}
+
+/// `J^T A` and `J^T A J` for symmetric `A` and `J` an adjoint or a Jacobian of the logarithm: in space both are block-triangular,
+/// `[P, Q; 0, S]`, which saves more than half of the products.
+#[inline(always)]
+fn triangular_congruence<const DOF: usize>(
+    jacobian: &SMatrix<f64, DOF, DOF>,
+    matrix: &SMatrix<f64, DOF, DOF>,
+) -> (SMatrix<f64, DOF, DOF>, SMatrix<f64, DOF, DOF>) {
+    if DOF != 6 {
+        let product = jacobian.tr_mul(matrix);
+        return (product, product * jacobian);
+    }
+    let block = |of: &SMatrix<f64, DOF, DOF>, row: usize, column: usize| -> Matrix3<f64> {
+        of.fixed_view::<3, 3>(3 * row, 3 * column).into_owned()
+    };
+    let (p, q, s) = (block(jacobian, 0, 0), block(jacobian, 0, 1), block(jacobian, 1, 1));
+    let (a, b, c) = (block(matrix, 0, 0), block(matrix, 0, 1), block(matrix, 1, 1));
+    let (p_a, p_b) = (p.tr_mul(&a), p.tr_mul(&b));
+    let (q_a, q_b) = (q.tr_mul(&a) + s.tr_mul(&b.transpose()), q.tr_mul(&b) + s.tr_mul(&c));
+    let upper_right = p_a * q + p_b * s;
+    let join = |blocks: [&Matrix3<f64>; 4]| {
+        let mut joined = SMatrix::<f64, DOF, DOF>::zeros();
+        for (index, from) in blocks.into_iter().enumerate() {
+            joined.fixed_view_mut::<3, 3>(3 * (index / 2), 3 * (index % 2)).copy_from(from);
+        }
+        joined
+    };
+    let product = join([&p_a, &p_b, &q_a, &q_b]);
+    let congruence = join([&(p_a * p), &upper_right, &upper_right.transpose(), &(q_a * q + q_b * s)]);
+    (product, congruence)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::problem::EdgeKind;
+    use posecut_geometry::{SE2, SE3};
+
+    /// Gradient and blocks of the model against central differences of the residual.
+    fn check<G: LieGroup<DOF>, const DOF: usize>(from: G, to: G, measurement: G) {
+        let spread =
+            SMatrix::<f64, DOF, DOF>::from_fn(|row, column| ((row * 7 + column * 3) % 5) as f64 * 0.1);
+        let information = SMatrix::identity() + spread * spread.transpose();
+        let edge = Edge::new(0, 1, measurement, information, EdgeKind::Landmark);
+        let model = linearise(&edge, &[from, to]);
+        let step = 1e-6;
+        let derivative = |node: usize| {
+            let mut jacobian = SMatrix::<f64, DOF, DOF>::zeros();
+            for axis in 0..DOF {
+                let at = |offset: f64| {
+                    let mut tangent = SVector::<f64, DOF>::zeros();
+                    tangent[axis] = offset;
+                    let mut poses = [from, to];
+                    poses[node] = poses[node].compose(&G::exp(&tangent));
+                    residual(&edge.measurement, &poses[0], &poses[1])
+                };
+                jacobian.set_column(axis, &((at(step) - at(-step)) / (2.0 * step)));
+            }
+            jacobian
+        };
+        let (by_from, by_to) = (derivative(0), derivative(1));
+        let error = residual(&edge.measurement, &from, &to);
+        let close = |found: SMatrix<f64, DOF, DOF>, expected: SMatrix<f64, DOF, DOF>| {
+            assert!((found - expected).amax() < 1e-7 * (1.0 + expected.amax()), "{found} {expected}");
+        };
+        close(model.from_from, by_from.transpose() * information * by_from);
+        close(model.from_to, by_from.transpose() * information * by_to);
+        close(model.to_to, by_to.transpose() * information * by_to);
+        let gradient = by_from.transpose() * information * error;
+        assert!((model.from_gradient - gradient).amax() < 1e-7 * (1.0 + gradient.amax()));
+        let gradient = by_to.transpose() * information * error;
+        assert!((model.to_gradient - gradient).amax() < 1e-7 * (1.0 + gradient.amax()));
+        assert!((model.cost - error.dot(&(information * error))).abs() < 1e-12 * model.cost);
+    }
+
+    #[test]
+    fn models_in_the_plane_match_finite_differences() {
+        check(SE2::new(1.0, 2.0, -0.7), SE2::new(3.0, -1.0, 2.9), SE2::new(1.5, -2.0, -2.4));
+        check(SE2::new(1.0, 2.0, 3.1), SE2::new(0.0, 0.5, -3.1), SE2::new(0.9, 1.4, -0.1));
+    }
+
+    #[test]
+    fn models_in_space_match_finite_differences() {
+        let from = SE3::from_euler(1.0, 2.0, -1.0, 0.3, -0.8, 2.9);
+        let to = SE3::from_euler(-1.0, 0.5, 2.0, -0.6, 1.1, -2.0);
+        check(from, to, SE3::from_euler(1.0, 1.0, 0.5, 0.2, 0.1, -0.4));
+        check(from, to, from.between(&to));
+    }
+}

@@ -1,0 +1,26 @@
+//! A cost that is no finite number, and the edge that is to blame.
+
+use posecut_geometry::LieGroup;
+
+use crate::model::magnitude::{distance, size};
+use crate::model::problem::Edge;
+
+/// Refuses a solution whose cost is not finite: it would be written as no number at all. `name` gives the name of the edge at a
+/// place of the list.
+pub(crate) fn refuse_unless_finite<G: LieGroup<DOF>, const DOF: usize>(
+    cost: f64,
+    edges: &[Edge<G, DOF>],
+    name: impl Fn(usize) -> String,
+) -> anyhow::Result<()> {
+    if cost.is_finite() {
+        return Ok(());
+    }
+    // The largest of all is what overflows; so large a logarithm does not.
+    let largeness =
+        |edge: &Edge<G, DOF>| size(edge, 1.0).ln() + 2.0 * (1.0 + distance(&edge.measurement)).ln();
+    let worst = (0..edges.len()).max_by(|&a, &b| largeness(&edges[a]).total_cmp(&largeness(&edges[b])));
+    let edge = worst.map(name).unwrap_or_default();
+    anyhow::bail!(
+        "the cost of the solution is not finite: {edge} has the largest information and measurement; give it finite, moderate values or reject it"
+    )
+}

@@ -1,0 +1,60 @@
+//! What the stage decides on, for those who show it: the consistency graphs without the decision.
+
+use posecut_geometry::{SE2, SE3};
+use posecut_graph::{Dimension, PoseGraph};
+
+use super::{candidates, scale};
+use crate::clique::BitGraph;
+use crate::pairs::candidate::Group;
+use crate::pairs::consistency::Pairs;
+use crate::{Gate, Options, PcmError, Spatial};
+
+/// A group of candidates and which of them agree, as the stage decides on them.
+#[derive(Clone, Debug)]
+pub struct GroupConsistency {
+    /// For each candidate its place in the first chain, in the second, and among the graph's edges.
+    pub places: Vec<(usize, usize, usize)>,
+    /// When a pair is consistent.
+    pub gate: Gate,
+    /// The vertex of each candidate; none if the odometry alone refutes it.
+    vertices: Vec<Option<usize>>,
+    graph: BitGraph,
+}
+
+impl GroupConsistency {
+    /// Whether two candidates are consistent.
+    pub fn agree(&self, one: usize, other: usize) -> bool {
+        matches!((self.vertices[one], self.vertices[other]), (Some(one), Some(other)) if self.graph.connected(one, other))
+    }
+}
+
+/// The consistency graphs of a graph that has not been through PCM yet, with the covariances, scales and gate of the
+/// options, whatever their scheme. O(candidates^2) time, and as many bits.
+pub fn consistency(options: &Options, graph: &PoseGraph) -> Result<Vec<GroupConsistency>, PcmError> {
+    options.check()?;
+    match graph.header.dimension {
+        Dimension::Two => consistency_of::<SE2, 3>(options, graph),
+        Dimension::Three => consistency_of::<SE3, 6>(options, graph),
+    }
+}
+
+fn consistency_of<G: Spatial<DOF>, const DOF: usize>(
+    options: &Options,
+    graph: &PoseGraph,
+) -> Result<Vec<GroupConsistency>, PcmError> {
+    let (mut chains, mut grouped) = candidates::<G, DOF>(options, graph)?;
+    scale(options, &mut chains, &mut grouped.groups);
+    let of_group = |group: &Group<G, DOF>| {
+        let gate = options.gate(options.probability, group.candidates.len(), DOF)?;
+        let places =
+            group.candidates.iter().map(|candidate| (candidate.i, candidate.k, candidate.edge)).collect();
+        let pairs = Pairs::new(&chains, group).with_odometry_test(!options.no_odometry_test);
+        let (tested, graph, _) = pairs.tested_graph(gate);
+        let mut vertices = vec![None; group.candidates.len()];
+        for (vertex, &candidate) in tested.iter().enumerate() {
+            vertices[candidate] = Some(vertex);
+        }
+        Ok(GroupConsistency { places, gate, vertices, graph })
+    };
+    grouped.groups.iter().map(of_group).collect()
+}

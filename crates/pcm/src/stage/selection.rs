@@ -1,0 +1,75 @@
+//! What stages have in common that keep a part of the candidates of each pair of chains.
+
+use posecut_graph::PoseGraph;
+use posecut_stage::{Context, Doubt, counted, warn};
+
+use crate::pairs::candidate::{Group, Grouped};
+
+/// How many landmark edges there were, and how many were kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Selection {
+    /// Pairs of chains that landmark edges join.
+    pub groups: usize,
+    /// Landmark edges that were tested.
+    pub candidates: usize,
+    /// Landmark edges without a measurement.
+    pub unmeasured: usize,
+    /// Landmark edges that an earlier stage has rejected.
+    pub rejected_before: usize,
+    /// Landmark edges that are left.
+    pub kept: usize,
+}
+
+impl Selection {
+    /// Nothing is selected yet.
+    pub fn of<G, const DOF: usize>(grouped: &Grouped<G, DOF>) -> Self {
+        Self {
+            groups: grouped.groups.len(),
+            unmeasured: grouped.unmeasured,
+            rejected_before: grouped.rejected_before,
+            ..Self::default()
+        }
+    }
+
+    /// Marks the candidates of a group whose places are not in `kept`, which ascends, as rejected by `stage`.
+    pub fn keep<G, const DOF: usize>(
+        &mut self,
+        graph: &mut PoseGraph,
+        group: &Group<G, DOF>,
+        kept: &[usize],
+        stage: &str,
+    ) {
+        for (place, candidate) in group.candidates.iter().enumerate() {
+            if kept.binary_search(&place).is_err() {
+                graph.edges[candidate.edge].reject(stage);
+            }
+        }
+        self.candidates += group.candidates.len();
+        self.kept += kept.len();
+    }
+
+    /// Notes the counts, warns of edges that could not be tested, and doubts a result that keeps nothing.
+    pub fn note(&self, context: &mut Context) {
+        if self.unmeasured > 0 {
+            warn!(
+                "{} landmark edges have no measurement and are neither tested nor rejected",
+                self.unmeasured
+            );
+        }
+        if self.candidates > 0 && self.kept == 0 {
+            context.doubt(
+                Doubt::NothingKept,
+                format!(
+                    "0 of {} kept; check the units of the information, the covariances and whether there is overlap",
+                    counted(self.candidates, "landmark edge")
+                ),
+            );
+        }
+        let statistics = &mut context.statistics;
+        statistics.note("candidates", self.candidates);
+        statistics.note("groups", self.groups);
+        statistics.note("unmeasured", self.unmeasured);
+        statistics.note("rejected_before", self.rejected_before);
+        statistics.note("rejected", self.candidates - self.kept);
+    }
+}
