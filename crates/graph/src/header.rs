@@ -33,9 +33,8 @@ impl Header {
     pub fn doubts(&self) -> Vec<StageDoubt> {
         let mut found: Vec<StageDoubt> = Vec::new();
         for entry in &self.provenance {
-            let names = entry.get("doubts").and_then(Value::as_array).into_iter().flatten();
             let Some(stage) = entry.get("stage").and_then(Value::as_str) else { continue };
-            for doubt in names.filter_map(Value::as_str) {
+            for doubt in doubts_of(entry) {
                 let own = StageDoubt { stage: stage.to_owned(), doubt: doubt.to_owned() };
                 if !found.contains(&own) {
                     found.push(own);
@@ -80,6 +79,11 @@ pub struct Provenance {
     /// The names of its doubts about the result; absent where there are none, as in files of older programs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub doubts: Vec<String>,
+}
+
+/// The names of the doubts in an entry of the history; none in one of an unknown layout.
+pub fn doubts_of(entry: &Value) -> impl Iterator<Item = &str> {
+    entry.get("doubts").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str)
 }
 
 /// A doubt about a result, and the stage that raised it.

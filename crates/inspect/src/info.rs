@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use posecut_evaluate::edges::{EdgeScores, score};
-use posecut_graph::{Edge, EdgeKind, PoseGraph};
+use posecut_graph::{Edge, EdgeKind, PoseGraph, doubts_of};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -217,8 +217,7 @@ pub fn provenance_line(entry: &Value) -> String {
             line = format!("{line} {name}={}", text(value));
         }
     }
-    let doubts = entry.get("doubts").and_then(Value::as_array).into_iter().flatten();
-    let doubts: Vec<&str> = doubts.filter_map(Value::as_str).collect();
+    let doubts: Vec<&str> = doubts_of(entry).collect();
     if !doubts.is_empty() {
         line = format!("{line} (doubts: {})", doubts.join(", "));
     }

@@ -170,7 +170,9 @@ impl StageOptions {
         context: &mut Context,
     ) -> anyhow::Result<Solution> {
         let (costs, support) = self.costs(graph)?;
-        let solution = solve(&self.graph_of(graph, &costs)?, &self.solver_options(certificate)?);
+        let instance = self.graph_of(graph, &costs)?;
+        let options = self.solver_options(certificate)?;
+        let solution = solve(&instance, &options);
         let cut_edges = mark(graph, &costs, &solution.labels);
         let landmarks = label_landmarks(graph, &costs, &solution.labels);
         let repulsive = costs.iter().filter(|(_, cost)| *cost < 0.0).count();
@@ -202,7 +204,7 @@ impl StageOptions {
         if let Some(lone) = unsupported_cut {
             statistics.note("cut_without_support", lone);
         }
-        note(&solution, self.solver_options(certificate)?.solver, context);
+        note(&solution, options.solver, context);
         let statistics = &mut context.statistics;
         statistics.note("landmarks", landmarks);
         statistics.note("cut_edges", cut_edges);

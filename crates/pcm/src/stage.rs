@@ -10,7 +10,6 @@ pub mod replay;
 pub mod selection;
 pub(crate) mod summary;
 
-use std::thread::Builder;
 use std::time::{Duration, Instant};
 
 use posecut_geometry::{SE2, SE3};
@@ -82,10 +81,7 @@ fn reject<G: Spatial<DOF>, const DOF: usize>(
     let mut budget = Budget::of(candidates());
     // A group takes time by the pairs of its candidates.
     let progress = context.progress(candidates().map(pairs).sum(), "testing pairs, searching for cliques");
-    // A ticker that cannot start its thread panics.
-    if !progress.is_hidden() && Builder::new().spawn(|| {}).is_ok() {
-        progress.enable_steady_tick(TICK);
-    }
+    context.keep_drawing(&progress, TICK);
     for group in &grouped.groups {
         let count = group.candidates.len();
         let alone = options.limits(count, deadline);

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -150,6 +150,14 @@ impl Context {
         ProgressBar::with_draw_target(Some(length), target).with_style(style).with_message(what.to_owned())
     }
 
+    /// Redraws a bar at this interval where nothing advances it. That takes a thread, and without one it panics: then the bar is
+    /// redrawn only as it advances.
+    pub fn keep_drawing(&self, progress: &ProgressBar, interval: Duration) {
+        if !progress.is_hidden() && threads::probe().is_ok() {
+            progress.enable_steady_tick(interval);
+        }
+    }
+
     /// Refuses a file to be written beside the result, named by `option`, that would overwrite the result, an input or another
     /// file of the command line, or that is called `-`.
     ///
@@ -195,9 +203,8 @@ impl Context {
 
     pub(crate) fn write_statistics(&self) -> anyhow::Result<()> {
         let Some(path) = &self.common.stats else { return Ok(()) };
-        if self.opened.iter().any(|opened| overwrites(path, opened)) {
-            return Err(overwritten(path, "as input", STATS));
-        }
+        // Again, now that the inputs are known.
+        self.check_outputs()?;
         let mut all = Statistics::default();
         all.note("stage", self.identity.name);
         all.note("version", self.identity.version);

@@ -85,7 +85,7 @@ fn reference(command: &Command, doubts: &[Doubt]) -> String {
     text
 }
 
-/// What stands below the options in the help.
+/// The text below the options in the help.
 pub(crate) fn ending(doubts: &[Doubt]) -> String {
     format!(
         "Exit status: 0 done; 1 what was checked does not hold; 2 error; 3 done, and the result is doubtful (--strict).\n{}",

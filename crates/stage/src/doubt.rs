@@ -13,7 +13,7 @@ use crate::Context;
 /// The exit status of a program that did its work and doubts the result, with `--strict`.
 pub(crate) const STATUS: u8 = 3;
 
-/// What the warnings are told apart by: `--quiet` does not silence them.
+/// The target of the warnings about doubts. `--quiet` does not silence it.
 pub(crate) const TARGET: &str = "posecut::doubt";
 
 /// A reason to mistrust a result. The set is closed; docs/doubts.md explains it to users.

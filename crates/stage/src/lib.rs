@@ -3,8 +3,8 @@
 //!
 //! The contract: `posecut-STAGE [OPTIONS] [INPUT] [-o OUTPUT]`, where `-` is standard input or output and
 //! the default. Logs and progress go to standard error, a JSON summary to `--stats FILE`. Exit status 0:
-//! done; 1: a check failed; 2: an error, told in a sentence; 3: with `--strict`, done with doubts ([`Doubt`]). Output appears whole or not at all. A closed
-//! pipe is no error. The same input, arguments and seed give the same bytes.
+//! done; 1: a check failed; 2: an error, reported in a sentence; 3: with `--strict`, done with doubts ([`Doubt`]). Output
+//! appears whole or not at all. A closed pipe is no error. The same input, arguments and seed give the same bytes.
 //!
 //! A stage from graph to graph implements [`GraphStage`] and is run by [`run_graph_stage`]; everything else
 //! describes its command line with clap and is run by [`run`].

@@ -1,5 +1,6 @@
 //! As many threads as asked for, and no more than processors.
 
+use std::io;
 use std::num::NonZero;
 use std::thread::Builder;
 
@@ -26,6 +27,11 @@ pub(crate) fn bounded(threads: usize) -> usize {
     threads.min(processors)
 }
 
+/// Whether a further thread can be started.
+pub(crate) fn probe() -> io::Result<()> {
+    Builder::new().spawn(|| {}).map(drop)
+}
+
 /// Starts the threads of computations: this number, or for 0 what the environment or the processors say. Started here, and not where
 /// they are first needed, a failure is no panic.
 pub(crate) fn start(threads: usize) -> anyhow::Result<()> {
@@ -38,7 +44,7 @@ pub(crate) fn start(threads: usize) -> anyhow::Result<()> {
     };
     let mut pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     // Tried before, since a pool that failed cannot be asked for again.
-    if let Err(cause) = Builder::new().spawn(|| {}) {
+    if let Err(cause) = probe() {
         warn!("no further thread can be started ({cause}); using one");
         pool = pool.num_threads(1).use_current_thread();
     }

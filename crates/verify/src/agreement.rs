@@ -15,8 +15,19 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         ((others.len() + 1) as f64 / (held.len() + 1) as f64).max(1.0)
     }
 
+    /// The numbers of hypotheses within parts of the graph that the map does not hold.
+    pub(crate) fn open(&self) -> Vec<usize> {
+        let part = self.parts.clone().into_labeling();
+        let within = |hypothesis: &Hypothesis| {
+            let span = self.model.span(hypothesis.members[0]);
+            part[span.a] == part[span.b]
+        };
+        let is_open = |hypothesis: &Hypothesis| within(hypothesis) && !self.holds(hypothesis);
+        (0..self.hypotheses.len()).filter(|&number| is_open(&self.hypotheses[number])).collect()
+    }
+
     /// Whether the map has at least half of a hypothesis.
-    pub(crate) fn holds(&self, hypothesis: &Hypothesis) -> bool {
+    fn holds(&self, hypothesis: &Hypothesis) -> bool {
         let accepted = hypothesis.members.iter().filter(|&&member| self.accepted[member]).count();
         2 * accepted >= hypothesis.members.len()
     }

@@ -8,7 +8,7 @@ use crate::cut::{Clusters, Tie};
 use crate::evidence::{CLIP, Evidence};
 use crate::rounds::CONTRADICTED;
 
-/// Evidence along a spanning tree that is enough to join two parts, or to be held against odometry, nats.
+/// Evidence along a spanning tree that is enough to join two parts, or to contradict odometry, nats.
 const STRONG: f64 = 20.0;
 /// Members of a cluster that are looked at to tell whether all of it agrees with the map.
 const WITNESSES: usize = 16;
@@ -22,7 +22,7 @@ pub(crate) struct Hypothesis {
 }
 
 impl Hypothesis {
-    /// Whether it may join two parts, and may be held against odometry. Of others the map decides.
+    /// Whether it may join two parts, and may contradict odometry. The map decides on others.
     pub(crate) fn is_strong(&self) -> bool {
         self.evidence > STRONG
     }

@@ -208,11 +208,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             part[span.a] == part[span.b]
         };
         let asked: Vec<usize> = (0..self.accepted.len()).filter(|&closure| within(closure)).collect();
-        let open: Vec<usize> = (0..self.hypotheses.len())
-            .filter(|&number| {
-                within(self.hypotheses[number].members[0]) && !self.holds(&self.hypotheses[number])
-            })
-            .collect();
+        let open = self.open();
         let first: Vec<usize> = open.iter().flat_map(|&number| self.hypotheses[number].witnesses()).collect();
         let mut start = self.poses.take();
         let (poses, judged) = loop {

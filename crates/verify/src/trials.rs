@@ -4,6 +4,7 @@
 //! to others contradicts the map. So do false edges that agree with each other. What tells them apart is what follows: a map with the
 //! correct ones agrees with edges between other sessions that it contradicted, too.
 
+use crate::evidence::Evidence;
 use crate::model::Motion;
 use crate::rounds::{CONTRADICTED, Rounds};
 
@@ -20,11 +21,9 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         let others = |number: usize| -> Vec<usize> {
             open.iter().copied().filter(|&other| group(other) != group(number)).collect()
         };
-        let asked = open.iter().map(|&number| (number, others(number)));
-        let asked: Vec<(usize, Vec<usize>)> = asked
-            .filter(|(number, others)| !self.tried[*number] && !others.is_empty())
-            .take(TRIALS)
-            .collect();
+        let untried = open.iter().filter(|&&number| !self.tried[number]);
+        let asked = untried.map(|&number| (number, others(number))).filter(|(_, others)| !others.is_empty());
+        let asked: Vec<(usize, Vec<usize>)> = asked.take(TRIALS).collect();
         for (number, others) in asked {
             self.tried[number] = true;
             if self.is_confirmed(number, &others)? {
@@ -39,16 +38,13 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
 
     /// Hypotheses within parts that the map does not hold, and that chance explains no better than errors of odometry.
     fn possible(&self) -> Vec<usize> {
-        let part = self.parts.clone().into_labeling();
         let likely = |member: usize| self.chance[member].is_some_and(|ratio| ratio > CONTRADICTED);
-        (0..self.hypotheses.len())
-            .filter(|&number| {
-                let hypothesis = &self.hypotheses[number];
-                let span = self.model.span(hypothesis.members[0]);
-                let open = part[span.a] == part[span.b] && !self.holds(hypothesis);
-                open && hypothesis.is_strong() && hypothesis.is_mostly(likely)
-            })
-            .collect()
+        let mut open = self.open();
+        open.retain(|&number| {
+            let hypothesis = &self.hypotheses[number];
+            hypothesis.is_strong() && hypothesis.is_mostly(likely)
+        });
+        open
     }
 
     /// Draws the map with a hypothesis, and asks it about others.
@@ -68,14 +64,14 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         let mut map = self.drawing.map(self.model, &self.random, &with, bridges, self.poses.as_deref())?;
         map.enough = self.threshold;
         let judged = map.judge(&self.partners, &asked, &witnesses);
-        let found = |closure: usize| judged[asked.binary_search(&closure).ok()?];
-        let lost = (0..with.len()).filter(|&closure| {
-            with[closure] && found(closure).is_some_and(|evidence| evidence.weight() <= CONTRADICTED)
-        });
-        let close = |closure: usize| {
-            found(closure).filter(|found| found.squared_distance <= self.usual).map(|found| found.weight())
+        let contradicted = |(closure, evidence): &(&usize, &Option<Evidence>)| {
+            with[**closure] && evidence.is_some_and(|evidence| evidence.weight() <= CONTRADICTED)
         };
-        let agrees = |other: &&usize| self.agrees(&self.hypotheses[**other], close);
-        Ok(lost.count() < members.len() && others.iter().any(|other| agrees(&other)))
+        let lost = asked.iter().zip(&judged).filter(contradicted).count();
+        let close = |closure: usize| {
+            let evidence = judged[asked.binary_search(&closure).ok()?]?;
+            (evidence.squared_distance <= self.usual).then(|| evidence.weight())
+        };
+        Ok(lost < members.len() && others.iter().any(|&other| self.agrees(&self.hypotheses[other], close)))
     }
 }

@@ -107,13 +107,12 @@ fn heading(text: &mut String, table: &Table, mean: bool) {
 fn rmse(cell: Option<&Cell>) -> String {
     let Some(cell) = cell else { return "<td class=\"absent\">no data</td>".to_owned() };
     let mark = cell.mark();
-    let gap = if mark.is_empty() { "" } else { " " };
     match cell.deviation {
         Some(deviation) => format!(
-            "<td>{} <span class=\"spread\">± {}</span>{gap}{mark}</td>",
+            "<td>{} <span class=\"spread\">± {}</span>{mark}</td>",
             metres(cell.mean),
             metres(deviation)
         ),
-        None => format!("<td>{}{gap}{mark}</td>", metres(cell.mean)),
+        None => format!("<td>{}{mark}</td>", metres(cell.mean)),
     }
 }

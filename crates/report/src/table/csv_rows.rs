@@ -9,7 +9,7 @@ use crate::results::RunResult;
 /// All runs, one a row.
 pub fn write_csv(results: &[RunResult]) -> anyhow::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    // The column is there only where something stands in it.
+    // Without doubts there is no such column.
     let doubtful = results.iter().any(|result| !result.doubts.is_empty());
     let mut head = vec![
         "pipeline",

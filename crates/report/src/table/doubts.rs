@@ -9,7 +9,7 @@ use super::Table;
 use crate::results::RunResult;
 
 /// What follows a value with doubts.
-pub(crate) const MARK: &str = "†";
+pub(crate) const MARK: &str = " †";
 
 /// How many runs there are of each doubt, by stage and doubt.
 pub(crate) type Doubts = BTreeMap<StageDoubt, usize>;

@@ -78,10 +78,9 @@ fn header(table: &Table) -> Vec<String> {
 
 fn rmse(cell: &Cell) -> String {
     let mark = cell.mark();
-    let gap = if mark.is_empty() { "" } else { " " };
     match cell.deviation {
-        Some(deviation) => format!("{} ± {}{gap}{mark}", metres(cell.mean), metres(deviation)),
-        None => format!("{}{gap}{mark}", metres(cell.mean)),
+        Some(deviation) => format!("{} ± {}{mark}", metres(cell.mean), metres(deviation)),
+        None => format!("{}{mark}", metres(cell.mean)),
     }
 }
 

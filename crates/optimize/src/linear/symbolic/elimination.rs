@@ -28,17 +28,16 @@ pub(crate) fn elimination_tree(vertices: usize, lower: &Adjacency) -> Vec<usize>
     parent
 }
 
+/// The children of each vertex of the forest, ascending.
+pub(crate) fn children(parent: &[usize]) -> Adjacency {
+    let edges = parent.iter().enumerate().filter(|&(_, &parent)| parent != ROOT);
+    Adjacency::new(parent.len(), edges.map(|(child, &parent)| (parent, child)))
+}
+
 /// A postorder of the forest: children before parents, subtrees contiguous. `postorder[new] = old`.
 pub(crate) fn postorder(parent: &[usize]) -> Vec<usize> {
     let vertices = parent.len();
-    let children = Adjacency::new(
-        vertices,
-        parent
-            .iter()
-            .enumerate()
-            .filter(|&(_, &parent)| parent != ROOT)
-            .map(|(child, &parent)| (parent, child)),
-    );
+    let children = children(parent);
     let mut order = Vec::with_capacity(vertices);
     let mut stack: Vec<(usize, usize)> = Vec::new();
     for root in (0..vertices).filter(|&vertex| parent[vertex] == ROOT) {

@@ -1,6 +1,6 @@
 //! Supernodes: runs of columns of the factor with (almost) the same structure, eliminated together as one dense front.
 
-use super::elimination::ROOT;
+use super::elimination::{ROOT, children};
 use crate::linear::Adjacency;
 
 /// A run of columns and the block rows below it.
@@ -26,14 +26,7 @@ impl Supernode {
 /// `upper` lists neighbours with larger positions; positions must be a postorder of the elimination tree `parent`.
 pub(crate) fn maximal(parent: &[usize], upper: &Adjacency) -> Vec<Supernode> {
     let vertices = parent.len();
-    let children = Adjacency::new(
-        vertices,
-        parent
-            .iter()
-            .enumerate()
-            .filter(|&(_, &parent)| parent != ROOT)
-            .map(|(child, &parent)| (parent, child)),
-    );
+    let children = children(parent);
     let mut marked = vec![ROOT; vertices];
     let mut structure: Vec<Vec<usize>> = vec![Vec::new(); vertices];
     let mut supernodes: Vec<Supernode> = Vec::new();
