@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use clap::Parser;
 use posecut_conform::{Program, check};
-use posecut_stage::{CommonArguments, Identity, Outcome, run};
+use posecut_stage::{CommonArguments, Identity, Outcome, Phase, Place, run};
 
 /// How the report is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -42,6 +42,7 @@ fn main() -> ExitCode {
         name: "conform",
         version: env!("CARGO_PKG_VERSION"),
         about: "Hold a program to the contract of posecut's stages, and report",
+        place: Place(Phase::Runs, 20),
     };
     run::<Command>(
         identity,

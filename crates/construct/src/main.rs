@@ -4,7 +4,9 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use posecut_construct::{Landmarks, MatchMeasurement, Options, construct, read_matches};
-use posecut_stage::{CommonArguments, Context, Doubt, Identity, Outcome, Source, run_with_doubts};
+use posecut_stage::{
+    CommonArguments, Context, Doubt, Identity, Outcome, Phase, Place, Source, run_with_doubts,
+};
 
 #[derive(Parser)]
 struct Command {
@@ -28,6 +30,7 @@ fn main() -> ExitCode {
         name: "construct",
         version: env!("CARGO_PKG_VERSION"),
         about: "Build a multi-session pose graph with correct and incorrect landmark edges",
+        place: Place(Phase::Graphs, 30),
     };
     run_with_doubts::<Command>(
         identity,

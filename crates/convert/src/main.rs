@@ -10,7 +10,8 @@ use posecut_convert::{FileFormat, Repair, evo, g2o, kitti, toro, tum};
 use posecut_evaluate::alignment::Freedom;
 use posecut_graph::{InputDigest, PoseGraph};
 use posecut_stage::{
-    CommonArguments, Context, Doubt, Identity, Outcome, Source, info, open, run_with_doubts, warn,
+    CommonArguments, Context, Doubt, Identity, Outcome, Phase, Place, Source, info, open, run_with_doubts,
+    warn,
 };
 use serde::Serialize;
 
@@ -75,6 +76,7 @@ fn main() -> ExitCode {
         name: "convert",
         version: env!("CARGO_PKG_VERSION"),
         about: "Convert g2o, TORO, TUM and KITTI files to pose-graph JSON Lines and back",
+        place: Place(Phase::Graphs, 40),
     };
     run_with_doubts::<Command>(
         identity,

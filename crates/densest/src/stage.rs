@@ -8,7 +8,7 @@ use posecut_pcm::chain::Chains;
 use posecut_pcm::consistency::squared_distance;
 use posecut_pcm::selection::Selection;
 use posecut_pcm::{Gate, Test};
-use posecut_stage::{Context, GraphStage, counted, info, random};
+use posecut_stage::{Context, GraphStage, Phase, Place, counted, info, random};
 use serde::Serialize;
 
 use crate::{Affinity, densest_clique};
@@ -65,6 +65,7 @@ pub struct Options {
 impl GraphStage for Options {
     const NAME: &'static str = "densest";
     const ABOUT: &'static str = "Reject landmark edges outside the pairwise consistent set that agrees best, in the manner of CLIPPER";
+    const PLACE: Place = Place(Phase::Judgement, 50);
 
     fn seed(&self) -> Option<u64> {
         Some(self.seed)

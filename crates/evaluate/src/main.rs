@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use posecut_evaluate::{Options, Scope, evaluate};
 use posecut_graph::StageDoubt;
-use posecut_stage::{CommonArguments, Doubt, Identity, Outcome, Source, info, run_with_doubts};
+use posecut_stage::{CommonArguments, Doubt, Identity, Outcome, Phase, Place, Source, info, run_with_doubts};
 
 #[derive(Parser)]
 struct Command {
@@ -29,6 +29,7 @@ fn main() -> ExitCode {
         name: "evaluate",
         version: env!("CARGO_PKG_VERSION"),
         about: "Compare an estimate with a reference: RMSE, ATE, RPE, and precision and recall of landmark edges",
+        place: Place(Phase::Results, 10),
     };
     run_with_doubts::<Command>(
         identity,

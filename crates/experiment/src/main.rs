@@ -4,13 +4,14 @@ mod command;
 
 use std::process::ExitCode;
 
-use posecut_stage::{Identity, run};
+use posecut_stage::{Identity, Phase, Place, run};
 
 fn main() -> ExitCode {
     let identity = Identity {
         name: "experiment",
         version: env!("CARGO_PKG_VERSION"),
         about: "Plan and run declared experiments, and hold their results to expectations",
+        place: Place(Phase::Runs, 10),
     };
     run::<command::Command>(identity, |command| &command.common, command::execute)
 }

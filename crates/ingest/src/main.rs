@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use posecut_ingest::{Options, SessionFiles, ingest};
-use posecut_stage::{CommonArguments, Doubt, Identity, Outcome, run_with_doubts};
+use posecut_stage::{CommonArguments, Doubt, Identity, Outcome, Phase, Place, run_with_doubts};
 
 #[derive(Parser)]
 struct Command {
@@ -33,6 +33,7 @@ fn main() -> ExitCode {
         name: "ingest",
         version: env!("CARGO_PKG_VERSION"),
         about: "Read an NCLT session and write its pose graph: keyframes, odometry, ground truth",
+        place: Place(Phase::Graphs, 20),
     };
     run_with_doubts::<Command>(
         identity,

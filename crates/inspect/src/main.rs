@@ -8,7 +8,9 @@ use posecut_inspect::difference::Difference;
 use posecut_inspect::filter::{self, filter};
 use posecut_inspect::info::Info;
 use posecut_inspect::validate::{Severity, validate};
-use posecut_stage::{CommonArguments, Context, Identity, Outcome, Source, counted, info, open, run};
+use posecut_stage::{
+    CommonArguments, Context, Identity, Outcome, Phase, Place, Source, counted, info, open, run,
+};
 
 #[derive(Parser)]
 struct Command {
@@ -76,6 +78,7 @@ fn main() -> ExitCode {
         name: "inspect",
         version: env!("CARGO_PKG_VERSION"),
         about: "Tell what is in a pose graph, whether it is sound, what changed between two, and take a part of one",
+        place: Place(Phase::Results, 30),
     };
     run::<Command>(
         identity,

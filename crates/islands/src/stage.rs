@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use anyhow::ensure;
 use posecut_graph::PoseGraph;
-use posecut_stage::{Context, Doubt, GraphStage, counted, info};
+use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, counted, info};
 use serde::Serialize;
 
 use crate::{Match, clusters, matches};
@@ -28,6 +28,7 @@ pub struct Options {
 impl GraphStage for Options {
     const NAME: &'static str = "islands";
     const ABOUT: &'static str = "Reject landmark edges that do not come in runs of consecutive frames";
+    const PLACE: Place = Place(Phase::Judgement, 30);
     const DOUBTS: &'static [Doubt] = &[Doubt::NothingKept];
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {

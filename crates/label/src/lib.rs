@@ -16,11 +16,12 @@ use std::collections::HashMap;
 
 use anyhow::bail;
 use posecut_graph::{Dimension, Edge, EdgeKind, EdgeTruth, PoseGraph};
-use posecut_stage::{Context, GraphStage, info};
+use posecut_stage::{Context, GraphStage, Phase, Place, info};
 
 impl GraphStage for Options {
     const NAME: &'static str = "label";
     const ABOUT: &'static str = "Write which landmark edges of a graph are correct";
+    const PLACE: Place = Place(Phase::Graphs, 50);
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
         self.check()?;

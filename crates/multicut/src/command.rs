@@ -51,8 +51,12 @@ struct Command {
 
 /// The program's `main`.
 pub fn main() -> ExitCode {
-    let identity =
-        Identity { name: StageOptions::NAME, version: env!("CARGO_PKG_VERSION"), about: StageOptions::ABOUT };
+    let identity = Identity {
+        name: StageOptions::NAME,
+        version: env!("CARGO_PKG_VERSION"),
+        about: StageOptions::ABOUT,
+        place: StageOptions::PLACE,
+    };
     posecut_stage::run_with_doubts::<Command>(
         identity,
         StageOptions::DOUBTS,

@@ -11,7 +11,7 @@ pub mod support;
 use std::time::Duration;
 
 use posecut_graph::{EdgeKind, PoseGraph};
-use posecut_stage::{Context, Doubt, GraphStage, counted, info};
+use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, counted, info};
 use serde::Serialize;
 
 use crate::{Graph, Solution, Solver, solve};
@@ -280,6 +280,7 @@ impl GraphStage for StageOptions {
     const NAME: &'static str = "multicut";
     const ABOUT: &'static str =
         "Reject the landmark edges that a minimum-cost multicut cuts, and label the landmarks";
+    const PLACE: Place = Place(Phase::Judgement, 20);
     const DOUBTS: &'static [Doubt] = &[Doubt::SearchLimit, Doubt::EverythingCut, Doubt::NoSupportWithinDelta];
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {

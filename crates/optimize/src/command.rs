@@ -44,8 +44,12 @@ struct Command {
 
 /// The program's `main`.
 pub fn main() -> ExitCode {
-    let identity =
-        Identity { name: StageOptions::NAME, version: env!("CARGO_PKG_VERSION"), about: StageOptions::ABOUT };
+    let identity = Identity {
+        name: StageOptions::NAME,
+        version: env!("CARGO_PKG_VERSION"),
+        about: StageOptions::ABOUT,
+        place: StageOptions::PLACE,
+    };
     if let Some(cost) = separate_cost(std::env::args_os()) {
         // To the parser the cost would be the input file, and the file one argument too many.
         let _ = writeln!(

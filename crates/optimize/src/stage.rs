@@ -17,7 +17,7 @@ use nalgebra::SMatrix;
 use posecut_geometry::covariance::unpack_upper_triangle;
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_graph::{Dimension, Node, PoseGraph};
-use posecut_stage::{Context, Doubt, GraphStage, counted, info, warn};
+use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, counted, info, warn};
 use serde::Serialize;
 
 pub(crate) use doubts::doubt_disconnected;
@@ -136,6 +136,7 @@ impl StageOptions {
 impl GraphStage for StageOptions {
     const NAME: &'static str = "optimize";
     const ABOUT: &'static str = "Optimise the poses of a pose graph over the edges in use";
+    const PLACE: Place = Place(Phase::Optimisation, 10);
     const DOUBTS: &'static [Doubt] = &[
         Doubt::NotConverged,
         Doubt::NonFiniteCost,

@@ -6,7 +6,7 @@
 
 use anyhow::bail;
 use posecut_graph::{EdgeKind, PoseGraph};
-use posecut_stage::{Context, GraphStage, info};
+use posecut_stage::{Context, GraphStage, Phase, Place, info};
 use serde::Serialize;
 
 /// The oracle has no options.
@@ -16,6 +16,7 @@ pub struct Options {}
 impl GraphStage for Options {
     const NAME: &'static str = "oracle";
     const ABOUT: &'static str = "Reject the landmark edges that the truth calls incorrect";
+    const PLACE: Place = Place(Phase::Judgement, 90);
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
         let (rejected, unknown) = reject_incorrect(graph);

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, EdgeKind, PoseGraph};
-use posecut_stage::{Context, Doubt, GraphStage, write_atomically};
+use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, write_atomically};
 
 use crate::calibration::{NoScales, ScaleEstimate, Scales, estimate_scales};
 use crate::chance::Pool;
@@ -35,6 +35,7 @@ impl GraphStage for Options {
     const NAME: &'static str = "pcm";
     const ABOUT: &'static str =
         "Reject landmark edges outside the largest set that is pairwise consistent with the odometry";
+    const PLACE: Place = Place(Phase::Judgement, 10);
     const DOUBTS: &'static [Doubt] = &[Doubt::SearchLimit, Doubt::NothingKept, Doubt::CalibrationOnPrior];
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {

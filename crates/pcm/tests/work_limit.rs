@@ -61,7 +61,8 @@ fn cliques() -> PoseGraph {
 /// The nodes that the searches took together.
 fn work(graph: &PoseGraph, limit: u64) -> u64 {
     let line = Line::parse_from(["pcm", "--quiet", "--work-limit", &limit.to_string()]);
-    let identity = Identity { name: Options::NAME, version: "0", about: Options::ABOUT };
+    let identity =
+        Identity { name: Options::NAME, version: "0", about: Options::ABOUT, place: Options::PLACE };
     let mut context = Context::new(identity, line.common);
     line.options.run(&mut graph.clone(), &mut context).unwrap();
     context.statistics.as_map()["branch_and_bound_nodes"].as_u64().unwrap()

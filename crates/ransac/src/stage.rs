@@ -8,7 +8,7 @@ use posecut_pcm::chain::Chains;
 use posecut_pcm::consistency::squared_distance;
 use posecut_pcm::selection::Selection;
 use posecut_pcm::{Gate, Test};
-use posecut_stage::{Context, Doubt, GraphStage, counted, info, random};
+use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, counted, info, random};
 use serde::Serialize;
 
 use crate::{Search, largest_consensus};
@@ -45,6 +45,7 @@ impl GraphStage for Options {
     const NAME: &'static str = "ransac";
     const ABOUT: &'static str =
         "Reject landmark edges outside the largest set that agrees with a few edges drawn at random";
+    const PLACE: Place = Place(Phase::Judgement, 40);
     const DOUBTS: &'static [Doubt] = &[Doubt::SearchLimit, Doubt::NothingKept];
 
     fn seed(&self) -> Option<u64> {

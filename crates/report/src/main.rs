@@ -5,7 +5,7 @@ mod task;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use posecut_stage::{CommonArguments, Identity, Outcome, run};
+use posecut_stage::{CommonArguments, Identity, Outcome, Phase, Place, run};
 use task::{figures, html, regimes, table, trust};
 
 #[derive(Parser)]
@@ -44,6 +44,7 @@ fn main() -> ExitCode {
         name: "report",
         version: env!("CARGO_PKG_VERSION"),
         about: "Write tables, figures and one page of experiments",
+        place: Place(Phase::Results, 20),
     };
     run::<Command>(
         identity,

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use anyhow::{Context as _, bail};
 use clap::Parser;
 use posecut_simulate::{Options, is_session_file, simulate};
-use posecut_stage::{CommonArguments, Identity, Outcome, info, run, write_directory};
+use posecut_stage::{CommonArguments, Identity, Outcome, Phase, Place, info, run, write_directory};
 
 #[derive(Parser)]
 struct Command {
@@ -25,6 +25,7 @@ fn main() -> ExitCode {
         name: "simulate",
         version: env!("CARGO_PKG_VERSION"),
         about: "Simulate a session and write NCLT's files into the directory given by -o, named by the session's date",
+        place: Place(Phase::Graphs, 10),
     };
     run::<Command>(
         identity,

@@ -10,14 +10,15 @@ use std::process::ExitCode;
 use clap::{Arg, ArgAction, Command, ValueEnum as _};
 use clap_complete::Shell;
 
-use crate::Doubt;
 use crate::program::{answer, fail};
+use crate::{Description, Doubt, Identity, Place};
 
 /// The heading of the options that every program has.
 const COMMON_HEADING: &str = "Output";
 
 /// What can be generated, for the message that refuses anything else.
-const KNOWN: &str = "man, bash, elvish, fish, powershell, zsh, reference, options, common or doubts";
+const KNOWN: &str =
+    "man, bash, elvish, fish, powershell, zsh, reference, options, common, doubts or description";
 
 /// What is asked for, if the command line is `--generate WHAT` and nothing else.
 pub(crate) fn requested(mut arguments: impl Iterator<Item = OsString>) -> Option<String> {
@@ -29,17 +30,18 @@ pub(crate) fn requested(mut arguments: impl Iterator<Item = OsString>) -> Option
     arguments.next().is_none().then(|| what.to_string_lossy().into_owned())
 }
 
-pub(crate) fn print(program: &str, mut command: Command, doubts: &[Doubt], what: &str) -> ExitCode {
+pub(crate) fn print(identity: Identity, mut command: Command, doubts: &[Doubt], what: &str) -> ExitCode {
     command.build();
     let text = match what {
         "man" => manual(&command),
         "reference" => reference(&command, doubts).into_bytes(),
         "options" => table_of(&command, |argument| !is_common(argument)).into_bytes(),
         "common" => table(command.get_arguments().filter(|argument| is_common(argument))).into_bytes(),
+        "description" => description(identity),
         "doubts" => doubts.iter().flat_map(|doubt| [doubt.name(), "\n"]).collect::<String>().into_bytes(),
         shell => {
             let Ok(shell) = Shell::from_str(shell, false) else {
-                return fail(program, &format!("--generate {what:?} is unknown; say {KNOWN}"));
+                return fail(&identity.program(), &format!("--generate {what:?} is unknown; say {KNOWN}"));
             };
             let name = command.get_name().to_owned();
             let mut bytes = Vec::new();
@@ -47,7 +49,17 @@ pub(crate) fn print(program: &str, mut command: Command, doubts: &[Doubt], what:
             bytes
         }
     };
-    answer(program, || io::stdout().write_all(&text))
+    answer(&identity.program(), || io::stdout().write_all(&text))
+}
+
+/// What [`Description`] says, as a line.
+fn description(identity: Identity) -> Vec<u8> {
+    let Identity { name, version, about, place: Place(phase, order) } = identity;
+    let said = Description { name: name.into(), version: version.into(), about: about.into(), phase, order };
+    // A structure of words and a number is JSON.
+    let mut line = serde_json::to_vec(&said).unwrap_or_default();
+    line.push(b'\n');
+    line
 }
 
 /// The manual page, with the options of each subcommand in a section of its own.

@@ -6,7 +6,7 @@ use clap::Parser;
 use posecut_graph::PoseGraph;
 use serde::Serialize;
 
-use crate::{CommonArguments, Context, Doubt, Identity, Outcome, Source, run_with_doubts};
+use crate::{CommonArguments, Context, Doubt, Identity, Outcome, Phase, Place, Source, run_with_doubts};
 
 /// A stage that reads one pose graph and writes it again with its own findings in it.
 ///
@@ -18,6 +18,9 @@ pub trait GraphStage: clap::Args + Serialize {
 
     /// One sentence on what it does.
     const ABOUT: &'static str;
+
+    /// Where it stands in lists of programs: unless it says otherwise, behind the judges of this workspace.
+    const PLACE: Place = Place(Phase::Judgement, 100);
 
     /// The doubts that it may raise about its result, for help and documentation.
     const DOUBTS: &'static [Doubt] = &[];
@@ -50,7 +53,7 @@ struct GraphCommand<S: GraphStage> {
 
 /// The `main` of a stage from graph to graph.
 pub fn run_graph_stage<S: GraphStage>(version: &'static str) -> ExitCode {
-    let identity = Identity { name: S::NAME, version, about: S::ABOUT };
+    let identity = Identity { name: S::NAME, version, about: S::ABOUT, place: S::PLACE };
     run_with_doubts::<GraphCommand<S>>(
         identity,
         S::DOUBTS,

@@ -8,8 +8,8 @@ use clap::{CommandFactory, FromArgMatches};
 use crate::closing::close_standard_output;
 use crate::given::Given;
 use crate::{
-    CommonArguments, Context, Doubt, documentation, doubt, interrupt, logging, standard_output, threads,
-    usage,
+    CommonArguments, Context, Doubt, Place, documentation, doubt, interrupt, logging, standard_output,
+    threads, usage,
 };
 
 /// The name and version of a program.
@@ -21,6 +21,15 @@ pub struct Identity {
     pub version: &'static str,
     /// One sentence on what it does.
     pub about: &'static str,
+    /// Where it stands in lists of programs.
+    pub place: Place,
+}
+
+impl Identity {
+    /// The program's whole name.
+    pub(crate) fn program(&self) -> String {
+        format!("posecut-{}", self.name)
+    }
 }
 
 /// How a program that did its work ended.
@@ -50,14 +59,14 @@ pub fn run_with_doubts<A: CommandFactory + FromArgMatches>(
     body: impl FnOnce(&A, &mut Context) -> anyhow::Result<Outcome>,
 ) -> ExitCode {
     let mut command = A::command()
-        .name(format!("posecut-{}", identity.name))
-        .bin_name(format!("posecut-{}", identity.name))
+        .name(identity.program())
+        .bin_name(identity.program())
         .version(identity.version)
         .about(identity.about)
         .long_about(None)
         .after_help(documentation::ending(doubts));
     if let Some(what) = documentation::requested(std::env::args_os()) {
-        return documentation::print(identity.name, command, doubts, &what);
+        return documentation::print(identity, command, doubts, &what);
     }
     let read = command.try_get_matches_from_mut(std::env::args_os()).and_then(|matches| {
         let given = Given::of(&command, &matches);
@@ -65,7 +74,7 @@ pub fn run_with_doubts<A: CommandFactory + FromArgMatches>(
     });
     let (arguments, given) = match read {
         Ok(read) => read,
-        Err(error) => return usage::end(identity.name, &command, &error),
+        Err(error) => return usage::end(&identity.program(), &command, &error),
     };
     let common = common(&arguments).clone();
     logging::install(identity.name, &common);
@@ -77,26 +86,26 @@ pub fn run_with_doubts<A: CommandFactory + FromArgMatches>(
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::CheckFailed) => ExitCode::from(1),
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
-        Err(error) => fail(identity.name, &format!("{error:#}")),
+        Err(error) => fail(&identity.program(), &format!("{error:#}")),
     }
 }
 
-/// Ends with an error.
-pub(crate) fn fail(name: &str, sentence: &str) -> ExitCode {
-    let _ = writeln!(io::stderr(), "posecut-{name}: error: {sentence}");
+/// Ends a program with an error: `PROGRAM: error: SENTENCE` on standard error, exit status 2.
+pub fn fail(program: &str, sentence: &str) -> ExitCode {
+    let _ = writeln!(io::stderr(), "{program}: error: {sentence}");
     ExitCode::from(2)
 }
 
 /// Prints an answer such as help to standard output. Whoever closes the pipe has seen enough; everything else that fails
 /// is an error.
-pub(crate) fn answer(name: &str, print: impl FnOnce() -> io::Result<()>) -> ExitCode {
+pub fn answer(program: &str, print: impl FnOnce() -> io::Result<()>) -> ExitCode {
     match standard_output::check()
         .and_then(|()| print())
         .and_then(|()| io::stdout().flush())
         .and_then(|()| close_standard_output())
     {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            fail(name, &format!("standard output: cannot be written: {error}"))
+            fail(program, &format!("standard output: cannot be written: {error}"))
         }
         _ => ExitCode::SUCCESS,
     }

@@ -35,3 +35,12 @@ pub(crate) fn check() -> io::Result<()> {
     }
     Ok(())
 }
+
+/// Before another program takes the place of this one: gives it a standard output that is closed where this one's was.
+pub fn hand_over_standard_output() {
+    #[cfg(target_os = "linux")]
+    if CLOSED.load(Ordering::Relaxed) {
+        // In its place lies /dev/null, which would take what the program writes.
+        let _ = nix::unistd::close(1);
+    }
+}

@@ -8,14 +8,11 @@ use clap::error::ErrorKind;
 use crate::program::{answer, fail};
 
 /// Prints help or the version, or what is wrong with a command line.
-pub(crate) fn end(name: &str, command: &Command, error: &clap::Error) -> ExitCode {
+pub(crate) fn end(program: &str, command: &Command, error: &clap::Error) -> ExitCode {
     if error.use_stderr() {
-        return fail(
-            name,
-            &format!("{}; posecut-{name} --help shows what it takes", sentence(command, error)),
-        );
+        return fail(program, &format!("{}; {program} --help shows what it takes", sentence(command, error)));
     }
-    answer(name, || error.print())
+    answer(program, || error.print())
 }
 
 /// What clap says in several paragraphs, in one line: the cause and its suggestions, without usage.

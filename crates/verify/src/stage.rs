@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use anyhow::Context as _;
 use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, EdgeKind, PoseGraph};
-use posecut_stage::{Context, Doubt, GraphStage, counted, info, warn};
+use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, counted, info, warn};
 use serde::Serialize;
 
 use crate::ingredients::Ingredient;
@@ -49,6 +49,7 @@ impl GraphStage for Options {
     const NAME: &'static str = "verify";
     const ABOUT: &'static str =
         "Judge every landmark edge by evidence: accepted, rejected or undecided, with a reason";
+    const PLACE: Place = Place(Phase::Judgement, 0);
     const DOUBTS: &'static [Doubt] =
         &[Doubt::SearchLimit, Doubt::NothingKept, Doubt::CalibrationOnPrior, Doubt::PartsNotConnected];
 

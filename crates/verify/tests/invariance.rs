@@ -24,7 +24,8 @@ struct Line {
 /// The graph as the stage writes it, judged by so many threads.
 fn written(graph: &PoseGraph, threads: usize) -> Vec<u8> {
     let line = Line::parse_from(["verify"]);
-    let identity = Identity { name: Options::NAME, version: "0", about: Options::ABOUT };
+    let identity =
+        Identity { name: Options::NAME, version: "0", about: Options::ABOUT, place: Options::PLACE };
     let mut context = Context::new(identity, line.common);
     let mut graph = graph.clone();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

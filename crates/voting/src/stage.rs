@@ -6,7 +6,7 @@ use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 use posecut_islands::{clusters, matches};
 use posecut_optimize::PoseGroup;
-use posecut_stage::{Context, Doubt, GraphStage, counted, info, warn};
+use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, counted, info, warn};
 use serde::Serialize;
 
 use crate::fit::Parts;
@@ -31,6 +31,7 @@ pub struct Options {
 impl GraphStage for Options {
     const NAME: &'static str = "voting";
     const ABOUT: &'static str = "Reject clusters of landmark edges that fail chi-square tests of the optimised graph, in the manner of RRR";
+    const PLACE: Place = Place(Phase::Judgement, 60);
     const DOUBTS: &'static [Doubt] = &[Doubt::NothingKept];
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {

@@ -36,7 +36,7 @@ fn checked_stage<S: GraphStage>(
     };
     let before = graph.clone();
     let arguments = arguments::<S>(options);
-    let identity = Identity { name: S::NAME, version: "0", about: S::ABOUT };
+    let identity = Identity { name: S::NAME, version: "0", about: S::ABOUT, place: S::PLACE };
     let mut context = Context::new(identity, arguments.common);
     if let Err(error) = arguments.options.run(&mut graph, &mut context) {
         return Outcome::refused(error);

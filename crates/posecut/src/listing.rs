@@ -1,0 +1,64 @@
+//! What `posecut help` and `posecut version` print.
+
+use std::fmt::Write as _;
+
+use posecut_stage::{Description, Phase};
+
+use crate::registry::{Program, Registry};
+
+/// Above the list of programs.
+const ABOUT: &str = "posecut finds the wrong landmark edges (false loop closures) of pose graphs.
+
+Usage: posecut NAME [ARGUMENTS]     what posecut-NAME does
+       posecut help [NAME]          this list, or the help of one program
+       posecut version              the versions of all programs
+
+A program reads a pose graph from a file or from standard input and writes it to a file or to standard output:
+
+    posecut convert graph.g2o --to jsonl | posecut verify | posecut optimize > optimized.jsonl
+";
+
+/// The programs, those beside this one in the order of a pipeline.
+pub fn help(registry: &Registry) -> String {
+    let mut described: Vec<Description> = registry.beside().filter_map(Program::description).collect();
+    described.sort_by(|one, other| key(one).cmp(&key(other)));
+    let silent = registry.beside().filter(|program| described.iter().all(|known| known.name != program.name));
+    let others: Vec<_> = silent.chain(registry.elsewhere()).collect();
+    let names = described.iter().map(|one| &one.name).chain(others.iter().map(|one| &one.name));
+    let width = names.map(String::len).max().unwrap_or(0);
+    let mut text = ABOUT.to_owned();
+    for phase in Phase::ALL {
+        let mut programs = described.iter().filter(|one| one.phase == phase).peekable();
+        if programs.peek().is_some() {
+            let _ = writeln!(text, "\n{}:", phase.heading());
+        }
+        for Description { name, about, .. } in programs {
+            let _ = writeln!(text, "  {name:width$}  {about}");
+        }
+    }
+    if !others.is_empty() {
+        text.push_str("\nOther programs:\n");
+    }
+    for program in others {
+        let _ = writeln!(text, "  {:width$}  {}", program.name, program.path.display());
+    }
+    text
+}
+
+fn key(description: &Description) -> (Phase, u8, &str) {
+    (description.phase, description.order, &description.name)
+}
+
+/// A line for each program: what it says of its version.
+pub fn versions(registry: &Registry) -> String {
+    let mut text = format!("posecut {}\n", env!("CARGO_PKG_VERSION"));
+    for program in registry.beside() {
+        let version =
+            program.version().unwrap_or_else(|| format!("posecut-{}: says no version", program.name));
+        let _ = writeln!(text, "{version}");
+    }
+    for program in registry.elsewhere() {
+        let _ = writeln!(text, "posecut-{}: {}", program.name, program.path.display());
+    }
+    text
+}

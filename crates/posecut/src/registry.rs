@@ -1,0 +1,122 @@
+//! The registry of programs: what lies beside this one, and what the PATH has.
+//!
+//! No list is written down. A program beside `posecut` describes itself (`--generate description`), so a new stage appears here
+//! once it is built. A program elsewhere on the PATH may be anybody's: it is found by its name alone and never run to be listed, as
+//! git and cargo do.
+
+use std::collections::BTreeMap;
+use std::env::consts::EXE_SUFFIX;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use posecut_stage::Description;
+
+/// What the names of programs begin with.
+const PREFIX: &str = "posecut-";
+
+/// A program that `posecut NAME` runs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Program {
+    /// Its name without `posecut-`.
+    pub name: String,
+    /// Where it lies.
+    pub path: PathBuf,
+}
+
+/// The programs at hand.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Registry {
+    beside: BTreeMap<String, Program>,
+    elsewhere: BTreeMap<String, Program>,
+}
+
+impl Registry {
+    /// The programs in the folder of the running one, and those of the PATH that have other names.
+    pub fn of_this_machine() -> Self {
+        let beside = std::env::current_exe().ok().and_then(|path| Some(path.parent()?.to_owned()));
+        let path = std::env::var_os("PATH").unwrap_or_default();
+        Self::of(beside.as_deref(), std::env::split_paths(&path))
+    }
+
+    /// The same for any folders. Of two programs of one name the first is taken, as a shell would.
+    pub fn of(beside: Option<&Path>, path: impl Iterator<Item = PathBuf>) -> Self {
+        let beside = beside.map(programs_in).unwrap_or_default();
+        let mut elsewhere = BTreeMap::new();
+        for (name, program) in path.flat_map(|folder| programs_in(&folder)) {
+            if !beside.contains_key(&name) {
+                elsewhere.entry(name).or_insert(program);
+            }
+        }
+        Self { beside, elsewhere }
+    }
+
+    /// A program by its name.
+    pub fn get(&self, name: &str) -> Option<&Program> {
+        self.beside.get(name).or_else(|| self.elsewhere.get(name))
+    }
+
+    /// Those beside this program, in order of their names.
+    pub fn beside(&self) -> impl Iterator<Item = &Program> {
+        self.beside.values()
+    }
+
+    /// Those of the PATH, in order of their names.
+    pub fn elsewhere(&self) -> impl Iterator<Item = &Program> {
+        self.elsewhere.values()
+    }
+
+    /// The name that is most like this one, if it is like it at all.
+    pub fn nearest(&self, name: &str) -> Option<&str> {
+        let likeness = |known: &str| strsim::jaro(name, known);
+        let known = self.beside.keys().chain(self.elsewhere.keys()).map(String::as_str);
+        known
+            .filter(|known| likeness(known) > 0.7)
+            .max_by(|one, other| likeness(one).total_cmp(&likeness(other)))
+    }
+}
+
+impl Program {
+    /// What it says of itself; `None` if it does not.
+    pub fn description(&self) -> Option<Description> {
+        serde_json::from_str(&self.answer(&["--generate", "description"])?).ok()
+    }
+
+    /// The first line of its `--version`; `None` if it has none.
+    pub fn version(&self) -> Option<String> {
+        self.answer(&["--version"])?.lines().next().map(str::to_owned)
+    }
+
+    fn answer(&self, arguments: &[&str]) -> Option<String> {
+        let output = Command::new(&self.path).args(arguments).stdin(Stdio::null()).output().ok()?;
+        if output.status.success() { String::from_utf8(output.stdout).ok() } else { None }
+    }
+}
+
+/// The programs of a folder by name; none if it cannot be read.
+fn programs_in(folder: &Path) -> BTreeMap<String, Program> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let programs = entries.filter_map(|entry| {
+        let file = entry.file_name().into_string().ok()?;
+        let name = file.strip_prefix(PREFIX)?.strip_suffix(EXE_SUFFIX)?.to_owned();
+        let path = entry.path();
+        (is_name(&name) && is_program(&path)).then_some((name.clone(), Program { name, path }))
+    });
+    programs.collect()
+}
+
+/// Whether a file's name can be a stage's: cargo leaves `posecut-pcm.d` beside `posecut-pcm`.
+fn is_name(name: &str) -> bool {
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_';
+    !name.is_empty() && name.bytes().all(plain)
+}
+
+#[cfg(unix)]
+fn is_program(path: &Path) -> bool {
+    use std::os::unix::fs::PermissionsExt as _;
+    path.metadata().is_ok_and(|file| file.is_file() && file.permissions().mode() & 0o111 != 0)
+}
+
+#[cfg(not(unix))]
+fn is_program(path: &Path) -> bool {
+    path.is_file()
+}

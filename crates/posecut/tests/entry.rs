@@ -1,0 +1,185 @@
+//! `posecut` finds programs, runs them as if they were called by their own names, and lists them.
+
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::os::unix::fs::PermissionsExt as _;
+use std::path::Path;
+use std::process::{Command, Output};
+use std::sync::LazyLock;
+
+use posecut::registry::Registry;
+
+/// A folder with a copy of `posecut` and scripts in the place of its programs, and another folder for the PATH.
+struct Place {
+    folder: tempfile::TempDir,
+}
+
+const DESCRIBED: &str = r#"#!/bin/sh
+if [ "$1" = --generate ]; then
+  echo '{"name":"NAME","version":"1.2","about":"Do NAME","phase":"PHASE","order":ORDER}'
+elif [ "$1" = --version ]; then
+  echo 'posecut-NAME 1.2'
+else
+  printf '%s|' "$@"; cat; exit 7
+fi
+"#;
+
+/// Made once, before any process starts: a script that another thread's child still has open for writing cannot be run.
+static PLACE: LazyLock<Place> = LazyLock::new(|| {
+    let place = Place { folder: tempfile::tempdir().unwrap() };
+    std::fs::create_dir_all(place.folder.path().join("elsewhere")).unwrap();
+    std::fs::create_dir(place.folder.path().join("posecut-folder")).unwrap();
+    std::fs::copy(env!("CARGO_BIN_EXE_posecut"), place.folder.path().join("posecut")).unwrap();
+    for (name, phase, order) in
+        [("later", "optimisation", "1"), ("second", "judgement", "20"), ("first", "judgement", "10")]
+    {
+        let script = DESCRIBED.replace("NAME", name).replace("PHASE", phase).replace("ORDER", order);
+        place.write(&format!("posecut-{name}"), &script);
+    }
+    place.write("elsewhere/posecut-mine", "#!/bin/sh\ntouch \"$0.was-run\"; echo mine\n");
+    place.write("elsewhere/posecut-first", "#!/bin/sh\necho another\n");
+    place.write("elsewhere/posecut-closed", "#!/bin/sh\n[ -e /proc/self/fd/1 ] || exit 9\n");
+    place.write("posecut-first.d", "made by cargo");
+    std::fs::write(place.folder.path().join("posecut-text"), "no program").unwrap();
+    place
+});
+
+impl Place {
+    fn write(&self, path: &str, script: &str) {
+        let path = self.folder.path().join(path);
+        std::fs::write(&path, script).unwrap();
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+    }
+
+    /// The PATH of what is run.
+    fn path(&self) -> String {
+        format!("{}:/usr/bin:/bin", self.folder.path().join("elsewhere").display())
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        use std::io::Write as _;
+        let mut child = Command::new(self.folder.path().join("posecut"))
+            .args(arguments)
+            .env("PATH", self.path())
+            .stdin(std::process::Stdio::piped())
+            .stdout(std::process::Stdio::piped())
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        // A program that does not read closes the pipe.
+        drop(child.stdin.take().unwrap().write_all(b"input"));
+        child.wait_with_output().unwrap()
+    }
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+#[test]
+fn a_program_gets_arguments_input_and_keeps_its_exit_status() {
+    let output = PLACE.run(&["first", "--option", "a b", "-"]);
+    assert_eq!(text(&output.stdout), "--option|a b|-|input");
+    assert_eq!(output.status.code(), Some(7));
+}
+
+/// The standard library opens /dev/null in the place of a closed descriptor, and the program wrote its result there.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_closed_standard_output_stays_closed() {
+    let place = &*PLACE;
+    let run = |redirection: &str| {
+        let script = format!("exec \"$@\" {redirection}");
+        let posecut = place.folder.path().join("posecut");
+        Command::new("sh")
+            .env("PATH", place.path())
+            .args(["-c", &script, "sh"])
+            .arg(posecut)
+            .arg("closed")
+            .status()
+            .unwrap()
+            .code()
+    };
+    assert_eq!(run(">&-"), Some(9));
+    assert_eq!(run(">/dev/null"), Some(0));
+}
+
+#[test]
+fn help_lists_programs_in_the_order_of_a_pipeline() {
+    let place = &*PLACE;
+    let help = text(&place.run(&["help"]).stdout);
+    let at = |part: &str| help.find(part).unwrap_or_else(|| panic!("{part} is missing in {help}"));
+    assert!(at("first   Do first") < at("second  Do second") && at("second  ") < at("later   Do later"));
+    assert!(
+        at("later   Do later") < at("Other programs") && at("Other programs") < at("elsewhere/posecut-mine")
+    );
+    for same in [&["--help"][..], &["-h"], &[]] {
+        assert_eq!(text(&place.run(same).stdout), help);
+    }
+}
+
+/// Whatever else is on the PATH is not started to be listed.
+#[test]
+fn a_stage_on_the_path_joins_the_others_and_does_not_hide_them() {
+    let place = &*PLACE;
+    place.run(&["help"]);
+    place.run(&["version"]);
+    let trace = place.folder.path().join("elsewhere/posecut-mine.was-run");
+    assert!(!trace.exists());
+    assert_eq!(text(&place.run(&["mine"]).stdout), "mine\n");
+    assert!(trace.exists());
+    assert_eq!(place.run(&["first"]).status.code(), Some(7));
+}
+
+#[test]
+fn version_tells_those_of_all_programs() {
+    let place = &*PLACE;
+    let said = text(&place.run(&["version"]).stdout);
+    let own = concat!("posecut ", env!("CARGO_PKG_VERSION"));
+    let beside = format!("{own}\nposecut-first 1.2\nposecut-later 1.2\nposecut-second 1.2\n");
+    assert!(said.starts_with(&beside) && said.contains("\nposecut-mine: /"), "{said}");
+    assert_eq!(text(&place.run(&["--version"]).stdout), format!("{own}\n"));
+}
+
+#[test]
+fn an_unknown_program_is_an_error_with_the_nearest_name() {
+    let place = &*PLACE;
+    for (arguments, part) in [
+        (&["secnd"][..], "(did you mean second?)"),
+        (&["../posecut-first"], "there is no program posecut-../posecut-first"),
+        (
+            &["help", "xyz"],
+            "there is no program posecut-xyz beside posecut or on the PATH; posecut help lists",
+        ),
+        (&["--quiet", "first"], "say posecut NAME --quiet"),
+        (&["--generate", "x"], "say man, bash"),
+    ] {
+        let output = place.run(arguments);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(
+            said.starts_with("posecut: error: ") && said.contains(part) && said.lines().count() == 1,
+            "{said}"
+        );
+        assert!(output.stdout.is_empty());
+    }
+}
+
+#[test]
+fn completions_and_the_manual_page_have_the_programs_at_hand() {
+    let place = &*PLACE;
+    for what in ["man", "bash", "zsh", "fish"] {
+        let said = text(&place.run(&["--generate", what]).stdout);
+        assert!(["first", "second", "later"].iter().all(|name| said.contains(name)), "{what}: {said}");
+    }
+}
+
+#[test]
+fn what_is_no_program_is_not_listed() {
+    let nowhere = std::iter::once(Path::new("/nonexistent").to_owned());
+    let registry = Registry::of(Some(PLACE.folder.path()), nowhere);
+    let names: Vec<&str> = registry.beside().map(|program| program.name.as_str()).collect();
+    assert_eq!(names, ["first", "later", "second"]);
+    assert_eq!(registry.elsewhere().count(), 0);
+}
