@@ -38,8 +38,9 @@ checked       := $(foreach name,$(folders) $(words),$(call plain,$(name)))\
                  $(if $(findstring /,$(value SESSIONS)),$(call cannot,SESSIONS,a session contains /))
 
 # ---- programs: swap a stage by naming another program -----------------------------------------------------
-# pipelines/stages.toml lists them. To swap one for this run: make table PCM=./my-stage
-stages     := SIMULATE INGEST CONSTRUCT CONVERT LABEL ORACLE PCM VERIFY RANSAC ISLANDS DENSEST VOTING MULTICUT OPTIMIZE EVALUATE
+# Every crate with a main.rs is one. To swap a stage for this run: make table PCM=./my-stage
+programs   := $(patsubst crates/%/src/main.rs,%,$(wildcard crates/*/src/main.rs))
+stages     := $(shell echo $(filter-out posecut conform experiment inspect report,$(programs)) | tr a-z A-Z)
 # Paths of programs become parts of rules and command lines, like the names above.
 checked       += $(foreach name,BIN CARGO_TARGET_DIR REPORT $(stages),$(if $(call foreign,$(name)),\
                  $(call plain,$(name))$(call one,$(name))))
@@ -116,16 +117,13 @@ table_of       = $(call declared,$(PIPELINES)) $(both) --sessions $(call listed,
 
 # ---- programs ---------------------------------------------------------------------------------------------
 sources       := $(shell find crates -name '*.rs' -o -name Cargo.toml -o -path '*/assets/*' -type f) Cargo.toml Cargo.lock
-binaries      := $(addprefix $(BIN)/posecut-,simulate ingest construct label oracle pcm multicut islands ransac verify voting densest \
-                 optimize evaluate report convert conform experiment)
-
 $(BIN)/.posecut-built: $(sources)
 	@echo '  building the stages (the first time takes some minutes)'
 	@cargo build --release --locked --bins --quiet
 	@touch $@
 
 # Cargo leaves a program alone that did not change, and so does Make what that program made.
-$(binaries): $(BIN)/.posecut-built ;
+$(BIN)/posecut-%: $(BIN)/.posecut-built ;
 
 # ---- experiments ------------------------------------------------------------------------------------------
 # The runner goes by digests of programs, arguments and inputs: what is finished does not run again, what was
@@ -171,7 +169,7 @@ check-results: run
 accept-results: run
 	@$(EXPERIMENTS) accept $(table_of) --methods $(call listed,$(methods))
 
-stages: $(binaries)
+stages: $(BIN)/.posecut-built
 	@$(EXPERIMENTS) stages --programs $(BIN)
 
 # ---- figures ----------------------------------------------------------------------------------------------
@@ -253,11 +251,11 @@ documentation:
 # Programs, manual pages and completions below PREFIX.
 PREFIX ?= $(HOME)/.local
 prefix  = $(call quoted,$(PREFIX))
-programs := $(patsubst crates/%/src/main.rs,$(BIN)/posecut-%,$(wildcard crates/*/src/main.rs))
+installed := $(BIN)/posecut $(addprefix $(BIN)/posecut-,$(filter-out posecut,$(programs)))
 install: $(BIN)/.posecut-built
 	@mkdir -p $(prefix)/bin $(prefix)/share/man/man1 $(prefix)/share/bash-completion/completions \
 	  $(prefix)/share/zsh/site-functions $(prefix)/share/fish/vendor_completions.d
-	@for program in $(programs); do name=$$(basename $$program); \
+	@for program in $(installed); do name=$$(basename $$program); \
 	  install -m 755 $$program $(prefix)/bin/ && \
 	  $$program --generate man  > $(prefix)/share/man/man1/$$name.1 && \
 	  $$program --generate bash > $(prefix)/share/bash-completion/completions/$$name && \

@@ -5,6 +5,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::registry::programs;
 use crate::{program, workspace};
 
 /// Around what is made in a program's README.
@@ -35,22 +36,6 @@ impl Page {
         }
         std::fs::write(path, &self.text)
     }
-}
-
-/// The names of all programs: the crates that have one.
-///
-/// # Panics
-/// If the workspace cannot be listed.
-pub fn programs() -> Vec<String> {
-    let crates = std::fs::read_dir(workspace().join("crates")).expect("the workspace has crates");
-    let mut names: Vec<String> = crates
-        .flatten()
-        .map(|entry| entry.path())
-        .filter(|path| path.join("src/main.rs").is_file())
-        .filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned()))
-        .collect();
-    names.sort();
-    names
 }
 
 /// What a program says of itself.

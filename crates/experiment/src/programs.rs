@@ -1,36 +1,68 @@
 //! The stage programs, as `pipelines/stages.toml` lists them.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context as _, bail};
+use posecut::registry::Registry;
+use posecut_stage::Phase;
 use serde::Deserialize;
 
 /// Stage programs by name.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Programs {
-    programs: BTreeMap<String, Program>,
+    listed: BTreeMap<String, Program>,
+    /// What there is besides.
+    registry: Registry,
+    /// Where programs named without a path are looked for before the PATH.
+    folder: Option<PathBuf>,
 }
 
 /// How one stage program is called.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Program {
-    /// A name, looked for in the folder of programs and then on the PATH, or a path.
-    #[serde(rename = "program")]
+    /// A name, looked for on the PATH, or a path.
     pub path: String,
     /// The command line: `{program}`, `{options}`, `{input}`, `{output}`, and what the stage needs besides.
     pub argv: Vec<String>,
     /// Appended where statistics are wanted: `{statistics}` is the file.
-    #[serde(default)]
     pub statistics: Vec<String>,
     /// Prints the version: a receipt that the program is there.
-    #[serde(default)]
     pub version: Vec<String>,
     /// Files besides the program that decide what it does, such as a script.
-    #[serde(default)]
     pub files: Vec<String>,
+}
+
+/// A section of the list. What it leaves out is as every stage of this workspace has it.
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Section {
+    program: Option<String>,
+    argv: Option<Vec<String>>,
+    statistics: Option<Vec<String>>,
+    version: Option<Vec<String>>,
+    #[serde(default)]
+    files: Vec<String>,
+}
+
+impl Section {
+    fn program(self, stage: &str) -> Program {
+        let words = |words: &[&str]| words.iter().map(|&word| word.to_owned()).collect();
+        // Who writes a whole command line, or names a program, says what it takes besides.
+        let statistics = if self.argv.is_some() { &[][..] } else { &["--stats", "{statistics}"] };
+        let version = if self.program.is_some() { &[][..] } else { &["{program}", "--version"] };
+        Program {
+            statistics: self.statistics.unwrap_or_else(|| words(statistics)),
+            version: self.version.unwrap_or_else(|| words(version)),
+            path: self.program.unwrap_or_else(|| format!("posecut-{stage}")),
+            argv: self.argv.unwrap_or_else(|| {
+                words(&["{program}", "--quiet", "{input}", "{options}", "-o", "{output}"])
+            }),
+            files: self.files,
+        }
+    }
 }
 
 impl Programs {
@@ -38,38 +70,73 @@ impl Programs {
     pub fn read(path: &Path, folder: Option<&Path>) -> anyhow::Result<Self> {
         let place = path.display();
         let text = std::fs::read_to_string(path).with_context(|| format!("{place}: cannot be read"))?;
-        let mut programs: BTreeMap<String, Program> = crate::toml_text::parse(&text)
+        let sections: BTreeMap<String, Section> = crate::toml_text::parse(&text)
             .with_context(|| format!("{place}: is no list of stage programs"))?;
-        for program in programs.values_mut() {
-            if let Some(found) = folder.and_then(|folder| beside(folder, &program.path)) {
-                program.path = found;
-            }
+        let path = std::env::var_os("PATH").unwrap_or_default();
+        let registry = Registry::of(folder, std::env::split_paths(&path));
+        let mut programs = Self { listed: BTreeMap::new(), registry, folder: folder.map(Path::to_owned) };
+        for (stage, section) in sections {
+            let program = programs.found(section.program(&stage));
+            programs.listed.insert(stage, program);
         }
-        Ok(Self { programs })
+        Ok(programs)
     }
 
     /// Puts another program in a stage's place; it is called by the same command line.
     pub fn replace(&mut self, stage: &str, program: &str) -> anyhow::Result<()> {
-        self.programs.get_mut(stage).map(|known| program.clone_into(&mut known.path)).with_context(|| {
-            format!("--program {stage}={program}: there is no stage \"{stage}\" in the list of stages")
-        })
+        let known = self.get(stage).with_context(|| format!("--program {stage}={program}"))?.into_owned();
+        self.listed.insert(stage.to_owned(), Program { path: program.to_owned(), ..known });
+        Ok(())
     }
 
-    /// A program by its stage's name.
-    pub fn get(&self, stage: &str) -> anyhow::Result<&Program> {
-        self.programs.get(stage).with_context(|| {
-            let known: Vec<&str> = self.programs.keys().map(String::as_str).collect();
-            format!("there is no stage \"{stage}\" in the list of stages, which has {}", known.join(", "))
-        })
+    /// A program by its stage's name. A stage that the list leaves out is the program `posecut-STAGE`, if there is one, called like
+    /// every stage from graph to graph.
+    pub fn get(&self, stage: &str) -> anyhow::Result<Cow<'_, Program>> {
+        if let Some(program) = self.listed.get(stage) {
+            return Ok(Cow::Borrowed(program));
+        }
+        let Some(found) = self.registry.get(stage) else {
+            let known: Vec<&str> = self.listed.keys().map(String::as_str).collect();
+            bail!(
+                "there is no stage \"{stage}\": the list of stages has {}, and there is no program posecut-{stage}; correct \
+                 the name, or build the program",
+                known.join(", ")
+            );
+        };
+        Ok(Cow::Owned(usual(found)))
     }
 
-    /// Every stage with its program and what the version command says.
+    /// The same program by its path where it lies in the folder of programs.
+    fn found(&self, program: Program) -> Program {
+        match self.folder.as_deref().and_then(|folder| beside(folder, &program.path)) {
+            Some(path) => Program { path, ..program },
+            None => program,
+        }
+    }
+
+    /// Every stage with its program and what the version command says: those of the list, and those that lie in the folder of
+    /// programs.
     pub fn versions(&self) -> Vec<(String, String, anyhow::Result<String>)> {
-        self.programs
-            .iter()
-            .map(|(name, program)| (name.clone(), program.path.clone(), program.version()))
+        let mut stages = self.listed.clone();
+        for found in self.registry.beside() {
+            if found.description().is_some_and(|description| description.phase != Phase::Runs) {
+                stages.entry(found.name.clone()).or_insert_with(|| usual(found));
+            }
+        }
+        stages
+            .into_iter()
+            .map(|(name, program)| {
+                let version = program.version();
+                (name, program.path, version)
+            })
             .collect()
     }
+}
+
+/// A program that is called like every stage from graph to graph.
+fn usual(found: &posecut::registry::Program) -> Program {
+    let path = found.path.to_string_lossy().into_owned();
+    Program { path, ..Section::default().program(&found.name) }
 }
 
 impl Program {

@@ -2,7 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use posecut_contract::documentation::{generated, pages, programs};
+use posecut_contract::documentation::{generated, pages};
+use posecut_contract::registry::programs;
 use posecut_contract::run;
 
 #[test]

@@ -4,7 +4,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use posecut_contract::documentation::{generated, programs};
+use posecut_contract::documentation::generated;
+use posecut_contract::registry::programs;
 use posecut_contract::{run, workspace};
 use serde_json::Value;
 

@@ -9,7 +9,8 @@ use std::process::{Command, Output, Stdio};
 
 use posecut_contract::{program, workspace};
 
-use crate::table::{Row, TABLE, streams};
+use crate::table::streams;
+use posecut_contract::registry::{Row, table};
 
 /// What the programs and their libraries read. Of RAYON_RS_NUM_CPUS, 2^64 - 1 threads were started until memory was full; with an
 /// impossible RUST_MIN_STACK no thread could be started, and programs panicked.
@@ -85,7 +86,7 @@ fn hostile_variables_are_ignored_or_end_in_a_sentence() {
         }
     }
     // One by one, so that none hides another.
-    for row in TABLE.iter().filter(|row| row.name == "experiment" || row.name == "pcm") {
+    for row in table().iter().filter(|row| row.name == "experiment" || row.name == "pcm") {
         let usual = run(row, &[], OsStr::new("")).stdout;
         for variable in VARIABLES {
             for value in hostile() {
@@ -98,7 +99,7 @@ fn hostile_variables_are_ignored_or_end_in_a_sentence() {
 /// The help is broken at the width that COLUMNS says.
 #[test]
 fn help_is_whole_at_any_width() {
-    for row in TABLE {
+    for row in table() {
         for value in hostile() {
             let output =
                 Command::new(program(row.name)).arg("--help").env("COLUMNS", &value).output().unwrap();
@@ -110,7 +111,7 @@ fn help_is_whole_at_any_width() {
 
 #[test]
 fn conform_needs_a_folder_for_temporary_files() {
-    let row = TABLE.iter().find(|row| row.name == "conform").unwrap();
+    let row = table().iter().find(|row| row.name == "conform").unwrap();
     for value in hostile().into_iter().filter(|value| !value.is_empty()) {
         let output = run(row, &["TMPDIR"], &value);
         let said = String::from_utf8_lossy(&output.stderr);

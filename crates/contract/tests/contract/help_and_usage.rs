@@ -4,7 +4,7 @@
 
 use posecut_contract::run;
 
-use crate::table::TABLE;
+use posecut_contract::registry::table;
 
 fn refused(name: &str, arguments: &[&str]) -> String {
     let output = run(name, arguments, b"");
@@ -20,7 +20,7 @@ fn refused(name: &str, arguments: &[&str]) -> String {
 /// They were paragraphs of clap's, without the program's name.
 #[test]
 fn usage_errors_are_one_sentence_with_a_suggestion() {
-    for row in TABLE {
+    for row in table() {
         let task: &[&str] = match row.name {
             "experiment" | "inspect" | "report" => &row.arguments[..1],
             _ => &[],

@@ -63,7 +63,6 @@ fn statistics_that_name_an_input_are_refused() {
             fs::write(&file, &content).unwrap();
             let output = Command::new(program(row.name))
                 .args(row.arguments)
-                .args(if row.name == "convert" { &["--from", "jsonl"][..] } else { &[] })
                 .arg("--stats")
                 .arg(&file)
                 .stdin(fs::File::open(&file).unwrap())

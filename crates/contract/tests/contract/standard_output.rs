@@ -7,7 +7,8 @@ use std::process::{Command, Output, Stdio};
 
 use posecut_contract::program;
 
-use crate::table::{TABLE, streams};
+use crate::table::streams;
+use posecut_contract::registry::table;
 
 /// What programs answer without doing anything.
 const ANSWERS: &[&[&str]] = &[
@@ -52,7 +53,7 @@ fn a_full_or_closed_standard_output_is_an_error() {
         unwritten(row.name, &arguments, &full(row.name, &arguments), "No space left");
         unwritten(row.name, &arguments, &closed(row.name, &arguments), "it is closed");
     }
-    for row in TABLE {
+    for row in table() {
         for answer in ANSWERS {
             let arguments: Vec<String> = answer.iter().map(|&word| word.to_owned()).collect();
             unwritten(row.name, &arguments, &full(row.name, &arguments), "No space left");
@@ -64,7 +65,7 @@ fn a_full_or_closed_standard_output_is_an_error() {
 #[test]
 fn a_result_in_a_file_needs_no_standard_output() {
     let folder = tempfile::tempdir().unwrap();
-    for row in TABLE.iter().filter(|row| row.name != "conform") {
+    for row in table().iter().filter(|row| row.name != "conform") {
         let mut arguments = row.arguments();
         arguments.extend(["-o".to_owned(), folder.path().join(row.name).to_str().unwrap().to_owned()]);
         let output = closed(row.name, &arguments);
@@ -74,7 +75,7 @@ fn a_result_in_a_file_needs_no_standard_output() {
 
 #[test]
 fn who_closes_the_pipe_of_an_answer_has_seen_enough() {
-    for row in TABLE {
+    for row in table() {
         for answer in ANSWERS {
             let mut child = Command::new(program(row.name))
                 .args(*answer)

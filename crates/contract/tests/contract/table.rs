@@ -1,149 +1,20 @@
-//! One table holds every program to the contract of inputs and outputs. A program that is missing from the
-//! table fails.
+//! One table holds every program to the contract of inputs and outputs; the programs declare their own rows.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::collections::BTreeSet;
 use std::io::Read as _;
 use std::process::{Command, Stdio};
 
-use posecut_contract::{program, run, samples, succeed, workspace};
-
-/// A program as the contract sees it.
-pub(crate) struct Row {
-    pub(crate) name: &'static str,
-    /// Arguments before the input; `{sample}` is replaced by a sample's path, `{posecut-NAME}` by a program's.
-    pub(crate) arguments: &'static [&'static str],
-    /// The sample that it reads, if one file.
-    pub(crate) input: Option<&'static str>,
-    /// Whether it takes that input from standard input too.
-    pub(crate) pipe: bool,
-    /// Whether it writes one file or standard output.
-    writes_stream: bool,
-}
-
-pub(crate) const TABLE: &[Row] = &[
-    Row {
-        name: "conform",
-        arguments: &["--", "{posecut-islands}"],
-        input: None,
-        pipe: false,
-        writes_stream: true,
-    },
-    Row {
-        name: "construct",
-        arguments: &["--radius", "8"],
-        input: Some("session.jsonl"),
-        pipe: true,
-        writes_stream: true,
-    },
-    Row {
-        name: "convert",
-        arguments: &["--to", "g2o"],
-        input: Some("graph.jsonl"),
-        pipe: true,
-        writes_stream: true,
-    },
-    Row { name: "densest", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
-    Row { name: "evaluate", arguments: &[], input: Some("optimized.jsonl"), pipe: true, writes_stream: true },
-    Row {
-        name: "experiment",
-        arguments: &["plan", "{paper.toml}", "--stages", "{stages.toml}"],
-        input: None,
-        pipe: false,
-        writes_stream: true,
-    },
-    Row { name: "ingest", arguments: &["{2012-01-22}"], input: None, pipe: false, writes_stream: true },
-    Row {
-        name: "inspect",
-        arguments: &["info"],
-        input: Some("graph.jsonl"),
-        pipe: true,
-        writes_stream: true,
-    },
-    Row {
-        name: "inspect",
-        arguments: &["validate", "{graph.jsonl}"],
-        input: None,
-        pipe: false,
-        writes_stream: true,
-    },
-    Row {
-        name: "inspect",
-        arguments: &["diff", "{graph.jsonl}", "{graph.jsonl}"],
-        input: None,
-        pipe: false,
-        writes_stream: true,
-    },
-    Row {
-        name: "inspect",
-        arguments: &["filter", "--kind", "landmark"],
-        input: Some("graph.jsonl"),
-        pipe: true,
-        writes_stream: true,
-    },
-    Row { name: "islands", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
-    Row { name: "label", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
-    Row { name: "multicut", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
-    Row { name: "optimize", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
-    Row { name: "oracle", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
-    Row { name: "pcm", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
-    Row { name: "ransac", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
-    Row {
-        name: "report",
-        arguments: &["table", "{x.result.json}"],
-        input: None,
-        pipe: false,
-        writes_stream: true,
-    },
-    Row { name: "simulate", arguments: &["--length", "100"], input: None, pipe: false, writes_stream: false },
-    Row { name: "verify", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
-    Row { name: "voting", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
-];
-
-impl Row {
-    pub(crate) fn arguments(&self) -> Vec<String> {
-        let sample =
-            |argument: &&str| match argument.strip_prefix('{').and_then(|rest| rest.strip_suffix('}')) {
-                Some(name) => match name.strip_prefix("posecut-") {
-                    Some(name) => program(name).to_str().unwrap().to_owned(),
-                    None => samples().path(name),
-                },
-                None => (*argument).to_owned(),
-            };
-        let input = self.input.map(|name| samples().path(name));
-        self.arguments.iter().map(sample).chain(input).collect()
-    }
-
-    pub(crate) fn run(&self, more: &[&str]) -> std::process::Output {
-        let arguments = self.arguments();
-        let mut all: Vec<&str> = arguments.iter().map(String::as_str).collect();
-        // What stands after `--` is somebody else's command.
-        let end = all.iter().position(|&argument| argument == "--").unwrap_or(all.len());
-        all.splice(end..end, more.iter().copied());
-        run(self.name, &all, b"")
-    }
-}
+use posecut_contract::registry::{Row, table};
+use posecut_contract::{program, run, samples, succeed};
 
 pub(crate) fn streams() -> impl Iterator<Item = &'static Row> {
-    TABLE.iter().filter(|row| row.writes_stream)
-}
-
-#[test]
-fn the_table_has_every_program() {
-    let crates = std::fs::read_dir(workspace().join("crates")).unwrap();
-    let programs: BTreeSet<String> = crates
-        .map(|entry| entry.unwrap().path())
-        .filter(|path| path.join("src/main.rs").is_file())
-        .map(|path| path.file_name().unwrap().to_string_lossy().into_owned())
-        .collect();
-    let table: BTreeSet<String> = TABLE.iter().map(|row| row.name.to_owned()).collect();
-    assert_eq!(programs, table, "every program stands in the table of the contract");
+    table().iter().filter(|row| row.stream)
 }
 
 #[test]
 fn help_and_version_are_answers() {
-    for row in TABLE {
+    for row in table() {
         let help = String::from_utf8(succeed(row.name, &["--help"], b"")).unwrap();
         assert!(help.contains("Usage:") && help.contains("--output"), "{}: {help}", row.name);
         let version = String::from_utf8(succeed(row.name, &["--version"], b"")).unwrap();
@@ -153,7 +24,7 @@ fn help_and_version_are_answers() {
 
 #[test]
 fn unknown_options_are_errors() {
-    for row in TABLE {
+    for row in table() {
         let output = run(row.name, &["--no-such-option"], b"");
         assert_eq!(output.status.code(), Some(2), "{}", row.name);
         assert!(output.stdout.is_empty(), "{}", row.name);
@@ -184,11 +55,7 @@ fn files_pipes_runs_and_threads_give_the_same_bytes() {
             row.name
         );
         if let (true, Some(input)) = (row.pipe, row.input) {
-            let mut arguments = row.arguments.to_vec();
-            if row.name == "convert" {
-                arguments.extend(["--from", "jsonl"]);
-            }
-            let piped = succeed(row.name, &arguments, &samples().bytes(input));
+            let piped = succeed(row.name, row.arguments, &samples().bytes(input));
             assert_eq!(first.stdout, piped, "{}: standard input is read like a file", row.name);
         }
     }
@@ -203,9 +70,6 @@ fn compressed_input_is_read_and_compressed_output_written() {
         let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
         encoder.write_all(&samples().bytes(row.input.unwrap())).unwrap();
         let mut arguments = row.arguments.to_vec();
-        if row.name == "convert" {
-            arguments.extend(["--from", "jsonl"]);
-        }
         let file = folder.path().join(format!("{}.gz", row.name));
         arguments.extend(["-o", file.to_str().unwrap()]);
         succeed(row.name, &arguments, &encoder.finish().unwrap());
@@ -272,7 +136,7 @@ fn a_read_only_folder_is_an_error() {
     let all_powerful = std::fs::write(folder.path().join("probe"), "").is_ok();
     let place = if all_powerful { std::path::Path::new("/proc/self") } else { folder.path() };
     let file = place.join("out.jsonl");
-    for row in TABLE {
+    for row in table() {
         let output = row.run(&["-o", file.to_str().unwrap()]);
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{}: {said}", row.name);
@@ -368,7 +232,7 @@ fn statistics_are_json_with_the_stages_name() {
         ("voting", &["clusters", "clusters_kept", "optimisations", "rejected"]),
     ];
     for (name, keys) in expected {
-        let row = TABLE.iter().find(|row| row.name == *name).unwrap();
+        let row = table().iter().find(|row| row.name == *name).unwrap();
         let file = folder.path().join(format!("{name}.json"));
         assert!(row.run(&["--stats", file.to_str().unwrap()]).status.success(), "{name}");
         let stats: serde_json::Value = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();

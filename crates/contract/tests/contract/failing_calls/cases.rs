@@ -6,7 +6,8 @@ use posecut_contract::{program, run, samples};
 
 use super::folder::copy;
 use super::reports::reports;
-use crate::table::{Row, TABLE, streams};
+use crate::table::streams;
+use posecut_contract::registry::table;
 
 /// Where standard output goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,19 +82,11 @@ pub(super) fn words(words: &[&str]) -> Vec<String> {
     words.iter().map(|&word| word.to_owned()).collect()
 }
 
-/// A row's arguments and more, which come before somebody else's command.
-fn with(row: &Row, more: &[&str]) -> Vec<String> {
-    let mut all = row.arguments();
-    let end = all.iter().position(|argument| argument == "--").unwrap_or(all.len());
-    all.splice(end..end, words(more));
-    all
-}
-
 pub(super) fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     for row in streams() {
         let (file, stats) = (["-o", "out"], ["--stats", "stats.json"]);
-        let both = with(row, &[file, stats].concat());
+        let both = row.arguments_with(&[file, stats].concat());
         // What posecut-conform writes beside its report lies in the folder of temporary files.
         let conform: &[&str] =
             if row.name == "conform" { &["temporary", "input.jsonl", "output.jsonl"] } else { &[] };
@@ -102,13 +95,13 @@ pub(super) fn cases() -> Vec<Case> {
         if row.name != "conform" {
             cases.push(Case::new(row.name, &both, empty).naming(&names(&["out", "stats.json"])));
         }
-        let pipe = Case::new(row.name, &with(row, &[]), empty).naming(&names(&["standard output"]));
+        let pipe = Case::new(row.name, &row.arguments(), empty).naming(&names(&["standard output"]));
         if row.name != "conform" {
-            cases.push(Case { out: Out::File, ..Case::new(row.name, &with(row, &[]), empty) });
+            cases.push(Case { out: Out::File, ..Case::new(row.name, &row.arguments(), empty) });
         }
         cases.push(pipe);
     }
-    for row in TABLE {
+    for row in table() {
         for answer in [&["--help"][..], &["--generate", "man"]] {
             cases.push(Case::new(row.name, &words(answer), empty));
         }

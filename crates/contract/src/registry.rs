@@ -1,0 +1,147 @@
+//! The programs of the workspace, and how the contract calls each: what their own Cargo.toml says.
+//!
+//! A crate named `posecut-NAME` with a `src/main.rs` is a program. Unless it says otherwise it reads a pose graph and writes one,
+//! with no arguments that it needs; the others say under `[package.metadata.posecut]` how they are called. So a new program changes
+//! no other crate.
+
+use std::process::Output;
+use std::sync::OnceLock;
+
+use serde::Deserialize;
+
+use crate::{program, run, samples, workspace};
+
+/// A way to call a program.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Row {
+    /// The program's name without `posecut-`.
+    pub name: &'static str,
+    /// Arguments before the input; `{sample}` stands for a sample's path, `{posecut-NAME}` for a program's.
+    pub arguments: &'static [&'static str],
+    /// The sample that it reads, if one file.
+    pub input: Option<&'static str>,
+    /// Whether it takes that input from standard input too.
+    pub pipe: bool,
+    /// Whether it writes one file or standard output, and not a folder.
+    pub stream: bool,
+}
+
+/// One call, as a crate declares it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Call {
+    #[serde(default)]
+    arguments: Vec<String>,
+    input: Option<String>,
+    #[serde(default)]
+    pipe: bool,
+    #[serde(default = "yes")]
+    stream: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+#[derive(Deserialize)]
+struct Manifest {
+    package: Package,
+}
+
+#[derive(Deserialize)]
+struct Package {
+    name: String,
+    #[serde(default)]
+    metadata: Metadata,
+}
+
+#[derive(Default, Deserialize)]
+struct Metadata {
+    #[serde(default)]
+    posecut: Declared,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Declared {
+    calls: Option<Vec<Call>>,
+}
+
+/// Every call of every program, in order of names.
+///
+/// # Panics
+/// If a crate's Cargo.toml cannot be read or declares something else.
+pub fn table() -> &'static [Row] {
+    static TABLE: OnceLock<Vec<Row>> = OnceLock::new();
+    TABLE.get_or_init(|| {
+        let crates = std::fs::read_dir(workspace().join("crates")).expect("the workspace has crates");
+        let mut folders: Vec<_> = crates.flatten().map(|entry| entry.path()).collect();
+        folders.sort();
+        folders.retain(|folder| folder.join("src/main.rs").is_file());
+        folders.iter().flat_map(|folder| rows(&folder.join("Cargo.toml"))).collect()
+    })
+}
+
+/// The names of all programs, in order.
+pub fn programs() -> Vec<String> {
+    let mut names: Vec<String> = table().iter().map(|row| row.name.to_owned()).collect();
+    names.dedup();
+    names
+}
+
+impl Row {
+    /// The arguments of this call, its input last.
+    ///
+    /// # Panics
+    /// If a path is not UTF-8.
+    pub fn arguments(&self) -> Vec<String> {
+        let sample =
+            |argument: &&str| match argument.strip_prefix('{').and_then(|rest| rest.strip_suffix('}')) {
+                Some(name) => match name.strip_prefix("posecut-") {
+                    Some(name) => program(name).to_str().expect("paths are UTF-8").to_owned(),
+                    None => samples().path(name),
+                },
+                None => (*argument).to_owned(),
+            };
+        let input = self.input.map(|name| samples().path(name));
+        self.arguments.iter().map(sample).chain(input).collect()
+    }
+
+    /// Runs this call with more arguments, which come before somebody else's command.
+    pub fn run(&self, more: &[&str]) -> Output {
+        let all = self.arguments_with(more);
+        let all: Vec<&str> = all.iter().map(String::as_str).collect();
+        run(self.name, &all, b"")
+    }
+
+    /// The arguments with more, which come before somebody else's command.
+    pub fn arguments_with(&self, more: &[&str]) -> Vec<String> {
+        let mut all = self.arguments();
+        let end = all.iter().position(|argument| argument == "--").unwrap_or(all.len());
+        all.splice(end..end, more.iter().map(|&word| word.to_owned()));
+        all
+    }
+}
+
+fn rows(path: &std::path::Path) -> Vec<Row> {
+    let text = std::fs::read_to_string(path).expect("a crate has a Cargo.toml");
+    let Manifest { package } =
+        toml::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let Some(name) = package.name.strip_prefix("posecut-") else { return Vec::new() };
+    let name: &'static str = name.to_owned().leak();
+    let graph =
+        || Call { arguments: Vec::new(), input: Some("graph.jsonl".into()), pipe: true, stream: true };
+    let calls = package.metadata.posecut.calls.unwrap_or_else(|| vec![graph()]);
+    assert!(
+        !calls.is_empty(),
+        "{}: `calls` is empty, so nothing holds the program to the contract",
+        path.display()
+    );
+    // The table lives as long as the test, so its words may too.
+    let row = |call: Call| {
+        let arguments: Vec<&'static str> = call.arguments.into_iter().map(|word| &*word.leak()).collect();
+        let input = call.input.map(|word| &*word.leak());
+        Row { name, arguments: arguments.leak(), input, pipe: call.pipe, stream: call.stream }
+    };
+    calls.into_iter().map(row).collect()
+}
