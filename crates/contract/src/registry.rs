@@ -24,6 +24,8 @@ pub struct Row {
     pub pipe: bool,
     /// Whether it writes one file or standard output, and not a folder.
     pub stream: bool,
+    /// What other programs rely on in its `--stats`.
+    pub statistics: &'static [&'static str],
 }
 
 /// One call, as a crate declares it.
@@ -65,7 +67,13 @@ struct Metadata {
 #[serde(deny_unknown_fields)]
 struct Declared {
     calls: Option<Vec<Call>>,
+    /// Of the first call.
+    #[serde(default)]
+    statistics: Vec<String>,
 }
+
+/// Names programs, separated by spaces: the tests of the contract look at no others.
+const ONLY: &str = "POSECUT_CONTRACT_ONLY";
 
 /// Every call of every program, in order of names.
 ///
@@ -78,7 +86,10 @@ pub fn table() -> &'static [Row] {
         let mut folders: Vec<_> = crates.flatten().map(|entry| entry.path()).collect();
         folders.sort();
         folders.retain(|folder| folder.join("src/main.rs").is_file());
-        folders.iter().flat_map(|folder| rows(&folder.join("Cargo.toml"))).collect()
+        let only = std::env::var(ONLY).ok();
+        let asked =
+            |row: &Row| only.as_ref().is_none_or(|only| only.split_whitespace().any(|name| name == row.name));
+        folders.iter().flat_map(|folder| rows(&folder.join("Cargo.toml"))).filter(asked).collect()
     })
 }
 
@@ -129,19 +140,25 @@ fn rows(path: &std::path::Path) -> Vec<Row> {
         toml::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let Some(name) = package.name.strip_prefix("posecut-") else { return Vec::new() };
     let name: &'static str = name.to_owned().leak();
+    let Declared { calls, statistics } = package.metadata.posecut;
     let graph =
         || Call { arguments: Vec::new(), input: Some("graph.jsonl".into()), pipe: true, stream: true };
-    let calls = package.metadata.posecut.calls.unwrap_or_else(|| vec![graph()]);
+    let calls = calls.unwrap_or_else(|| vec![graph()]);
     assert!(
         !calls.is_empty(),
         "{}: `calls` is empty, so nothing holds the program to the contract",
         path.display()
     );
-    // The table lives as long as the test, so its words may too.
     let row = |call: Call| {
-        let arguments: Vec<&'static str> = call.arguments.into_iter().map(|word| &*word.leak()).collect();
-        let input = call.input.map(|word| &*word.leak());
-        Row { name, arguments: arguments.leak(), input, pipe: call.pipe, stream: call.stream }
+        let (arguments, input) = (words(call.arguments), call.input.map(|word| &*word.leak()));
+        Row { name, arguments, input, pipe: call.pipe, stream: call.stream, statistics: &[] }
     };
-    calls.into_iter().map(row).collect()
+    let mut rows: Vec<Row> = calls.into_iter().map(row).collect();
+    rows[0].statistics = words(statistics);
+    rows
+}
+
+/// The table lives as long as the test, so its words may too.
+fn words(words: Vec<String>) -> &'static [&'static str] {
+    words.into_iter().map(|word| &*word.leak()).collect::<Vec<_>>().leak()
 }

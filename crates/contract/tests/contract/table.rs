@@ -123,7 +123,7 @@ fn a_disk_that_fills_up_while_a_file_is_written_leaves_the_old_one() {
         assert_eq!(std::fs::read_to_string(&file).unwrap(), "precious", "{}", row.name);
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "{}: something was left", row.name);
     }
-    assert!(limited > 5, "only {limited} programs write enough for the limit to matter");
+    assert!(limited * 3 > streams().count(), "only {limited} programs write enough for the limit to matter");
 }
 
 /// The superuser may write anywhere but into the kernel's own folders.
@@ -213,32 +213,13 @@ fn a_closed_pipe_is_no_error() {
 #[test]
 fn statistics_are_json_with_the_stages_name() {
     let folder = tempfile::tempdir().unwrap();
-    let expected: &[(&str, &[&str])] = &[
-        ("conform", &["passed", "failed", "advice", "skipped", "checks"]),
-        ("construct", &["landmark_edges", "incorrect_edges"]),
-        ("convert", &["nodes", "edges"]),
-        ("densest", &["candidates", "density", "rejected"]),
-        ("evaluate", &["rmse", "edges"]),
-        ("experiment", &["tasks", "results"]),
-        ("inspect", &["nodes", "sessions", "components", "provenance"]),
-        ("ingest", &["keyframes", "path_length_m", "dropped_rows", "gaps"]),
-        ("islands", &["islands", "islands_kept", "rejected"]),
-        ("multicut", &["objective", "lower_bound", "optimal", "landmarks", "cut_edges"]),
-        ("optimize", &["chi2_initial", "chi2", "iterations", "converged", "components"]),
-        ("oracle", &["rejected"]),
-        ("pcm", &["candidates", "consistent_pairs", "clique_size", "clique_upper_bound", "optimal"]),
-        ("ransac", &["candidates", "trials", "rejected"]),
-        ("verify", &["candidates", "accepted", "undecided", "rejected", "calibration"]),
-        ("voting", &["clusters", "clusters_kept", "optimisations", "rejected"]),
-    ];
-    for (name, keys) in expected {
-        let row = table().iter().find(|row| row.name == *name).unwrap();
-        let file = folder.path().join(format!("{name}.json"));
-        assert!(row.run(&["--stats", file.to_str().unwrap()]).status.success(), "{name}");
+    for row in table().iter().filter(|row| !row.statistics.is_empty()) {
+        let file = folder.path().join(format!("{}.json", row.name));
+        assert!(row.run(&["--stats", file.to_str().unwrap()]).status.success(), "{}", row.name);
         let stats: serde_json::Value = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
-        assert_eq!(stats["stage"], *name);
-        for key in *keys {
-            assert!(!stats[*key].is_null(), "{name}: {key} is missing in {stats}");
+        assert_eq!(stats["stage"], row.name);
+        for key in row.statistics {
+            assert!(!stats[key].is_null(), "{}: {key} is missing in {stats}", row.name);
         }
     }
 }

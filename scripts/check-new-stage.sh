@@ -1,0 +1,30 @@
+#!/bin/sh
+# A new stage changes no other crate: adds one to a copy of the workspace, as CONTRIBUTING.md says, and checks that the tests of the
+# contract, `posecut help` and experiments find it.
+set -eu
+cd "$(dirname "$0")/.."
+place=$PWD/target/ci/new-stage
+copy=$place/copy
+rm -rf "$copy"
+mkdir -p "$copy"
+# With their times, so that what was built before is not built again.
+git ls-files -z | tar --null --files-from=- -cf - | tar -xf - -C "$copy"
+
+# The smallest stage under another name.
+cp -R "$copy/crates/oracle" "$copy/crates/echo"
+find "$copy/crates/echo" -type f -exec sed -i 's/oracle/echo/g' {} +
+
+export CARGO_TARGET_DIR="$place/target" POSECUT_CONTRACT_ONLY=echo
+cd "$copy"
+packages=$(for name in echo simulate ingest construct optimize evaluate experiment; do echo "-p posecut-$name"; done)
+# shellcheck disable=SC2086 # options are words
+cargo build --offline --quiet --bins -p posecut $packages
+cargo test --offline --quiet -p posecut-contract --test contract -- \
+  table:: help_and_usage:: standard_output:: inputs_survive:: threads::
+programs=$CARGO_TARGET_DIR/debug
+"$programs/posecut" help | grep -q '^  echo  *Reject' || { echo 'check-new-stage: posecut help does not list it'; exit 1; }
+"$programs/posecut-experiment" stages --programs "$programs" | grep -q '^echo' ||
+  { echo 'check-new-stage: experiments do not find it'; exit 1; }
+make --no-print-directory -n table ECHO=./mine 2>&1 | grep -q -- '--program echo=./mine' ||
+  { echo 'check-new-stage: the Makefile does not swap it'; exit 1; }
+echo 'a new stage changes no other crate'
