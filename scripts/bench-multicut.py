@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures posecut-multicut as a whole process on generated and published instances; writes docs/multicut-results.md.
+"""Measures posecut-multicut as a whole process on generated and published instances; writes docs/results/multicut.md.
 
 Usage: scripts/bench-multicut.py [--largest N] [--peer PYTHON] [--time-limit SECONDS] [--generated-limit SECONDS]
                                  [--measured FILE] [--only TEXT] [--for SECONDS] [-o FILE]
@@ -135,7 +135,7 @@ def main():
     parser.add_argument("--measured", type=pathlib.Path, help="keep measurements in this file, and use those in it")
     parser.add_argument("--only", default="", metavar="TEXT", help="only instances with this text in their names")
     parser.add_argument("--for", type=float, default=float("inf"), dest="seconds", help="measure nothing new after this many seconds")
-    parser.add_argument("-o", "--output", default=ROOT / "docs/multicut-results.md")
+    parser.add_argument("-o", "--output", default=ROOT / "docs/results/multicut.md")
     arguments = parser.parse_args()
     target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
     subprocess.run(["cargo", "build", "--release", "--locked", "-q", "-p", "posecut-multicut", "--bins", "--example",
