@@ -56,7 +56,7 @@ ablation: $(EXPERIMENTS)
 	  scripts/edges-table.py $(call quoted,$(trust_results))/ablation-$$half.jsonl --rows method --columns family \
 	    --cell kept-lost-rmse -o docs/results/verify-ablation.md --section $$half || exit; done
 
-# PCM's constants on the tuning halves: docs/constants.md.
+# PCM's constants on the tuning halves: docs/results/constants.md.
 constants_of   = pipelines/trust/constants.toml --half tuning $(trust_places)
 constants: $(EXPERIMENTS)
 	@test -d $(call quoted,$(or $(DATA),missing)) || { echo 'Name the folder of graphs: make constants DATA=DIR'; exit 2; }
@@ -65,9 +65,9 @@ constants: $(EXPERIMENTS)
 	@$(EXPERIMENTS) collect $(constants_of) --quiet -o $(call quoted,$(trust_results)/constants.jsonl)
 	@scripts/edges-table.py $(call quoted,$(trust_results)/constants.jsonl) --rows method,chance,grow --cell kept-lost-rmse \
 	  --columns 'clean=[iM][nI]*' 'corrupted=csail_*' 'bicocca=B25b_*' 'kitti=kitti_05_*' 'sessions=20*' \
-	  -o docs/constants.md --section constants
+	  -o docs/results/constants.md --section constants
 
-# PCM's options on graphs with false closures: docs/pcm-results.md.
+# PCM's options on graphs with false closures: docs/results/pcm.md.
 gates_of       = pipelines/pcm-gates.toml --programs $(BIN) --data $(call quoted,$(DATA)) --results $(call quoted,$(RESULTS))
 pcm-gates: $(EXPERIMENTS)
 	@test -d $(call quoted,$(or $(DATA),missing)) || { echo 'Name the folder of graphs: make pcm-gates DATA=DIR'; exit 2; }
@@ -75,4 +75,4 @@ pcm-gates: $(EXPERIMENTS)
 	@$(EXPERIMENTS) run $(gates_of) --threads $(threads)
 	@$(EXPERIMENTS) collect $(gates_of) --quiet -o $(call quoted,$(RESULTS)/pcm-gates/results.jsonl)
 	@scripts/edges-table.py $(call quoted,$(RESULTS)/pcm-gates/results.jsonl) --rows session --columns method \
-	  -o docs/pcm-results.md --section data
+	  -o docs/results/pcm.md --section data

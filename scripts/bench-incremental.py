@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Times the incremental solver beside gtsam's ISAM2 and remakes the table in docs/incremental-results.md.
+"""Times the incremental solver beside gtsam's ISAM2 and remakes the table in docs/results/incremental.md.
 
 Both take a benchmark graph pose by pose, each with the edges that end at it, and give the estimate of the newest pose after
 every step. "same" has gtsam's thresholds: relinearisation beyond 0.1 every 10 steps, propagation beyond 0.001, of all edges
@@ -22,7 +22,7 @@ import time
 import gtsam
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs" / "incremental-results.md"
+PAGE = ROOT / "docs" / "results" / "incremental.md"
 BEST = {"M3500": 137.914878247, "sphere2500": 1351.40192585, "city10000": 511.987450599}
 SAME = ["translation=0.1", "rotation=0.1", "propagate=0.001", "error=0", "every=10", "iterations=1"]
 

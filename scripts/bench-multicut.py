@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures posecut-multicut as a whole process on generated and published instances; writes docs/multicut-results.md.
+"""Measures posecut-multicut as a whole process on generated and published instances; writes docs/results/multicut.md.
 
 Usage: scripts/bench-multicut.py [--largest N] [--peer PYTHON] [--time-limit SECONDS] [--generated-limit SECONDS]
                                  [--measured FILE] [--only TEXT] [--for SECONDS] [-o FILE]
@@ -135,7 +135,7 @@ def main():
     parser.add_argument("--measured", type=pathlib.Path, help="keep measurements in this file, and use those in it")
     parser.add_argument("--only", default="", metavar="TEXT", help="only instances with this text in their names")
     parser.add_argument("--for", type=float, default=float("inf"), dest="seconds", help="measure nothing new after this many seconds")
-    parser.add_argument("-o", "--output", default=ROOT / "docs/multicut-results.md")
+    parser.add_argument("-o", "--output", default=ROOT / "docs/results/multicut.md")
     arguments = parser.parse_args()
     target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
     subprocess.run(["cargo", "build", "--release", "--locked", "-q", "-p", "posecut-multicut", "--bins", "--example",
@@ -181,7 +181,14 @@ def main():
     words = [compare(*pair) for pair in pairs]
     faster = sum(ours["cpu"] < theirs["cpu"] for ours, theirs in pairs)
     faster_alone = sum(ours["cpu"] < theirs["solve_cpu_seconds"] for ours, theirs in pairs)
-    text = ["# What the multicut solver does", "", f"Measured {datetime.date.today()} on {machine()}, one thread. Made by:", "",
+    text = ["# What the multicut solver does", "",
+            f"The solver proves {sum('| yes |' in row for row in exact)} of {len(exact)} instances optimal." + (
+                f" In the {len(pairs)} runs that bioimage-cpp finished in time, posecut's value is "
+                + ", ".join(f"{word} in {words.count(word)}" for word in ("better", "equal", "worse"))
+                + f". Its whole process, with lower bound, is faster than the whole process of bioimage-cpp in {faster} runs, and than "
+                f"the solver of bioimage-cpp alone in {faster_alone}."
+                if pairs else ""), "",
+            f"Measured {datetime.date.today()} on {machine()}, one thread. Made by:", "",
             "    scripts/bench-multicut.py " + " ".join(
                 f"{option} {value}" for option, value in (("--largest", arguments.largest),
                                                            ("--largest-peer", arguments.largest_peer),
@@ -189,27 +196,22 @@ def main():
                                                            ("--generated-limit", arguments.generated_limit),
                                                            ("--time-limit", arguments.time_limit))) +
             (" --peer python" if arguments.peer else ""), "",
-            "Family, n viewpoints in each of two sessions, share of false edges (`crates/multicut/src/graph/generate.rs`); all others "
-            "are published instances. CPU seconds and peak memory are the whole process's, reading included. *Share* is the "
-            "percentage of edges that survive the reductions. Limits are wall time: how far a row that is not proved came depends on "
-            "what else the machine did (its CPU seconds tell).", "",
-            f"Proved optimal: {sum('| yes |' in row for row in exact)} of {len(exact)}." + (
-                f" Beside the peer, where it ended in time ({len(pairs)} runs): value "
-                + ", ".join(f"{words.count(word)} {word}" for word in ("better", "equal", "worse"))
-                + f"; our process, lower bound and all, faster than its process in {faster}, and than its solver alone in {faster_alone}."
-                if pairs else ""),
+            "Generated instances are named by family, number n of viewpoints in each of two sessions, and share of false edges "
+            "(`crates/multicut/src/graph/generate.rs`). All others are published. CPU seconds and peak memory are those of the whole "
+            "process, reading included. *Share* is the percentage of edges that survive the reductions. Limits are wall time, so the gap "
+            "of an instance that is not proved depends on what else the machine did; compare its CPU seconds.",
             *(["", "Not measured: " + ", ".join(missing) + "."] if missing else []),
             "", "## Growth", "",
-            "CPU seconds, peak memory, share of edges that survive the reductions, gap relative to the objective.", "",
+            "A cell shows CPU seconds, peak memory, the share of edges that survive the reductions, and the gap relative to the objective.", "",
             *growth(results),
             "", "## Exact", "",
             "| instance | nodes | edges | CPU s | MB | objective | lower bound | proved | share % |",
             "|---|---|---|---|---|---|---|---|---|", *exact, ""]
     if peers:
         text += ["## Heuristics beside bioimage-cpp", "",
-                 "CPU seconds of whole processes: for us, reading, reductions, the solver, a lower bound, writing; for the peer, Python's start, "
-                 "reading, the solver. *Solver* is what of it the peer's solver takes, once the graph is in memory. *Ratio* is process over process: above 1, we "
-                 "are faster. *Value* compares objectives.", "",
+                 "The peer is bioimage-cpp. CPU seconds are those of whole processes. posecut's process reads, reduces, solves, computes a "
+                 "lower bound and writes. The peer's process starts Python, reads and solves. *Peer solver s* is the time of its solver alone, "
+                 "with the graph in memory. *Ratio* compares processes: above 1, posecut is faster. *Value* compares objectives.", "",
                  "| instance | solver | CPU s | objective | peer CPU s | peer solver s | peer objective | ratio | value |",
                  "|---|---|---|---|---|---|---|---|---|", *peers, ""]
     pathlib.Path(arguments.output).write_text("\n".join(text))

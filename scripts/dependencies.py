@@ -90,10 +90,10 @@ def main():
         rows.append(f"| {name} | {version} | {expression} | {use} |")
     text = (
         "# Dependencies and their licences\n\n"
-        "Made by `scripts/dependencies.py` from Cargo.lock, for all platforms; it fails where a licence could not be met.\n"
-        "Crates of the second kind are linked into tests and benches alone. Which licences are allowed,\n"
-        "`deny.toml` says, so that `cargo deny check` (cargo-deny 0.20) tells the same. `scripts/check-advisories.sh` checks\n"
-        "Cargo.lock against security advisories where cargo-deny or cargo-audit is installed, and says where it cannot.\n\n"
+        "Made by `scripts/dependencies.py` from Cargo.lock, for all platforms. The script fails if a licence is not allowed.\n"
+        "*programs*: the programs contain this crate. *tests*: only tests and benches do. `deny.toml` lists the allowed\n"
+        "licences, so that `cargo deny check` (cargo-deny 0.20) agrees. `scripts/check-advisories.sh` checks Cargo.lock against\n"
+        "security advisories if cargo-deny or cargo-audit is installed, and reports if it cannot.\n\n"
         f"{len(rows)} crates.\n\n| crate | version | licence | used by |\n|---|---|---|---|\n" + "\n".join(rows) + "\n"
     )
     if "--check" not in sys.argv[1:]:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures posecut-optimize, beside other optimisers too, and remakes the tables of docs/optimize-results.md.
+"""Measures posecut-optimize, beside other optimisers too, and remakes the tables of docs/results/optimize.md.
 
 Usage: scripts/measure-optimize.py [--only GRAPH,...] [--parts peers,process,growth,robust,phases] [--no-measure]
 
@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PROGRAMS = ROOT / "target/release"
 WORK = ROOT / "target/comparison"
 RESULTS = ROOT / "target/comparison.json"
-PAGE = ROOT / "docs/optimize-results.md"
+PAGE = ROOT / "docs/results/optimize.md"
 GTSAM = ROOT / "target/python/bin/python"
 PEERS = Path(os.environ.get("PEERS", ROOT / "target/peers")) / "release/posecut-optimize-peers"
 SOLVERS = ["posecut", "arael", "factrs", "apex", "tiny", "gtsam"]

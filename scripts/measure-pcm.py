@@ -3,7 +3,7 @@
 
 Usage: scripts/measure-pcm.py bench [--sizes N...] [-o FILE]
 
-Remakes the section of docs/pcm-results.md between `<!-- bench -->` and `<!-- /bench -->`, from the release programs. It can
+Remakes the section of docs/results/pcm.md between `<!-- bench -->` and `<!-- /bench -->`, from the release programs. It can
 run one size at a time: rows of other sizes stay. `make pcm-gates` remakes the table of graphs with false closures.
 """
 
@@ -104,7 +104,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("section", choices=["bench"])
     parser.add_argument("--sizes", type=int, nargs="+", default=[100, 1000, 5000, 10_000, 20_000, 100_000])
-    parser.add_argument("-o", "--output", type=pathlib.Path, default=ROOT / "docs/pcm-results.md")
+    parser.add_argument("-o", "--output", type=pathlib.Path, default=ROOT / "docs/results/pcm.md")
     arguments = parser.parse_args()
     splice(arguments.output, "bench", bench(arguments.sizes, arguments.output))
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Two tables of docs/reproduction.md that `make table` does not print. scripts/reproduction.sh calls it.
+"""Two tables of docs/results/reproduction.md that `make table` does not print. scripts/reproduction.sh calls it.
 
   reproduction-tables.py nees PROGRAM NCLT_DIRECTORY SESSION...   NEES of the odometry, by length of window
   reproduction-tables.py difference TABLE.csv OTHER.csv           RMSE of the second less that of the first, run by run

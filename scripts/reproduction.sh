@@ -1,12 +1,12 @@
 #!/bin/sh
-# Remakes every table of docs/reproduction.md: runs the experiments and splices their tables between the markers
+# Remakes every table of docs/results/reproduction.md: runs the experiments and splices their tables between the markers
 #   <!-- begin: NAME --> and <!-- end: NAME -->.
 # Usage: scripts/reproduction.sh NCLT_DIRECTORY
 set -eu
 cd "$(dirname "$0")/.."
 nclt=${1:?name the directory of NCLT sessions, such as data/nclt}
 sessions='2012-01-08 2012-01-22 2012-08-04 2012-11-16 2013-02-23'
-document=docs/reproduction.md
+document=docs/results/reproduction.md
 chance='none pcm pcm-chance pcm+gc pcm-chance+gc'
 
 real() { # NAME, then variables of make

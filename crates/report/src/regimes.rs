@@ -5,7 +5,7 @@
 //! - `runs`: runs by their places in the map.
 //! - [`map`]: means and intervals of every cell, and the effect of the graph cut on every cell.
 //! - [`table`]: the same as Markdown and CSV.
-//! - [`document`]: the tables of docs/regimes.md.
+//! - [`document`]: the tables of docs/results/regimes.md.
 
 pub mod document;
 pub mod map;

@@ -182,7 +182,7 @@ fn the_tables_of_the_document_stand_between_their_markers_and_say_what_the_map_s
     assert_eq!(once, "before\n<!-- begin: a -->\n\n| new |\n\n<!-- end: a -->\nafter\n");
     assert_eq!(splice(&once, "a", "| new |\n").unwrap(), once);
     assert!(splice(document, "b", "").unwrap_err().to_string().contains("<!-- begin: b -->"));
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/regimes.md");
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/results/regimes.md");
     let page = std::fs::read_to_string(path).unwrap();
     let tables = sections(&map);
     for (name, text) in &tables {

@@ -1,4 +1,4 @@
-//! The tables of docs/regimes.md.
+//! The tables of docs/results/regimes.md.
 
 use std::fmt::Write as _;
 

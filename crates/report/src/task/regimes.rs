@@ -28,7 +28,7 @@ pub(crate) struct Regimes {
     #[arg(long, value_enum)]
     table: Option<Format>,
 
-    /// Put all tables between the markers of this document (docs/regimes.md) instead
+    /// Put all tables between the markers of this document (docs/results/regimes.md) instead
     #[arg(long, value_name = "FILE", conflicts_with_all = ["show", "table", "sessions", "kinds"])]
     document: Option<PathBuf>,
 
