@@ -1,5 +1,5 @@
 #!/bin/sh
-# The Makefile's variables never become commands, and `make clean` deletes only what a run made. Needs no programs.
+# Checks that the Makefile's variables never become commands, and that `make clean` deletes only what a run created. Needs no programs.
 set -eu
 cd "$(dirname "$0")/.."
 unset MAKEFLAGS MAKELEVEL MFLAGS NCLT RESULTS SIMULATED SESSIONS DATA PREFIX DOCUMENT SEEDS PIPELINES METHODS FAMILIES HALF \
@@ -9,7 +9,8 @@ trap 'rm -rf -- "$work"' EXIT
 
 fail() { echo "check-makefile: $1"; exit 1; }
 
-# NAME VALUE: `make help`, `make -n table` and `make clean` refuse it with a sentence that names the variable, and run nothing of it.
+# NAME VALUE: `make help`, `make -n table` and `make clean` must refuse the value with a sentence that names the variable, and must not
+# run any part of it.
 refused() {
   for target in help '-n table' clean; do
     # shellcheck disable=SC2086 # -n is an option.
@@ -40,12 +41,12 @@ refused PREFIX ''
 refused RESULTS ''
 refused SIMULATED ''
 
-# The environment is refused like the command line.
+# Values from the environment are refused like those of the command line.
 for name in RESULTS DATA PREFIX CARGO_TARGET_DIR PCM; do
   if env "$name=x;touch $work/owned" make help >/dev/null 2>&1; then fail "make accepts $name of the environment"; fi
 done
 
-# What somebody else put there stays.
+# Files that no run created stay.
 clean() { make --no-print-directory clean "RESULTS=$work/results" "SIMULATED=$work/simulated"; }
 mkdir "$work/results" "$work/other"
 touch "$work/results/precious" "$work/other/precious"
@@ -56,13 +57,13 @@ scripts/folders.sh mark "$work/results"
 [ ! -e "$work/results/.posecut-made" ] || fail "a folder with other content was marked"
 rm -r "$work/results"
 
-# What a run made goes.
+# Files that a run created are deleted.
 scripts/folders.sh mark "$work/results" "$work/simulated"
 touch "$work/results/made" "$work/simulated/made"
 clean
 [ ! -e "$work/results" ] && [ ! -e "$work/simulated" ] || fail 'make clean left what a run made'
 
-# A link is not followed.
+# Links are not followed.
 scripts/folders.sh mark "$work/linked"
 ln -s "$work/linked" "$work/results"
 if clean >/dev/null 2>&1; then fail 'make clean deletes a link'; fi

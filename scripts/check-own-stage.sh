@@ -1,6 +1,6 @@
 #!/bin/sh
-# Takes the stages out of docs/bring-your-own-stage.md, holds them to the contract, and puts them in PCM's place in
-# `make table`. Python needs python3, the shell pipe needs jq; what is not there is skipped by name.
+# Extracts the stages of docs/bring-your-own-stage.md, checks them against the contract, and runs them instead of PCM in
+# `make table`. The Python stage needs python3, the shell stage needs jq. A stage whose interpreter is missing is skipped by name.
 # Usage: scripts/check-own-stage.sh [DIRECTORY_OF_PROGRAMS]
 set -eu
 cd "$(dirname "$0")/.."
@@ -20,7 +20,7 @@ for stage in my-stage.py my-stage.sh; do
   make --silent table PCM="$work/$stage" PIPELINES=paper SESSIONS=2012-01-22 SEEDS=1 METHODS=pcm \
     RESULTS="$work/results" SIMULATED=target/ci/simulated >"$work/table.txt" || { cat "$work/table.txt"; exit 1; }
   grep -E '^\| *(method|pcm) ' "$work/table.txt" | head -n 2 | tee "$work/rows.txt"
-  # The header and a row with a number in it, and the stage's own mark in the graph that was optimised.
+  # The table needs a header and a row with a number, and the optimised graph needs the stage's own mark.
   grep -qE '^\| *pcm +\| +[0-9]' "$work/rows.txt" || { echo "the table has no row for $stage"; exit 1; }
   mark=${stage%.py}
   grep -rqF "\"rejected_by\":\"$mark\"" "$work/results" || { echo "$stage rejected nothing, or did not run"; exit 1; }

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Opens pages of posecut-report in headless Chromium and checks that they work (scripts/check-report.mjs says what).
-# Skipped where Chromium or playwright-core cannot be had.
+# Opens pages of posecut-report in headless Chromium and checks that they work (scripts/check-report.mjs lists the checks).
+# Skipped if Chromium or playwright-core is not available.
 # Usage: scripts/check-report.sh PAGE.html…        SHOTS=DIRECTORY keeps screenshots
 set -eu
 cd "$(dirname "$0")/.."
@@ -16,7 +16,7 @@ if [ -z "$chromium" ]; then
 fi
 if [ ! -d "$environment/node_modules/playwright-core" ]; then
   mkdir -p "$environment"
-  # One package of JavaScript, without browsers; the installed Chromium is driven.
+  # One JavaScript package, without browsers; it controls the installed Chromium.
   if ! npm install --prefix "$environment" --no-save --no-audit --no-fund playwright-core >/dev/null 2>&1; then
     echo 'skipped: check-report: playwright-core cannot be installed here (it needs node and npm)'
     exit 0

@@ -1,7 +1,6 @@
 #!/bin/sh
-# Holds the ways of running one plan to each other: Make one task at a time, the runner with two threads, the shares of a
-# Slurm array one after the other, and two HyperQueue workers must leave the same bytes. HyperQueue is skipped where it
-# cannot be installed.
+# Compares the ways of running one plan: make with one task at a time, the runner with two threads, the shares of a Slurm array one
+# after the other, and two HyperQueue workers must write the same bytes. HyperQueue is skipped if it cannot be installed.
 # Usage: scripts/check-sweep.sh [DIRECTORY_OF_PROGRAMS]
 set -eu
 cd "$(dirname "$0")/.."
@@ -11,14 +10,14 @@ here=$(pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# Each engine works in a folder of its own, on the same names.
+# Each engine works in its own folder, with the same names.
 prepare() { # ENGINE
   mkdir "$work/$1"
   cd "$work/$1"
   ln -s "$here/pipelines" pipelines
   "$experiment" plan pipelines/small.toml --quiet --programs "$programs" --format "$2" -o "$3"
 }
-# Results and session graphs; journals and locks tell how a run went and not what came out.
+# Results and session graphs. Journals and locks describe the run, not its result.
 left() { # ENGINE
   cd "$work/$1"
   find data results -name '*.result.json' -o -name session.jsonl -o -name '*.csv' | LC_ALL=C sort | xargs sha256sum
@@ -40,7 +39,7 @@ same runner
 prepare slurm tasks plan.jsonl
 cat > sbatch <<'SBATCH'
 #!/bin/sh
-# Stands in for sbatch: runs what it is given at once, an array share by share.
+# A substitute for sbatch: runs the given command at once, an array share by share.
 for word in "$@"; do
   case $word in --array=1-*) shares=${word#--array=1-} ;; esac
   command=$word

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs every method of the trust benchmark on two simulated sessions and checks that none fails and that the page has all.
+# Runs every method of the trust benchmark on two simulated sessions. Checks that no method fails and that the page has all methods.
 #
 # Usage: scripts/check-trust.sh [FOLDER OF RESULTS]; needs the release programs. It takes about half a minute.
 set -eu

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Holds posecut-evaluate to evo, the field's usual tool for trajectory errors: the same two trajectories, aligned by
-# SE(3), must have the same absolute trajectory error to 1e-9 m, from TUM files and from KITTI files; and evo must read the
-# result file of posecut-convert, with the same figures in it. Skipped where evo cannot be installed.
+# Compares posecut-evaluate with evo, the field's usual tool for trajectory errors. The same two trajectories, aligned by SE(3), must
+# have the same absolute trajectory error to 1e-9 m, from TUM files and from KITTI files. evo must read the result file of
+# posecut-convert and find the same figures in it. Skipped if evo cannot be installed.
 # Usage: scripts/check-with-evo.sh [DIRECTORY_OF_PROGRAMS]
 set -eu
 cd "$(dirname "$0")/.."
@@ -40,7 +40,7 @@ def compare(what, theirs):
     worst = 0.0
     for name, value in theirs.items():
         distance = abs(value - ours[name])
-        # Sums of squares are larger than the errors by the number of poses.
+        # Sums of squares grow with the number of poses, so their tolerance does too.
         worst = max(worst, distance / max(1.0, abs(value)))
         print(f"{what}: {name}: evo {value!r}, posecut {ours[name]!r}, distance {distance:.1e}")
     if not worst <= 1e-9:

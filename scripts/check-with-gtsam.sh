@@ -1,7 +1,7 @@
 #!/bin/sh
-# Holds posecut-optimize to gtsam: on the same graph gtsam must find the same cost, no better one from our optimum, and the same
-# covariances of relative poses, of rejected landmark edges too.
-# Skipped where gtsam cannot be installed.
+# Compares posecut-optimize with gtsam. On the same graph, gtsam must find the same cost, no lower cost from posecut's optimum, and the
+# same covariances of relative poses, also for rejected landmark edges.
+# Skipped if gtsam cannot be installed.
 # Usage: scripts/check-with-gtsam.sh [DIRECTORY_OF_PROGRAMS]
 set -eu
 cd "$(dirname "$0")/.."
@@ -10,7 +10,7 @@ python=$(scripts/python-environment.sh gtsam) || { echo 'skipped: gtsam cannot b
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# In space: the same drive lifted, since the test graph is planar.
+# In space: the same drive, lifted, because the test graph is planar.
 python3 - testdata/graph.jsonl "$work/space.jsonl" <<'PYTHON'
 import json, math, sys
 
@@ -119,7 +119,7 @@ if chi2 - improved > 1e-8 * chi2 or moved > 1e-3:
 
 import numpy as np
 
-# gtsam's prior on the first pose is as good as none for relative poses: they do not depend on it.
+# Relative poses do not depend on gtsam's prior on the first pose.
 marginals = gtsam.Marginals(graph, ours)
 edges = [json.loads(line) for line in open(f"{work}/ours.jsonl")]
 edges = [edge for edge in edges if edge["kind"] == "landmark" and edge.get("predicted_covariance")]
@@ -142,9 +142,9 @@ if not edges or not rejected or worst > 1e-3:
     sys.exit("posecut and gtsam disagree on covariances")
 PYTHON
 
-# Poses: gtsam starts where the chordal relaxation does and must end where posecut ends, within 1e-6 m. In the plane its arithmetic
-# leaves more than that open; there planar_optimum.py goes on from where gtsam ends, in extended precision, and is the judge. gtsam's
-# own factor between two poses leaves the derivative of the logarithm out of its Jacobians; here it gets whole ones.
+# Poses: gtsam starts from the chordal relaxation and must end at posecut's poses, within 1e-6 m. In the plane, gtsam's arithmetic is
+# less precise than that; planar_optimum.py continues from gtsam's result in extended precision, and its result counts. gtsam's own
+# factor between two poses omits the derivative of the logarithm from its Jacobians; this script gives it complete ones.
 "$python" -c "import scipy" 2>/dev/null || "$python" -m pip install --quiet scipy
 for name in drive smallGrid3D CSAIL MIT M3500; do
   if [ "$name" = drive ]; then
@@ -205,13 +205,13 @@ for name in ("drive", "smallGrid3D", "CSAIL", "MIT", "M3500"):
         delta = graph.linearize(theirs).optimize()
         steps.append(max(np.abs(delta.at(key)).max() for key in theirs.keys()))
         theirs = theirs.retract(delta)
-    # Both hold the first pose: nothing is left to align.
+    # Both fix the first pose, so no alignment is needed.
     far = max(np.linalg.norm(np.subtract(pose(ours, key).translation(), pose(theirs, key).translation())) for key in ours.keys())
     cost, other = 2.0 * graph.error(ours), 2.0 * graph.error(theirs)
     left = json.loads((work / f"{name}.stats.json").read_text())["last_step"]
     print(f"{name}: poses within {far:.1e} m of gtsam's, whose last steps are up to {max(steps[-5:]):.0e} and ours {left:.0e}; "
           f"its cost is {other - cost:.1e} above {cost:.10g}")
-    # In space gtsam's steps shrink to rounding. In the plane they do not where poses are held weakly: they wander about the optimum.
+    # In space, gtsam's steps shrink to rounding errors. In the plane, weakly determined poses keep moving around the optimum.
     if abs(other - cost) > 1e-9 * cost or far > (1e-6 if spatial else 1e-3):
         sys.exit(f"{name}: gtsam ends elsewhere")
     if spatial:

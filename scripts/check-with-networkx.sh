@@ -1,6 +1,6 @@
 #!/bin/sh
-# Holds posecut-pcm to networkx: on the consistency graphs that it writes, networkx must find no larger clique, and what
-# posecut keeps must be a clique of the size that it states. Skipped where networkx cannot be installed.
+# Compares posecut-pcm with networkx. On the consistency graphs that posecut-pcm writes, networkx must find no larger clique, and the
+# edges that posecut-pcm keeps must be a clique of the reported size. Skipped if networkx cannot be installed.
 # Usage: scripts/check-with-networkx.sh [DIRECTORY_OF_PROGRAMS]
 set -eu
 cd "$(dirname "$0")/.."

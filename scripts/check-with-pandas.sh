@@ -1,6 +1,6 @@
 #!/bin/sh
-# Runs the pandas recipe of docs/other-tools.md, holds its counts to posecut-evaluate, and its output to what the page shows
-# (--write puts it there). Skipped where pandas cannot be installed.
+# Runs the pandas recipe of docs/other-tools.md, and compares its counts with posecut-evaluate and its output with the page (--write
+# puts the output there). Skipped if pandas cannot be installed.
 # Usage: scripts/check-with-pandas.sh [--write] [DIRECTORY_OF_PROGRAMS]
 set -eu
 cd "$(dirname "$0")/.."

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Writes a program that stands in a document: the fenced block after the line <!-- file: NAME -->.
+# Extracts a program from a document: the fenced block after the line <!-- file: NAME -->.
 # Usage: scripts/extract.sh DOCUMENT NAME >PROGRAM
 set -eu
 awk -v name="$2" '

@@ -1,5 +1,5 @@
 #!/bin/sh
-# folders.sh mark DIR…: makes folders for results, each with a marker file that says so. A folder with other content stays as it is.
+# folders.sh mark DIR…: creates folders for results, each with a marker file. A folder with other content does not change.
 # folders.sh clean DIR…: deletes folders that have the marker, and nothing else.
 set -u
 marker=.posecut-made

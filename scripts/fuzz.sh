@@ -1,6 +1,6 @@
 #!/bin/sh
-# Gives hostile input to every reader and stage for SECONDS (60 unless told), within 3 GB of memory; further arguments go
-# to the fuzzer (names of targets, --seed, …). Findings go to target/fuzz. Exit status 1 if there is one.
+# Gives hostile input to every reader and stage for SECONDS [default: 60], within 3 GB of memory. Further arguments go to the fuzzer
+# (names of targets, --seed, …). Findings go to target/fuzz; exit status 1 if there is any.
 set -eu
 cd "$(dirname "$0")/.."
 seconds=${1:-60}

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Remakes testdata/: a small simulated graph, and what the stages are expected to make of it. Run it after a change that
-# is meant to change results, and look at the difference before you commit it.
+# Regenerates testdata/: a small simulated graph, and the expected output of the stages for it. Run it after an intended change of
+# results, and read the difference before you commit it.
 # Usage: scripts/make-testdata.sh [DIRECTORY_OF_PROGRAMS]
 set -eu
 cd "$(dirname "$0")/.."
@@ -18,7 +18,7 @@ for method in pcm multicut; do
   "$programs/posecut-optimize" -q "$work/$method.jsonl" |
     "$programs/posecut-evaluate" -q --reference "$work/reference.jsonl" -o /dev/null --stats "$work/stats.json"
   grep -v '"seconds"' "$work/stats.json" > "testdata/$method.stats"
-  # The ids of the edges that the method rejects, one a line.
+  # The ids of the edges that the method rejects, one per line.
   sed -n "s/^{\"kind\":\"landmark\",\"id\":\([0-9]*\),.*\"rejected_by\":\"$method\".*/\1/p" "$work/$method.jsonl" \
     > "testdata/$method.rejected"
 done

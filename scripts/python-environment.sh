@@ -1,6 +1,6 @@
 #!/bin/sh
-# Prints the Python of an environment in target/python that has these PyPI packages, and installs those that are missing;
-# exit status 1 where it cannot. All scripts share the environment: most of these packages need the same large ones.
+# Prints the Python of an environment in target/python that has these PyPI packages, and installs the missing ones. Exit status 1 if
+# it cannot. All scripts share the environment, because most of these packages need the same large ones.
 # Usage: scripts/python-environment.sh PACKAGE...
 set -eu
 environment=$(dirname "$0")/../target/python

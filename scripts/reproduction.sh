@@ -28,7 +28,7 @@ splice() { # NAME FILE
 make --silent -j2 table SEEDS=5 RESULTS=results/reproduction/simulated >/dev/null
 splice simulated results/reproduction/simulated/table-simulated.md
 real real
-# The paper's solver, and what it changes.
+# The paper's solver, and the difference that it makes.
 real isam2 'paper.optimize=--solver isam2' 'calibrated.optimize=--solver isam2'
 scripts/reproduction-tables.py difference results/reproduction/real/table.csv results/reproduction/isam2/table.csv \
   > results/reproduction/difference.md
@@ -42,7 +42,7 @@ splice nees results/reproduction/nees.md
 make --silent -j2 table SEEDS=5 METHODS="$chance" RESULTS=results/reproduction/chance-simulated >/dev/null
 splice chance-simulated results/reproduction/chance-simulated/table-simulated.md
 real chance METHODS="$chance"
-# 2012-11-16 is not in this one: nothing but neighbours across the cut joins its halves.
+# 2012-11-16 is not in this table: only edges across the cut join its halves.
 real seam SESSIONS='2012-01-08 2012-01-22 2012-08-04 2013-02-23' METHODS='pcm pcm+gc' \
   'paper.construct=--split middle --minimum-interval 60' 'calibrated.construct=--split middle --minimum-interval 60'
 real root PIPELINES=calibrated METHODS='none pcm gc pcm+gc' 'calibrated.pcm=--test root --probability 0.99'

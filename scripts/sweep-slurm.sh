@@ -1,10 +1,10 @@
 #!/bin/sh
-# Runs a task list as a Slurm array: one job for what several runs share, then an array of shares of the runs. Finished
-# tasks do not run again, so the same command resumes a sweep that was broken off. Options after -- go to sbatch.
+# Runs a task list as a Slurm array: one job for the tasks that several runs share, then an array of shares of the runs. Finished
+# tasks do not run again, so the same command resumes an interrupted sweep. Options after -- go to sbatch.
 # Usage: scripts/sweep-slurm.sh PLAN.jsonl SHARES [PROGRAM] [-- SBATCH_OPTIONS...]
 #   posecut-experiment plan pipelines/regimes.toml -o plan.jsonl
 #   scripts/sweep-slurm.sh plan.jsonl 100 -- --time=1:00:00 --partition=short
-# A list that was planned with --results or --simulated: RESULTS=DIR SIMULATED=DIR scripts/sweep-slurm.sh plan.jsonl 100
+# For a list that was planned with --results or --simulated: RESULTS=DIR SIMULATED=DIR scripts/sweep-slurm.sh plan.jsonl 100
 # SBATCH=echo shows what would be submitted.
 set -eu
 plan=${1:?name a task list, as posecut-experiment plan writes it}
