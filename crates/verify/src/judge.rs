@@ -2,15 +2,15 @@
 
 use petgraph::unionfind::UnionFind;
 use posecut_graph::PoseGraph;
-use rayon::prelude::*;
 
 use crate::breaks::breaks;
-use crate::bridges::{Seams, bridged, bridges};
-use crate::calibration::{Calibration, Factors};
-use crate::cut::{COST, Tie, cut, tied};
+use crate::bridges::{Bridge, Seams, bridged, bridges};
+use crate::calibration::Factors;
+use crate::cut::Tie;
 use crate::evidence::chi_square_quantile;
+use crate::first_pass::FirstPass;
 use crate::ingredients::Ingredient;
-use crate::islands::{Hypothesis, islands, support};
+use crate::islands::Hypothesis;
 use crate::map::Drawing;
 use crate::model::{Model, Motion};
 use crate::partners::Partners;
@@ -73,65 +73,38 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         Some(Known { factors, accepted }) => (factors, accepted),
         None => (Factors::of(model, &partners), Vec::new()),
     };
-    let Factors { loops: calibration, random } = factors.clone();
-    let ties = ties(model, &partners, &calibration);
-    let count = model.closures.len();
-    let ratio: Vec<Option<f64>> =
-        (0..count).map(|closure| Some(calibration.evidence(&model.single(closure)?)?.distant())).collect();
-    let threshold = (COST * count as f64 * (1.0 - calibration.correct)).max(1.0).ln();
-    let chains = model.chains.chains.len();
-    let anchored: Vec<Option<(usize, f64)>> = ratio
+    let known: Vec<bool> = model
+        .closures
         .iter()
-        .enumerate()
-        .map(|(closure, ratio)| ratio.map(|ratio| (model.span(closure).a, ratio)))
+        .map(|closure| begun_with.binary_search(&closure.candidate.edge).is_ok())
         .collect();
-    let together = if model.without(Ingredient::Multicut) { tied } else { cut };
-    let clusters = together(count, chains, &ties, &anchored, calibration.correct);
-    let support = support(&clusters, &ties, &anchored);
-    // Islands that hang together closely are as many chances to agree by chance, and no more.
-    let close = islands(&clusters, &ties, &support, threshold, threshold);
-    let trials = close.count(&support, threshold) as f64;
-    let loose = (COST * trials * (1.0 - calibration.correct)).max(1.0).ln();
-    let islands = islands(&clusters, &ties, &support, threshold, loose);
-    let best = islands.best(&ratio);
-    let known = |closure: usize| begun_with.binary_search(&model.closures[closure].candidate.edge).is_ok();
-    // What an island says of the trajectory shares its odometry: it counts once, as its best member does.
-    let anchored_well = |closure: usize| {
-        anchored[closure]
-            .is_some_and(|(anchor, _)| clusters.labels[closure] == clusters.labels[count + anchor])
-            && support[closure] > threshold
-            && best[islands.forest.find(closure)] > loose
-    };
-    let accepted = (0..count).map(|closure| known(closure) || anchored_well(closure)).collect();
-    let mut hypotheses = islands.hypotheses(threshold);
-    let mut parts = UnionFind::new(chains);
-    for span in (0..count).filter(|&closure| known(closure)).map(|closure| model.span(closure)) {
-        parts.union(span.a, span.b);
-    }
-    let drawing = Drawing::of(graph, model)?;
+    let first = FirstPass::of(model, &partners, &factors.loops);
     let [within, between] = if model.without(Ingredient::Bridges) {
         [Vec::new(), Vec::new()]
     } else {
         bridges(graph, &model.chains)
     };
-    let begun = bridged(between.iter(), model, &calibration);
+    let FirstPass { ties, cut_gap, threshold, ratio, mut accepted, mut hypotheses } = first;
+    accepted.iter_mut().zip(&known).for_each(|(accepted, &known)| *accepted |= known);
+    let begun = bridged(between.iter(), model, &factors.loops);
     // What the usual motion from one session to the next contradicts joins them only where nothing else does.
     hypotheses.sort_by_key(|hypothesis| hypothesis.contradicted(&begun));
     if let Some(preferred) = preferred {
         hypotheses.sort_by_key(|hypothesis| hypothesis.members != preferred);
     }
+    let count = model.closures.len();
     let mut rounds = Rounds {
-        bridged: bridged(within.iter().chain(&between), model, &calibration),
+        bridged: bridged(within.iter().chain(&between), model, &factors.loops),
         begun,
         seams: Seams { open: between, confirmed: Vec::new() },
         model,
         partners,
-        drawing,
-        random,
+        drawing: Drawing::of(graph, model)?,
+        random: factors.random.clone(),
         threshold,
         tried: vec![false; hypotheses.len()],
         hypotheses,
-        parts,
+        parts: joined(model, |closure| known[closure]).0,
         accepted,
         ratio,
         fits: vec![false; count],
@@ -142,28 +115,13 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         usual: chi_square_quantile(DOF, USUAL),
         poses: None,
     };
-    let mut number = rounds.all(&within)?;
-    let broken = |rounds: &Rounds<'_, G, DOF>| {
-        if model.without(Ingredient::Breaks) { Vec::new() } else { breaks(graph, rounds) }
-    };
-    let mut breaks = broken(&rounds);
-    // Where odometry is broken everything is judged again, and what it contradicts now may agree with the map.
-    if breaks.is_empty() && !model.without(Ingredient::Trials) {
-        while rounds.try_others()? {
-            number += rounds.all(&within)?;
-        }
-        breaks = broken(&rounds);
-    }
-    let mut all = UnionFind::<usize>::new(chains);
-    let joinable = model.spans.iter().filter(|span| all.union(span.a, span.b)).count();
-    let mut held = UnionFind::<usize>::new(chains);
-    let spans = (0..count).filter(|&closure| rounds.accepted[closure]).map(|closure| model.span(closure));
-    let joined = spans.filter(|span| held.union(span.a, span.b)).count();
+    let (number, breaks) = settle(graph, &mut rounds, &within)?;
     let prior = rounds.prior();
     let odds = rounds.most.iter().map(|most| prior.odds(*most)).collect();
     let Rounds { accepted, ratio, local, hypotheses, random, .. } = rounds;
     let local = local.iter().map(|ratio| ratio.map_or(0.0, |ratio| random.wrong(ratio))).collect();
-    let cut_gap = clusters.gap;
+    let joinable = joined(model, |_| true).1;
+    let joined = joined(model, |closure| accepted[closure]).1;
     Ok(Judged {
         accepted,
         ratio,
@@ -180,22 +138,36 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     })
 }
 
-/// The evidence of each pair of partners.
-fn ties<G: Motion<DOF>, const DOF: usize>(
+/// Rounds until nothing changes, then the odometry that is broken, and what the map contradicts on trial. Returns how many rounds there
+/// were, and the places of broken odometry.
+fn settle<G: Motion<DOF>, const DOF: usize>(
+    graph: &PoseGraph,
+    rounds: &mut Rounds<'_, G, DOF>,
+    within: &[Bridge<G, DOF>],
+) -> anyhow::Result<(usize, Vec<usize>)> {
+    let broken = |rounds: &Rounds<'_, G, DOF>| {
+        if rounds.model.without(Ingredient::Breaks) { Vec::new() } else { breaks(graph, rounds) }
+    };
+    let mut number = rounds.all(within)?;
+    let mut found = broken(rounds);
+    // Where odometry is broken everything is judged again, and what it contradicts now may agree with the map.
+    if found.is_empty() && !rounds.model.without(Ingredient::Trials) {
+        while rounds.try_others()? {
+            number += rounds.all(within)?;
+        }
+        found = broken(rounds);
+    }
+    Ok((number, found))
+}
+
+/// The parts that some closures make of the chains, and how many of these closures join two.
+fn joined<G: Motion<DOF>, const DOF: usize>(
     model: &Model<G, DOF>,
-    partners: &Partners,
-    calibration: &Calibration,
-) -> Vec<Tie> {
-    let mut pairs: Vec<(usize, usize)> = (0..model.closures.len())
-        .flat_map(|one| partners.all(one).map(move |other| (one.min(other), one.max(other))))
-        .collect();
-    pairs.sort_unstable();
-    pairs.dedup();
-    pairs
-        .into_par_iter()
-        .filter_map(|(one, other)| {
-            let evidence = calibration.evidence(&model.pair(one, other))?;
-            Some(Tie { one, other, ratio: evidence.weight() })
-        })
-        .collect()
+    is_among: impl Fn(usize) -> bool,
+) -> (UnionFind<usize>, usize) {
+    let mut parts = UnionFind::new(model.chains.chains.len());
+    let among =
+        (0..model.closures.len()).filter(|&closure| is_among(closure)).map(|closure| model.span(closure));
+    let joins = among.filter(|span| parts.union(span.a, span.b)).count();
+    (parts, joins)
 }

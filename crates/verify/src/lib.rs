@@ -20,6 +20,7 @@ mod bridges;
 mod calibration;
 mod cut;
 mod evidence;
+mod first_pass;
 mod ingredients;
 mod islands;
 mod judge;

@@ -203,67 +203,18 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
     /// is accepted next.
     fn round(&mut self) -> anyhow::Result<Vec<bool>> {
         let part = self.parts.clone().into_labeling();
-        let within = |closure: usize| {
-            let span = self.model.span(closure);
-            part[span.a] == part[span.b]
-        };
-        let asked: Vec<usize> = (0..self.accepted.len()).filter(|&closure| within(closure)).collect();
-        let open = self.open();
-        let first: Vec<usize> = open.iter().flat_map(|&number| self.hypotheses[number].witnesses()).collect();
-        let mut start = self.poses.take();
-        let (poses, judged) = loop {
-            let bridges = &self.seams.confirmed;
-            let mut map =
-                self.drawing.map(self.model, &self.random, &self.accepted, bridges, start.as_deref())?;
-            map.enough = self.threshold;
-            let judged = map.judge(&self.partners, &asked, &first);
-            // What a bridge contradicts must not be accepted in the round that confirms it.
-            if !self.seams.confirm(&mut map, &part, self.usual) {
-                break (map.poses, judged);
-            }
-            start = Some(map.poses);
-        };
-        // Of the accepted ones that the rest contradicts the worst third goes first: the others may be its victims.
-        let mut worst: Vec<f64> = asked
-            .iter()
-            .zip(&judged)
-            .filter(|(closure, _)| self.accepted[**closure])
-            .filter_map(|(_, evidence)| evidence.filter(|evidence| evidence.weight() <= CONTRADICTED))
-            .map(|evidence| evidence.squared_distance)
-            .collect();
-        worst.sort_by(|a, b| b.total_cmp(a));
-        let limit = worst.get(worst.len().div_ceil(3).saturating_sub(1)).copied().unwrap_or(f64::INFINITY);
-        for (&closure, evidence) in asked.iter().zip(judged) {
-            let spared = self.accepted[closure]
-                && evidence
-                    .is_some_and(|found| found.weight() <= CONTRADICTED && found.squared_distance < limit);
-            // Where the rest of the map does not hold both ends, what was known before counts.
-            match evidence {
-                Some(evidence) if !spared => {
-                    let evidence = self.with_bridge(closure, evidence);
-                    self.ratio[closure] = Some(evidence.weight());
-                    self.most[closure] = Some(evidence.most);
-                    self.chance[closure] = Some(evidence.chance);
-                    self.fits[closure] = evidence.squared_distance <= self.usual;
-                    self.local[closure] = Some(evidence.local);
-                }
-                _ => {}
-            }
-        }
-        let mut next: Vec<bool> = (0..self.accepted.len())
+        let within: Vec<bool> = (0..self.accepted.len())
             .map(|closure| {
-                within(closure)
-                    && self.precise(closure)
-                    && self.ratio[closure].is_some_and(|ratio| ratio > self.threshold)
+                let span = self.model.span(closure);
+                part[span.a] == part[span.b]
             })
             .collect();
-        for closure in self.likely(&next) {
-            next[closure] = within(closure);
-        }
-        for closure in asked {
-            // Accepted with a hypothesis, and the map does not hold both ends without it.
-            next[closure] |= self.accepted[closure] && self.ratio[closure].is_none();
-        }
+        let asked: Vec<usize> = (0..within.len()).filter(|&closure| within[closure]).collect();
+        let open = self.open();
+        let first: Vec<usize> = open.iter().flat_map(|&number| self.hypotheses[number].witnesses()).collect();
+        let (poses, judged) = self.draw(&part, &asked, &first)?;
+        self.weigh(&asked, judged);
+        let mut next = self.held(&within);
         let open = || open.iter().map(|&number| &self.hypotheses[number]);
         for &member in open()
             .filter(|hypothesis| self.agrees(hypothesis, |member| self.ratio[member]))
@@ -284,6 +235,77 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         // Nearly the same map: start from this one.
         self.poses = (!joined).then_some(poses);
         Ok(next)
+    }
+
+    /// The map of what is accepted, and what it says of each closure asked; the bridges that it confirms are part of it.
+    fn draw(
+        &mut self,
+        part: &[usize],
+        asked: &[usize],
+        first: &[usize],
+    ) -> anyhow::Result<(Vec<G>, Vec<Option<Evidence>>)> {
+        let mut start = self.poses.take();
+        loop {
+            let bridges = &self.seams.confirmed;
+            let mut map =
+                self.drawing.map(self.model, &self.random, &self.accepted, bridges, start.as_deref())?;
+            map.enough = self.threshold;
+            let judged = map.judge(&self.partners, asked, first);
+            // What a bridge contradicts must not be accepted in the round that confirms it.
+            if !self.seams.confirm(&mut map, part, self.usual) {
+                return Ok((map.poses, judged));
+            }
+            start = Some(map.poses);
+        }
+    }
+
+    /// Takes over what the map says of each closure asked.
+    fn weigh(&mut self, asked: &[usize], judged: Vec<Option<Evidence>>) {
+        // Of the accepted ones that the rest contradicts the worst third goes first: the others may be its victims.
+        let mut worst: Vec<f64> = asked
+            .iter()
+            .zip(&judged)
+            .filter(|(closure, _)| self.accepted[**closure])
+            .filter_map(|(_, evidence)| evidence.filter(|evidence| evidence.weight() <= CONTRADICTED))
+            .map(|evidence| evidence.squared_distance)
+            .collect();
+        worst.sort_by(|a, b| b.total_cmp(a));
+        let limit = worst.get(worst.len().div_ceil(3).saturating_sub(1)).copied().unwrap_or(f64::INFINITY);
+        for (&closure, evidence) in asked.iter().zip(judged) {
+            // Where the rest of the map does not hold both ends, what was known before counts.
+            let Some(evidence) = evidence else { continue };
+            let spared = self.accepted[closure]
+                && evidence.weight() <= CONTRADICTED
+                && evidence.squared_distance < limit;
+            if spared {
+                continue;
+            }
+            let evidence = self.with_bridge(closure, evidence);
+            self.ratio[closure] = Some(evidence.weight());
+            self.most[closure] = Some(evidence.most);
+            self.chance[closure] = Some(evidence.chance);
+            self.fits[closure] = evidence.squared_distance <= self.usual;
+            self.local[closure] = Some(evidence.local);
+        }
+    }
+
+    /// The closures within one part that the map holds, by what was taken over from it.
+    fn held(&self, within: &[bool]) -> Vec<bool> {
+        let mut next: Vec<bool> = (0..within.len())
+            .map(|closure| {
+                within[closure]
+                    && self.precise(closure)
+                    && self.ratio[closure].is_some_and(|ratio| ratio > self.threshold)
+            })
+            .collect();
+        for closure in self.likely(&next) {
+            next[closure] = within[closure];
+        }
+        for closure in (0..within.len()).filter(|&closure| within[closure]) {
+            // Accepted with a hypothesis, and the map does not hold both ends without it.
+            next[closure] |= self.accepted[closure] && self.ratio[closure].is_none();
+        }
+        next
     }
 
     /// What the map says, or a bridge, where this says more and the map does not contradict.
