@@ -3,6 +3,7 @@
 use nalgebra::SVector;
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_graph::{Dimension, Edge, EdgeKind, EdgeTruth, Header, Node, NodeTruth, NoiseModel, PoseGraph};
+use posecut_stage::ChaCha8Rng;
 use rand::RngExt as _;
 use rand_distr::{Distribution as _, StandardNormal};
 use serde_json::{Value, json};
@@ -36,27 +37,57 @@ pub fn space() -> PoseGraph {
 /// lone incorrect ones between them, some stored backwards; a landmark edge without measurement, one that an earlier stage
 /// has rejected; truth and scores; unknown fields in the header, nodes, edges and truth, and records of unknown kinds.
 fn graph<G: LieGroup<DOF>, const DOF: usize>(dimension: Dimension, seed: u64) -> PoseGraph {
-    let mut random = posecut_stage::random(seed, "conformance sample");
-    let mut noise = |sigma: f64| {
-        G::exp(&SVector::from_fn(|_, _| {
-            let unit: f64 = StandardNormal.sample(&mut random);
-            sigma * unit
-        }))
-    };
     let mut header = Header::new(dimension);
     let model = NoiseModel { information: diagonal::<DOF>(400.0), extra: object(json!({"from": "wheels"})) };
     header.noise_models.push(("odometry".to_owned(), model));
     header.extra = object(json!({"licence": "none", "calibration": {"focal": 0.1}}));
     header.provenance = vec![json!({"stage": "sample", "by": "posecut-conform"})];
     let mut graph = PoseGraph::new(header);
+    let mut random = posecut_stage::random(seed, "conformance sample");
+    let truth = add_laps::<G, DOF>(&mut graph, &mut random);
+    for (number, &(first, second, correct)) in pairs(seed).iter().enumerate() {
+        let (from, to) = if number % 3 == 0 { (second, first) } else { (first, second) };
+        let exact = if correct { truth[from].between(&truth[to]) } else { G::identity() };
+        let mut edge = Edge::new(EdgeKind::Landmark, 10_000 + number as u64, from as u64, to as u64);
+        edge.measurement = Some(exact.compose(&noise(&mut random, 0.02)).components());
+        edge.information = Some(diagonal::<DOF>(2500.0));
+        edge.score = Some(if correct { 0.9 } else { 0.4 } - 0.001 * number as f64);
+        edge.truth =
+            Some(EdgeTruth { correct: Some(correct), extra: object(json!({"labelled_by": "sample"})) });
+        if number % 5 == 0 {
+            edge.extra =
+                object(json!({"matches": {"inliers": 40 + number, "ratio": 0.1}, "seen": [1, null]}));
+        }
+        graph.edges.push(edge);
+    }
+    let mut unmeasured = Edge::new(EdgeKind::Landmark, 20_000, 1, LAP as u64 + 1);
+    unmeasured.score = Some(0.8);
+    unmeasured.truth = Some(EdgeTruth { correct: Some(true), extra: object(json!({})) });
+    let mut marked = graph.edges[graph.edges.len() - 1].clone();
+    marked.id = 20_001;
+    marked.rejected_by = Some(EARLIER.to_owned());
+    graph.edges.extend([unmeasured, marked]);
+    graph.unknown = UNKNOWN.map(str::to_owned).to_vec();
+    graph
+}
 
+/// A small random motion.
+fn noise<G: LieGroup<DOF>, const DOF: usize>(random: &mut ChaCha8Rng, sigma: f64) -> G {
+    G::exp(&SVector::from_fn(|_, _| {
+        let unit: f64 = StandardNormal.sample(random);
+        sigma * unit
+    }))
+}
+
+/// Adds the nodes of both sessions and their odometry. Returns the true poses.
+fn add_laps<G: LieGroup<DOF>, const DOF: usize>(graph: &mut PoseGraph, random: &mut ChaCha8Rng) -> Vec<G> {
     let mut tangent = SVector::<f64, DOF>::zeros();
     (tangent[0], tangent[DOF - 1]) = (1.0, std::f64::consts::TAU / LAP as f64);
     let step = G::exp(&tangent);
     let (mut truth, mut estimates) = (vec![G::identity()], vec![G::identity()]);
     for id in 0..2 * LAP {
         if id > 0 {
-            let measured = step.compose(&noise(0.01));
+            let measured = step.compose(&noise(random, 0.01));
             truth.push(truth[id - 1].compose(&step));
             estimates.push(estimates[id - 1].compose(&measured));
             if id != LAP {
@@ -84,7 +115,11 @@ fn graph<G: LieGroup<DOF>, const DOF: usize>(dimension: Dimension, seed: u64) ->
             ..Node::default()
         });
     }
+    truth
+}
 
+/// Which nodes landmark edges join, and whether each is correct: runs of correct ones, then lone incorrect ones.
+fn pairs(seed: u64) -> Vec<(usize, usize, bool)> {
     let mut pairs: Vec<(usize, usize, bool)> = (0..LAP)
         .filter(|frame| (frame / RUN).is_multiple_of(3))
         // Some runs a few frames off: a match need not lie at the very same place.
@@ -97,30 +132,7 @@ fn graph<G: LieGroup<DOF>, const DOF: usize>(dimension: Dimension, seed: u64) ->
             pairs.push((first, LAP + second, false));
         }
     }
-    for (number, &(first, second, correct)) in pairs.iter().enumerate() {
-        let (from, to) = if number % 3 == 0 { (second, first) } else { (first, second) };
-        let exact = if correct { truth[from].between(&truth[to]) } else { G::identity() };
-        let mut edge = Edge::new(EdgeKind::Landmark, 10_000 + number as u64, from as u64, to as u64);
-        edge.measurement = Some(exact.compose(&noise(0.02)).components());
-        edge.information = Some(diagonal::<DOF>(2500.0));
-        edge.score = Some(if correct { 0.9 } else { 0.4 } - 0.001 * number as f64);
-        edge.truth =
-            Some(EdgeTruth { correct: Some(correct), extra: object(json!({"labelled_by": "sample"})) });
-        if number % 5 == 0 {
-            edge.extra =
-                object(json!({"matches": {"inliers": 40 + number, "ratio": 0.1}, "seen": [1, null]}));
-        }
-        graph.edges.push(edge);
-    }
-    let mut unmeasured = Edge::new(EdgeKind::Landmark, 20_000, 1, LAP as u64 + 1);
-    unmeasured.score = Some(0.8);
-    unmeasured.truth = Some(EdgeTruth { correct: Some(true), extra: object(json!({})) });
-    let mut marked = graph.edges[graph.edges.len() - 1].clone();
-    marked.id = 20_001;
-    marked.rejected_by = Some(EARLIER.to_owned());
-    graph.edges.extend([unmeasured, marked]);
-    graph.unknown = UNKNOWN.map(str::to_owned).to_vec();
-    graph
+    pairs
 }
 
 fn diagonal<const DOF: usize>(value: f64) -> Vec<f64> {

@@ -107,75 +107,15 @@ fn shard(text: &str) -> Result<(usize, usize), String> {
 
 pub(crate) fn execute(command: &Command, context: &mut Context) -> anyhow::Result<Outcome> {
     match &command.task {
-        Task::Plan { selection, format } => {
-            let plan = selection.plan()?;
-            let bytes = match format {
-                Format::Tasks => {
-                    let mut bytes = Vec::new();
-                    plan.write(&mut bytes)?;
-                    bytes
-                }
-                Format::Make => make_rules(&plan).into_bytes(),
-                Format::Results => {
-                    plan.results().flat_map(|path| [path, "\n"]).collect::<String>().into_bytes()
-                }
-            };
-            context.statistics.note("tasks", plan.tasks.len());
-            context.statistics.note("results", plan.results().count());
-            context.write_bytes(&bytes)?;
-            Ok(Outcome::Done)
-        }
+        Task::Plan { selection, format } => write_plan(&selection.plan()?, *format, context),
         Task::Run { selection, shared, shard, retry } => {
             let options =
                 RunOptions { threads: context.threads(), shared: *shared, shard: *shard, retry: *retry };
             execute_run(selection, &options, context)
         }
-        Task::Collect { selection, times } => {
-            let plan = selection.plan()?;
-            note_read(context, &plan);
-            if let Some(file) = times {
-                context.check_further_output("--times", file)?;
-            }
-            context.check_output()?;
-            let collected = collect(&plan)?;
-            info!(
-                "{}, {}, {} missing",
-                counted(collected.found, "result"),
-                counted(collected.failed, "failed run"),
-                collected.missing
-            );
-            context.statistics.note("results", collected.found);
-            context.statistics.note("failed", collected.failed);
-            context.statistics.note("missing", collected.missing);
-            if let Some(file) = times {
-                write_atomically(file, |writer| Ok(writer.write_all(&collected.times)?))?;
-            }
-            context.write_bytes(&collected.results)?;
-            Ok(if collected.missing == 0 { Outcome::Done } else { Outcome::CheckFailed })
-        }
-        Task::Check { selection, expected, junit: file } => {
-            let plan = selection.plan()?;
-            note_read(context, &plan);
-            context.note_read(expected);
-            if let Some(file) = file {
-                context.check_further_output("--junit", file)?;
-            }
-            context.check_output()?;
-            let report = check(&Expected::read(expected)?, &plan, &selection.results);
-            if let Some(file) = file {
-                write_atomically(file, |writer| Ok(writer.write_all(junit(&report).as_bytes())?))?;
-            }
-            if report.rows.is_empty() {
-                bail!(
-                    "{}: expects nothing of these experiments; add them under [[cover]]",
-                    expected.display()
-                );
-            }
-            context.statistics.note("rows", report.rows.len());
-            context.statistics.note("not_checked", report.not_checked);
-            context.statistics.note("holds", report.holds());
-            context.write_bytes(report.text(&plan)?.as_bytes())?;
-            Ok(if report.holds() { Outcome::Done } else { Outcome::CheckFailed })
+        Task::Collect { selection, times } => execute_collect(selection, times.as_deref(), context),
+        Task::Check { selection, expected, junit } => {
+            execute_check(selection, expected, junit.as_deref(), context)
         }
         Task::Accept { selection, expected } => {
             let plan = selection.plan()?;
@@ -191,6 +131,77 @@ pub(crate) fn execute(command: &Command, context: &mut Context) -> anyhow::Resul
         }
         Task::Stages { stages, programs } => list_stages(stages, programs.as_ref(), context),
     }
+}
+
+fn write_plan(plan: &Plan, format: Format, context: &mut Context) -> anyhow::Result<Outcome> {
+    let bytes = match format {
+        Format::Tasks => {
+            let mut bytes = Vec::new();
+            plan.write(&mut bytes)?;
+            bytes
+        }
+        Format::Make => make_rules(plan).into_bytes(),
+        Format::Results => plan.results().flat_map(|path| [path, "\n"]).collect::<String>().into_bytes(),
+    };
+    context.statistics.note("tasks", plan.tasks.len());
+    context.statistics.note("results", plan.results().count());
+    context.write_bytes(&bytes)?;
+    Ok(Outcome::Done)
+}
+
+fn execute_collect(
+    selection: &Selection,
+    times: Option<&Path>,
+    context: &mut Context,
+) -> anyhow::Result<Outcome> {
+    let plan = selection.plan()?;
+    note_read(context, &plan);
+    if let Some(file) = times {
+        context.check_further_output("--times", file)?;
+    }
+    context.check_output()?;
+    let collected = collect(&plan)?;
+    info!(
+        "{}, {}, {} missing",
+        counted(collected.found, "result"),
+        counted(collected.failed, "failed run"),
+        collected.missing
+    );
+    context.statistics.note("results", collected.found);
+    context.statistics.note("failed", collected.failed);
+    context.statistics.note("missing", collected.missing);
+    if let Some(file) = times {
+        write_atomically(file, |writer| Ok(writer.write_all(&collected.times)?))?;
+    }
+    context.write_bytes(&collected.results)?;
+    Ok(if collected.missing == 0 { Outcome::Done } else { Outcome::CheckFailed })
+}
+
+fn execute_check(
+    selection: &Selection,
+    expected: &Path,
+    file: Option<&Path>,
+    context: &mut Context,
+) -> anyhow::Result<Outcome> {
+    let plan = selection.plan()?;
+    note_read(context, &plan);
+    context.note_read(expected);
+    if let Some(file) = file {
+        context.check_further_output("--junit", file)?;
+    }
+    context.check_output()?;
+    let report = check(&Expected::read(expected)?, &plan, &selection.results);
+    if let Some(file) = file {
+        write_atomically(file, |writer| Ok(writer.write_all(junit(&report).as_bytes())?))?;
+    }
+    if report.rows.is_empty() {
+        bail!("{}: expects nothing of these experiments; add them under [[cover]]", expected.display());
+    }
+    context.statistics.note("rows", report.rows.len());
+    context.statistics.note("not_checked", report.not_checked);
+    context.statistics.note("holds", report.holds());
+    context.write_bytes(report.text(&plan)?.as_bytes())?;
+    Ok(if report.holds() { Outcome::Done } else { Outcome::CheckFailed })
 }
 
 /// No output may take the place of what a plan reads and writes.

@@ -84,48 +84,8 @@ pub(crate) fn items(
     if by_seed && !experiment.graphs.is_empty() {
         bail!("[halves]: given graphs have one seed; name the halves by graphs");
     }
-    let mut found = Vec::new();
-    if !experiment.graphs.is_empty() {
-        let Some(data) = &source.data else {
-            bail!("its graphs are files below a folder of data; name the folder with --data DIRECTORY");
-        };
-        for graphs in &experiment.graphs {
-            found.extend(graphs.find(data)?.into_iter().map(|graph| Item {
-                name: graph.name.clone(),
-                cluster: graph.cluster.clone(),
-                half: None,
-                kind: Kind::Graph(graph),
-            }));
-        }
-    }
-    let listed = experiment.grids.iter().filter_map(|grid| grid.sessions.as_ref()).flatten();
-    let mut sessions: Vec<&String> = experiment.sessions.iter().chain(listed).collect();
-    let mut seen = BTreeSet::new();
-    sessions.retain(|name| seen.insert(name.as_str()));
-    for name in sessions {
-        if found.iter().any(|item| matches(std::slice::from_ref(name), &item.name).unwrap_or(false)) {
-            // A grid or the command line names a given graph.
-            continue;
-        }
-        if !experiment.graphs.is_empty() && experiment.source.is_none() {
-            bail!("there is no graph \"{name}\"; it has {}", names(&found));
-        }
-        let parts: Vec<&str> = name.split('+').collect();
-        parts.iter().try_for_each(|part| check("session", part))?;
-        let data: Option<Vec<(String, String)>> =
-            parts.iter().map(|part| Some(((*part).to_owned(), source.session(experiment, part)?))).collect();
-        let Some(data) = data else {
-            let absent = parts.iter().filter(|part| source.session(experiment, part).is_none());
-            missing.extend(absent.map(|part| (*part).to_owned()));
-            continue;
-        };
-        found.push(Item {
-            name: name.clone(),
-            cluster: name.clone(),
-            half: None,
-            kind: Kind::Sessions(data),
-        });
-    }
+    let mut found = given_graphs(experiment, source)?;
+    add_sessions(experiment, source, &mut found, missing)?;
     found.iter().try_for_each(|item| check("session or graph", &item.name))?;
     let mut seen = BTreeSet::new();
     if let Some(twice) = found.iter().find(|item| !seen.insert(&item.name)) {
@@ -147,6 +107,64 @@ pub(crate) fn items(
         found.retain(|item| by_seed || item.half == Some(half));
     }
     Ok(found)
+}
+
+/// The graphs that are files below the folder of data.
+fn given_graphs(experiment: &Experiment, source: &Source) -> anyhow::Result<Vec<Item>> {
+    let mut found = Vec::new();
+    if experiment.graphs.is_empty() {
+        return Ok(found);
+    }
+    let Some(data) = &source.data else {
+        bail!("its graphs are files below a folder of data; name the folder with --data DIRECTORY");
+    };
+    for graphs in &experiment.graphs {
+        found.extend(graphs.find(data)?.into_iter().map(|graph| Item {
+            name: graph.name.clone(),
+            cluster: graph.cluster.clone(),
+            half: None,
+            kind: Kind::Graph(graph),
+        }));
+    }
+    Ok(found)
+}
+
+/// Adds the sessions, and the graphs of several sessions, that the experiment and its grids name.
+fn add_sessions(
+    experiment: &Experiment,
+    source: &Source,
+    found: &mut Vec<Item>,
+    missing: &mut BTreeSet<String>,
+) -> anyhow::Result<()> {
+    let listed = experiment.grids.iter().filter_map(|grid| grid.sessions.as_ref()).flatten();
+    let mut sessions: Vec<&String> = experiment.sessions.iter().chain(listed).collect();
+    let mut seen = BTreeSet::new();
+    sessions.retain(|name| seen.insert(name.as_str()));
+    for name in sessions {
+        if found.iter().any(|item| matches(std::slice::from_ref(name), &item.name).unwrap_or(false)) {
+            // A grid or the command line names a given graph.
+            continue;
+        }
+        if !experiment.graphs.is_empty() && experiment.source.is_none() {
+            bail!("there is no graph \"{name}\"; it has {}", names(found));
+        }
+        let parts: Vec<&str> = name.split('+').collect();
+        parts.iter().try_for_each(|part| check("session", part))?;
+        let data: Option<Vec<(String, String)>> =
+            parts.iter().map(|part| Some(((*part).to_owned(), source.session(experiment, part)?))).collect();
+        let Some(data) = data else {
+            let absent = parts.iter().filter(|part| source.session(experiment, part).is_none());
+            missing.extend(absent.map(|part| (*part).to_owned()));
+            continue;
+        };
+        found.push(Item {
+            name: name.clone(),
+            cluster: name.clone(),
+            half: None,
+            kind: Kind::Sessions(data),
+        });
+    }
+    Ok(())
 }
 
 /// The sessions and graphs of an experiment that has halves, by name, with the half of each; once for every seed where halves

@@ -111,26 +111,7 @@ impl Planner<'_> {
         } else {
             format!("{}-simulated", experiment.name)
         };
-        // Parameters say where a file goes: those of a session, of a graph, of a method.
-        let options = |steps: &[&str]| -> BTreeSet<String> {
-            let words = steps.iter().filter_map(|step| experiment.stages.get(*step));
-            used(experiment, words.flat_map(|step| step.options.iter()))
-        };
-        let (of_session, of_graph) = match &run.item.kind {
-            Kind::Sessions(_) => (options(&["simulate", "ingest"]), options(&["construct"])),
-            Kind::Graph(graph) => {
-                let mut names = options(&["convert", "label"]);
-                names.extend(used(experiment, graph.convert.iter().chain(&graph.label)));
-                (names, BTreeSet::new())
-            }
-        };
-        let of_graph: BTreeSet<String> = of_graph.difference(&of_session).cloned().collect();
-        let of_methods: BTreeSet<String> = experiment
-            .parameters
-            .keys()
-            .filter(|name| !of_session.contains(*name) && !of_graph.contains(*name))
-            .cloned()
-            .collect();
+        let Placed { session: of_session, graph: of_graph, methods: of_methods } = Placed::of(run);
         let results = self.source.results.to_string_lossy().into_owned();
         let session_folder =
             |session: &str| join(&format!("{results}/{label}/{session}"), &run.point.folder(&of_session));
@@ -173,6 +154,39 @@ impl Planner<'_> {
             )?;
         }
         Ok(())
+    }
+}
+
+/// The parameters of a run, by the files whose place they decide: those of a session, of a graph, of a method.
+struct Placed {
+    session: BTreeSet<String>,
+    graph: BTreeSet<String>,
+    methods: BTreeSet<String>,
+}
+
+impl Placed {
+    fn of(run: &Run<'_>) -> Self {
+        let experiment = run.experiment;
+        let options = |steps: &[&str]| -> BTreeSet<String> {
+            let words = steps.iter().filter_map(|step| experiment.stages.get(*step));
+            used(experiment, words.flat_map(|step| step.options.iter()))
+        };
+        let (of_session, of_graph) = match &run.item.kind {
+            Kind::Sessions(_) => (options(&["simulate", "ingest"]), options(&["construct"])),
+            Kind::Graph(graph) => {
+                let mut names = options(&["convert", "label"]);
+                names.extend(used(experiment, graph.convert.iter().chain(&graph.label)));
+                (names, BTreeSet::new())
+            }
+        };
+        let of_graph: BTreeSet<String> = of_graph.difference(&of_session).cloned().collect();
+        let of_methods: BTreeSet<String> = experiment
+            .parameters
+            .keys()
+            .filter(|name| !of_session.contains(*name) && !of_graph.contains(*name))
+            .cloned()
+            .collect();
+        Self { session: of_session, graph: of_graph, methods: of_methods }
     }
 }
 

@@ -27,6 +27,7 @@ const NODES: &str = r#"{"kind":"node","id":0,"session":"a","frame":0,"pose":[0,0
 {"kind":"node","id":1,"session":"b","frame":0,"pose":[1,0,0]}"#;
 
 /// A fault, the text that has it, and what the message must say.
+#[expect(clippy::too_many_lines, reason = "a list")]
 fn faults() -> Vec<(&'static str, String, &'static [&'static str])> {
     let with = |rest: &str| format!("{HEADER}\n{NODES}\n{rest}\n");
     vec![

@@ -48,6 +48,7 @@ pub(crate) type Change = (&'static str, fn(&mut PoseGraph), fn(u64) -> u64);
 /// Greater than all ids that are drawn.
 pub(crate) const FAR: u64 = 10_000;
 
+#[expect(clippy::too_many_lines, reason = "a list")]
 pub(crate) fn changes<G: LieGroup<DOF>, const DOF: usize>() -> Vec<Change> {
     vec![
         ("millimetres", |graph| in_units::<DOF>(graph, 1e3), |id| id),

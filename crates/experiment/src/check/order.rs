@@ -10,12 +10,69 @@ use crate::{Fingerprint, Order, Plan};
 /// that it was recorded for: where the plan lacks some of them, it is not judged, and the row says so.
 pub(super) fn judge(order: &Order, plan: &Plan, results: &Path) -> Option<Row> {
     let folder = results.join(&order.experiment);
-    let mut runs: BTreeMap<&Path, [Option<usize>; 2]> = BTreeMap::new();
-    let mut present: BTreeSet<String> = BTreeSet::new();
+    let Runs { pairs, sessions } = runs(order, plan, &folder);
+    if pairs.is_empty() {
+        return None;
+    }
+    let mut row = Row {
+        name: format!("{}: {} better than {}", order.experiment, order.better, order.worse),
+        stage: "order".to_owned(),
+        failures: Vec::new(),
+        notes: Vec::new(),
+        largest: None,
+        tasks: pairs.values().flatten().copied().collect(),
+    };
+    let missing: Vec<&str> =
+        order.sessions.iter().filter(|&session| !sessions.contains(session)).map(String::as_str).collect();
+    if !missing.is_empty() {
+        row.notes.push(format!(
+            "not judged: the share of {:.2} was recorded for {}, and this plan lacks {}",
+            order.share,
+            order.sessions.join(", "),
+            missing.join(", ")
+        ));
+        return Some(row);
+    }
+    let (mut wins, mut against) = (0, Vec::new());
+    for (run, places) in &pairs {
+        let [better, worse] = places.map(|place| read(&plan.tasks[place].id));
+        match better.and_then(|better| Ok((better, worse?))) {
+            Ok((better, worse)) if better < worse => wins += 1,
+            Ok((better, worse)) => {
+                let run = run.strip_prefix(&folder).unwrap_or(run).display();
+                against.push(format!("{run} ({better:.3} m against {worse:.3} m)"));
+            }
+            Err(error) => row.failures.push(error),
+        }
+    }
+    let share = f64::from(wins) / pairs.len() as f64;
+    let said = format!(
+        "lower RMSE in {wins} of {} runs, a share of {share:.2}, where at least {:.2} is expected",
+        pairs.len(),
+        order.share
+    );
+    if share >= order.share {
+        row.notes.push(said);
+    } else {
+        row.failures.push(format!("{said} ({}); not in {}", order.reason, against.join(", ")));
+    }
+    Some(row)
+}
+
+/// The runs with both methods of an order.
+struct Runs<'a> {
+    /// For each folder the places of the two results among the plan's tasks, that of the better method first.
+    pairs: BTreeMap<&'a Path, [usize; 2]>,
+    /// The sessions that the plan has.
+    sessions: BTreeSet<String>,
+}
+
+fn runs<'a>(order: &Order, plan: &'a Plan, folder: &Path) -> Runs<'a> {
+    let mut sides: BTreeMap<&Path, [Option<usize>; 2]> = BTreeMap::new();
+    let mut sessions = BTreeSet::new();
     for (place, task) in plan.tasks.iter().enumerate() {
         let path = Path::new(&task.id);
-        let (Some(run), Some(name), Ok(below)) =
-            (path.parent(), path.file_name(), path.strip_prefix(&folder))
+        let (Some(run), Some(name), Ok(below)) = (path.parent(), path.file_name(), path.strip_prefix(folder))
         else {
             continue;
         };
@@ -31,58 +88,11 @@ pub(super) fn judge(order: &Order, plan: &Plan, results: &Path) -> Option<Row> {
             Some(method) if method == order.worse => 1,
             _ => continue,
         };
-        runs.entry(run).or_default()[side] = Some(place);
-        present.extend(session);
+        sides.entry(run).or_default()[side] = Some(place);
+        sessions.extend(session);
     }
-    runs.retain(|_, sides| sides.iter().all(Option::is_some));
-    if runs.is_empty() {
-        return None;
-    }
-    let mut row = Row {
-        name: format!("{}: {} better than {}", order.experiment, order.better, order.worse),
-        stage: "order".to_owned(),
-        failures: Vec::new(),
-        notes: Vec::new(),
-        largest: None,
-        tasks: runs.values().flatten().flatten().copied().collect(),
-    };
-    let missing: Vec<&str> =
-        order.sessions.iter().filter(|&session| !present.contains(session)).map(String::as_str).collect();
-    if !missing.is_empty() {
-        row.notes.push(format!(
-            "not judged: the share of {:.2} was recorded for {}, and this plan lacks {}",
-            order.share,
-            order.sessions.join(", "),
-            missing.join(", ")
-        ));
-        return Some(row);
-    }
-    let (mut wins, mut against) = (0, Vec::new());
-    for (run, sides) in &runs {
-        let rmse: Result<Vec<f64>, String> =
-            sides.iter().flatten().map(|&place| read(&plan.tasks[place].id)).collect();
-        match rmse.as_deref() {
-            Ok([better, worse]) if better < worse => wins += 1,
-            Ok([better, worse]) => {
-                let run = run.strip_prefix(&folder).unwrap_or(run).display();
-                against.push(format!("{run} ({better:.3} m against {worse:.3} m)"));
-            }
-            Ok(_) => {}
-            Err(error) => row.failures.push(error.clone()),
-        }
-    }
-    let share = f64::from(wins) / runs.len() as f64;
-    let said = format!(
-        "lower RMSE in {wins} of {} runs, a share of {share:.2}, where at least {:.2} is expected",
-        runs.len(),
-        order.share
-    );
-    if share >= order.share {
-        row.notes.push(said);
-    } else {
-        row.failures.push(format!("{said} ({}); not in {}", order.reason, against.join(", ")));
-    }
-    Some(row)
+    let both = |(run, [better, worse]): (_, [Option<usize>; 2])| Some((run, [better?, worse?]));
+    Runs { pairs: sides.into_iter().filter_map(both).collect(), sessions }
 }
 
 fn read(path: &str) -> Result<f64, String> {

@@ -77,6 +77,63 @@ struct Drawn {
     correct: Option<bool>,
 }
 
+/// How the edges of one kind are drawn.
+struct Style {
+    wanted: fn(&Drawn) -> bool,
+    colour: &'static str,
+    width: f64,
+    dash: Dash,
+    name: &'static str,
+}
+
+impl Style {
+    /// In the order in which they lie on top of each other: what matters most is on top.
+    const ALL: [Self; 4] = [
+        Self {
+            wanted: |edge| edge.in_use && edge.correct != Some(false),
+            colour: colours::CORRECT,
+            width: 1.2,
+            dash: Dash::Solid,
+            name: "correct, in use",
+        },
+        Self {
+            wanted: |edge| !edge.in_use && edge.correct == Some(true),
+            colour: colours::CORRECT,
+            width: 0.8,
+            dash: Dash::Dashed,
+            name: "correct, rejected",
+        },
+        Self {
+            wanted: |edge| !edge.in_use && edge.correct == Some(false),
+            colour: colours::INCORRECT,
+            width: 0.6,
+            dash: Dash::Dashed,
+            name: "incorrect, rejected",
+        },
+        Self {
+            wanted: |edge| edge.in_use && edge.correct == Some(false),
+            colour: colours::INCORRECT,
+            width: 2.4,
+            dash: Dash::Solid,
+            name: "incorrect, in use",
+        },
+    ];
+
+    /// A line for each edge of this kind; the first names them in the legend.
+    fn lines(&self, edges: &[Drawn]) -> Vec<Polyline> {
+        let chosen: Vec<&Drawn> = edges.iter().filter(|edge| (self.wanted)(edge)).collect();
+        let line = |(index, edge): (usize, &&Drawn)| Polyline {
+            points: edge.ends.to_vec(),
+            colour: self.colour,
+            width: self.width,
+            dash: self.dash,
+            band: Vec::new(),
+            legend: (index == 0).then(|| format!("{} ({})", self.name, chosen.len())),
+        };
+        chosen.iter().enumerate().map(line).collect()
+    }
+}
+
 /// One panel for an estimate: the reference in grey, the experiences over it, landmark edges on top.
 pub fn panel(title: &str, estimate: &PoseGraph, reference: Option<&PoseGraph>, frame: Frame) -> Panel {
     let motion = onto_truth(reference.unwrap_or(estimate));
@@ -100,46 +157,7 @@ pub fn panel(title: &str, estimate: &PoseGraph, reference: Option<&PoseGraph>, f
         ..Polyline::default()
     }));
     let edges = drawn_edges(estimate, &places, frame);
-    let mut add = |wanted: fn(&Drawn) -> bool, colour, width, dash, name: &str| {
-        let chosen: Vec<&Drawn> = edges.iter().filter(|edge| wanted(edge)).collect();
-        let count = chosen.len();
-        lines.extend(chosen.into_iter().enumerate().map(|(index, edge)| Polyline {
-            points: edge.ends.to_vec(),
-            colour,
-            width,
-            dash,
-            band: Vec::new(),
-            legend: (index == 0).then(|| format!("{name} ({count})")),
-        }));
-    };
-    add(
-        |edge| edge.in_use && edge.correct != Some(false),
-        colours::CORRECT,
-        1.2,
-        Dash::Solid,
-        "correct, in use",
-    );
-    add(
-        |edge| !edge.in_use && edge.correct == Some(true),
-        colours::CORRECT,
-        0.8,
-        Dash::Dashed,
-        "correct, rejected",
-    );
-    add(
-        |edge| !edge.in_use && edge.correct == Some(false),
-        colours::INCORRECT,
-        0.6,
-        Dash::Dashed,
-        "incorrect, rejected",
-    );
-    add(
-        |edge| edge.in_use && edge.correct == Some(false),
-        colours::INCORRECT,
-        2.4,
-        Dash::Solid,
-        "incorrect, in use",
-    );
+    lines.extend(Style::ALL.iter().flat_map(|style| style.lines(&edges)));
     // The two ends of a false edge in use are pulled together: discs keep it visible.
     let kept = edges.iter().filter(|edge| edge.in_use && edge.correct == Some(false));
     let ends = Marks {

@@ -61,53 +61,64 @@ pub struct Parts {
 pub fn document(page: &Page, parts: &Parts) -> anyhow::Result<String> {
     let script = format!("\"use strict\";\n(() => {{\n{}}})();\n", SCRIPTS.join("\n"));
     let data = json(&serde_json::to_string(page)?);
-    let seeds = || page.experiments.iter().flat_map(|it| &it.sessions).flat_map(|it| &it.seeds);
-    let any = |wanted: fn(&super::view::Method) -> bool| seeds().flat_map(|it| &it.methods).any(wanted);
-    let no_graphs = "There are no optimised graphs beside the results (METHOD.optimized.jsonl beside METHOD.result.json), so there is nothing to draw here.";
-    let section = |present: bool, body: &str, absent: &str| {
-        Some(if present {
-            body.to_owned()
-        } else {
-            format!("<p class=\"absent-section\">{}</p>", escape(absent))
-        })
-    };
     Ok(fill(TEMPLATE, |name| match name {
         "policy" => Some(format!(
             "default-src 'none'; style-src {}; script-src {}; base-uri 'none'; form-action 'none'",
             policy_digest(STYLE),
             policy_digest(&script)
         )),
-        "title" => Some(escape(&parts.title)),
         "style" => Some(STYLE.to_owned()),
         "script" => Some(script.clone()),
         "data" => Some(data.clone()),
-        "tables" => Some(if parts.tables.is_empty() {
-            "<p class=\"absent-section\">There are no results. Name files that posecut-evaluate wrote, or directories of them.</p>".to_owned()
-        } else {
-            parts.tables.clone()
-        }),
-        "published" => Some(if parts.published.is_empty() {
-            String::new()
-        } else {
-            format!(
-                "<p class=\"note\">Published figures: {}. Their mean is over all sessions published.</p>",
-                escape(&parts.published)
+        _ => text(parts, name).or_else(|| drawing(page, parts, name)),
+    }))
+}
+
+/// What is text: the title, the tables and the notes on them.
+fn text(parts: &Parts, name: &str) -> Option<String> {
+    let note = |about: &str, ending: &str| {
+        if about.is_empty() { String::new() } else { format!("<p class=\"note\">{ending}</p>") }
+    };
+    Some(match name {
+        "title" => escape(&parts.title),
+        "tables" => section(
+            !parts.tables.is_empty(),
+            &parts.tables,
+            "There are no results. Name files that posecut-evaluate wrote, or directories of them.",
+        ),
+        "published" => {
+            let published = escape(&parts.published);
+            note(
+                &published,
+                &format!("Published figures: {published}. Their mean is over all sessions published."),
             )
-        }),
-        "missing" => Some(if parts.missing.is_empty() {
-            String::new()
-        } else {
-            format!(
-                "<p class=\"note\">Asked for and without data: {}.</p>",
-                escape(&parts.missing.join(", "))
-            )
-        }),
+        }
+        "missing" => {
+            let missing = escape(&parts.missing.join(", "));
+            note(&missing, &format!("Asked for and without data: {missing}."))
+        }
+        "history" => parts.history.clone(),
+        "version" => escape(&parts.version),
+        _ => return None,
+    })
+}
+
+/// What the page draws, or why it cannot.
+fn drawing(page: &Page, parts: &Parts, name: &str) -> Option<String> {
+    let sessions = || page.experiments.iter().flat_map(|it| &it.sessions);
+    let seeds = || sessions().flat_map(|it| &it.seeds);
+    let any = |wanted: fn(&super::view::Method) -> bool| seeds().flat_map(|it| &it.methods).any(wanted);
+    Some(match name {
         "trajectories" => section(
-            page.experiments.iter().flat_map(|it| &it.sessions).any(|it| it.truth.is_some()),
+            sessions().any(|it| it.truth.is_some()),
             TRAJECTORIES,
             "The graphs beside the results carry no ground truth, or there are none: the sessions' routes are not known here.",
         ),
-        "graphs" => section(any(|method| method.track.is_some()), GRAPHS, no_graphs),
+        "graphs" => section(
+            any(|method| method.track.is_some()),
+            GRAPHS,
+            "There are no optimised graphs beside the results (METHOD.optimized.jsonl beside METHOD.result.json), so there is nothing to draw here.",
+        ),
         "error" => section(
             any(|method| method.error.is_some()),
             ERROR,
@@ -137,8 +148,11 @@ pub fn document(page: &Page, parts: &Parts) -> anyhow::Result<String> {
             }),
             "There are no results of the trust benchmark (make trust DATA=DIR makes them).",
         ),
-        "history" => Some(parts.history.clone()),
-        "version" => Some(escape(&parts.version)),
-        _ => None,
-    }))
+        _ => return None,
+    })
+}
+
+/// A section's body, or one sentence on why it is not there.
+fn section(present: bool, body: &str, absent: &str) -> String {
+    if present { body.to_owned() } else { format!("<p class=\"absent-section\">{}</p>", escape(absent)) }
 }

@@ -33,38 +33,8 @@ pub(super) fn wrong(
     if let Fault::Error { said: cause, .. } = fault {
         wrong.extend(badly_said(case, (removes, path), &said, cause, status, sound.output.status.code()));
     }
-    for (file, bytes) in &run.files {
-        let sound_bytes = sound.files.get(file);
-        let complete = if case.varies(file) {
-            sound_bytes.is_some() && folder::is_json(bytes)
-        } else {
-            sound_bytes == Some(bytes) || case.grows(file) && folder::is_json(bytes)
-        };
-        if complete || before.get(file) == Some(bytes) {
-            continue;
-        }
-        match sound_bytes {
-            // It is named, for whoever has to remove it.
-            None if removes && said.contains(".tmp") => {}
-            None => wrong.push(format!("{} was left", file.display())),
-            Some(_) => wrong.push(format!("{} is torn", file.display())),
-        }
-    }
-    if let Some(missing) = before.keys().find(|file| !run.files.contains_key(*file)) {
-        wrong.push(format!("{} is gone", missing.display()));
-    }
-    for whole in &case.wholes {
-        let part = |files: &Files| -> Files {
-            files
-                .iter()
-                .filter(|(file, _)| file.starts_with(whole))
-                .map(|(k, v)| (k.clone(), v.clone()))
-                .collect()
-        };
-        if part(&run.files) != part(before) && part(&run.files) != part(&sound.files) {
-            wrong.push(format!("{whole} is neither the old folder nor the new one"));
-        }
-    }
+    wrong.extend(files_torn(case, before, sound, run, removes && said.contains(".tmp")));
+    wrong.extend(folders_torn(case, before, sound, run));
     if status == sound.output.status.code() && status != Some(2) {
         if run.stdout != sound.stdout {
             wrong.push("standard output is torn".to_owned());
@@ -76,21 +46,68 @@ pub(super) fn wrong(
         }
     }
     if let (true, Fault::Error { .. }) = (case.resumes, fault) {
-        let again = Command::new(program(case.program))
-            .args(&case.arguments)
-            .current_dir(run.folder.path())
-            .stdin(Stdio::null())
-            .output()
-            .unwrap();
-        let mut after = files(run.folder.path());
-        let mut expected = sound.files.clone();
-        after.retain(|file, _| !case.varies(file) && (!removes || expected.contains_key(file)));
-        expected.retain(|file, _| !case.varies(file));
-        if !again.status.success() || after != expected {
-            wrong.push(format!("the next run does not resume: {}", String::from_utf8_lossy(&again.stderr)));
-        }
+        wrong.extend(not_resumed(case, sound, run, removes));
     }
     wrong
+}
+
+/// Files that are neither as before nor complete, and files that are gone. What could not be removed is named, for whoever has to
+/// remove it.
+fn files_torn(case: &Case, before: &Files, sound: &Run, run: &Run, may_stay: bool) -> Vec<String> {
+    let mut wrong = Vec::new();
+    for (file, bytes) in &run.files {
+        let sound_bytes = sound.files.get(file);
+        let complete = if case.varies(file) {
+            sound_bytes.is_some() && folder::is_json(bytes)
+        } else {
+            sound_bytes == Some(bytes) || case.grows(file) && folder::is_json(bytes)
+        };
+        if complete || before.get(file) == Some(bytes) {
+            continue;
+        }
+        match sound_bytes {
+            None if may_stay => {}
+            None => wrong.push(format!("{} was left", file.display())),
+            Some(_) => wrong.push(format!("{} is torn", file.display())),
+        }
+    }
+    if let Some(missing) = before.keys().find(|file| !run.files.contains_key(*file)) {
+        wrong.push(format!("{} is gone", missing.display()));
+    }
+    wrong
+}
+
+/// Folders that are written as one and are neither the old nor the new one.
+fn folders_torn(case: &Case, before: &Files, sound: &Run, run: &Run) -> Vec<String> {
+    let part = |files: &Files, whole: &str| -> Files {
+        files
+            .iter()
+            .filter(|(file, _)| file.starts_with(whole))
+            .map(|(file, bytes)| (file.clone(), bytes.clone()))
+            .collect()
+    };
+    let torn = |whole: &&&str| {
+        let now = part(&run.files, whole);
+        now != part(before, whole) && now != part(&sound.files, whole)
+    };
+    let said = |whole: &&str| format!("{whole} is neither the old folder nor the new one");
+    case.wholes.iter().filter(torn).map(said).collect()
+}
+
+/// The same command once more must end what the failed call interrupted.
+fn not_resumed(case: &Case, sound: &Run, run: &Run, removes: bool) -> Option<String> {
+    let again = Command::new(program(case.program))
+        .args(&case.arguments)
+        .current_dir(run.folder.path())
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    let mut after = files(run.folder.path());
+    let mut expected = sound.files.clone();
+    after.retain(|file, _| !case.varies(file) && (!removes || expected.contains_key(file)));
+    expected.retain(|file, _| !case.varies(file));
+    (!again.status.success() || after != expected)
+        .then(|| format!("the next run does not resume: {}", String::from_utf8_lossy(&again.stderr)))
 }
 
 /// What is wrong with how a program ended whose call failed, and with what it said.

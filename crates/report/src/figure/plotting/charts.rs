@@ -12,7 +12,7 @@ use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 
 use super::Drawing;
-use crate::figure::{Dash, Panel, Shape};
+use crate::figure::{Dash, Marks, Panel, Polyline, Shape};
 
 /// Width of a panel, pixels.
 const WIDTH: f64 = 640.0;
@@ -64,55 +64,10 @@ fn height(panels: &[Panel]) -> f64 {
 fn axes(panel: &Panel) -> (Vec<Plot>, Layout) {
     let (mut plots, mut legend) = (Vec::<Plot>::new(), Vec::new());
     for line in panel.lines.iter().filter(|line| !line.points.is_empty()) {
-        if !line.band.is_empty() {
-            let (low, high): (Vec<f64>, Vec<f64>) = line.band.iter().copied().unzip();
-            let along: Vec<f64> = line.points.iter().map(|point| point.0).collect();
-            plots.push(BandPlot::new(along, low, high).with_color(line.colour).with_opacity(0.16).into());
-        }
-        let style = match line.dash {
-            Dash::Solid => LineStyle::Solid,
-            Dash::Dashed => LineStyle::Dashed,
-            Dash::Dotted => LineStyle::Dotted,
-            Dash::DashDot => LineStyle::DashDot,
-        };
-        let plot = LinePlot::new()
-            .with_data(line.points.iter().copied())
-            .with_color(line.colour)
-            .with_stroke_width(line.width)
-            .with_line_style(style.clone());
-        if let Some(label) = &line.legend {
-            legend.push(LegendEntry {
-                label: label.clone(),
-                color: line.colour.to_owned(),
-                shape: LegendShape::Line,
-                dasharray: style.dasharray(),
-            });
-        }
-        plots.push(plot.into());
+        add_line(line, &mut plots, &mut legend);
     }
     for marks in panel.marks.iter().filter(|marks| !marks.points.is_empty()) {
-        let mut plot = ScatterPlot::new()
-            .with_data(marks.points.iter().copied())
-            .with_color(marks.colour)
-            .with_size(marks.size);
-        plot = match marks.shape {
-            Shape::Disc => plot,
-            Shape::Ring => plot.with_marker_opacity(0.0).with_marker_stroke_width(1.3),
-            Shape::Cross => plot.with_marker(MarkerShape::Cross),
-        };
-        if let Some(label) = &marks.legend {
-            legend.push(LegendEntry {
-                label: label.clone(),
-                color: marks.colour.to_owned(),
-                shape: match marks.shape {
-                    Shape::Disc => LegendShape::Circle,
-                    Shape::Ring => LegendShape::CircleSize(3.5),
-                    Shape::Cross => LegendShape::Marker(MarkerShape::Cross),
-                },
-                dasharray: None,
-            });
-        }
-        plots.push(plot.into());
+        add_marks(marks, &mut plots, &mut legend);
     }
     let own = &panel.axes;
     let mut layout = Layout::auto_from_plots(&plots)
@@ -140,4 +95,57 @@ fn axes(panel: &Panel) -> (Vec<Plot>, Layout) {
         layout = layout.with_log_y();
     }
     (plots, layout)
+}
+
+fn add_line(line: &Polyline, plots: &mut Vec<Plot>, legend: &mut Vec<LegendEntry>) {
+    if !line.band.is_empty() {
+        let (low, high): (Vec<f64>, Vec<f64>) = line.band.iter().copied().unzip();
+        let along: Vec<f64> = line.points.iter().map(|point| point.0).collect();
+        plots.push(BandPlot::new(along, low, high).with_color(line.colour).with_opacity(0.16).into());
+    }
+    let style = match line.dash {
+        Dash::Solid => LineStyle::Solid,
+        Dash::Dashed => LineStyle::Dashed,
+        Dash::Dotted => LineStyle::Dotted,
+        Dash::DashDot => LineStyle::DashDot,
+    };
+    let plot = LinePlot::new()
+        .with_data(line.points.iter().copied())
+        .with_color(line.colour)
+        .with_stroke_width(line.width)
+        .with_line_style(style.clone());
+    if let Some(label) = &line.legend {
+        legend.push(LegendEntry {
+            label: label.clone(),
+            color: line.colour.to_owned(),
+            shape: LegendShape::Line,
+            dasharray: style.dasharray(),
+        });
+    }
+    plots.push(plot.into());
+}
+
+fn add_marks(marks: &Marks, plots: &mut Vec<Plot>, legend: &mut Vec<LegendEntry>) {
+    let mut plot = ScatterPlot::new()
+        .with_data(marks.points.iter().copied())
+        .with_color(marks.colour)
+        .with_size(marks.size);
+    plot = match marks.shape {
+        Shape::Disc => plot,
+        Shape::Ring => plot.with_marker_opacity(0.0).with_marker_stroke_width(1.3),
+        Shape::Cross => plot.with_marker(MarkerShape::Cross),
+    };
+    if let Some(label) = &marks.legend {
+        legend.push(LegendEntry {
+            label: label.clone(),
+            color: marks.colour.to_owned(),
+            shape: match marks.shape {
+                Shape::Disc => LegendShape::Circle,
+                Shape::Ring => LegendShape::CircleSize(3.5),
+                Shape::Cross => LegendShape::Marker(MarkerShape::Cross),
+            },
+            dasharray: None,
+        });
+    }
+    plots.push(plot.into());
 }
