@@ -81,7 +81,7 @@ impl Samples {
 }
 
 /// The samples, made once by the programs themselves: `2012-01-22/` (a session), `session.jsonl`,
-/// `graph.jsonl`, `optimized.jsonl`, `x.result.json`; `paper.toml` and `stages.toml` are those of `pipelines/`.
+/// `graph.jsonl`, `optimized.jsonl`, `marginals.jsonl`, `x.result.json`; `paper.toml` and `stages.toml` are those of `pipelines/`.
 ///
 /// # Panics
 /// If a program fails.
@@ -102,6 +102,7 @@ pub fn samples() -> &'static Samples {
             b"",
         );
         succeed("optimize", &[&graph, "-o", &optimized], b"");
+        succeed("optimize", &[&graph, "--marginals", "landmark", "-o", &path("marginals.jsonl")], b"");
         succeed("evaluate", &[&optimized, "--label", "method=all", "-o", &path("x.result.json")], b"");
         for name in ["paper.toml", "stages.toml"] {
             std::fs::copy(workspace().join("pipelines").join(name), path(name))

@@ -7,6 +7,7 @@
 mod loops;
 mod mixture;
 
+use posecut_graph::{EdgeKind, PoseGraph};
 use serde::Serialize;
 
 use crate::odometry::chain::Chains;
@@ -151,5 +152,20 @@ pub fn estimate_scales<G: Spatial<DOF>, const DOF: usize>(
         }
     } else {
         Ok(estimate)
+    }
+}
+
+/// Divides the information of all edges of a kind with a measurement; one that a noise model gave becomes the edge's own.
+pub fn divide_information(graph: &mut PoseGraph, kind: EdgeKind, scale: f64) {
+    for index in 0..graph.edges.len() {
+        let edge = &graph.edges[index];
+        if edge.kind != kind || edge.measurement.is_none() {
+            continue;
+        }
+        let Some(information) = graph.information(edge) else { continue };
+        let scaled: Vec<f64> = information.iter().map(|term| term / scale).collect();
+        let edge = &mut graph.edges[index];
+        edge.information = Some(scaled);
+        edge.noise = None;
     }
 }

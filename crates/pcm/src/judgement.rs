@@ -11,14 +11,13 @@ pub mod growth;
 use std::time::Instant;
 
 use posecut_graph::PoseGraph;
-use posecut_stage::GraphStage as _;
 
 use crate::chance::{Chance, Pool};
 use crate::clique::{BitGraph, Limits, maximum_clique};
 use crate::odometry::chain::Chains;
 use crate::pairs::candidate::Group;
 use crate::pairs::consistency::Pairs;
-use crate::{Gate, Options, PcmError, Scheme, Spatial};
+use crate::{Gate, Options, PcmError, STAGE, Scheme, Spatial};
 use cells::solve_by_cells;
 use figures::{Figures, Searched};
 use growth::grow;
@@ -97,7 +96,7 @@ impl Judged {
                 edge.extra.insert("pcm_false_alarms".to_owned(), expected.into());
             }
             if !self.roles[place].stays() {
-                edge.reject(Options::NAME);
+                edge.reject(STAGE);
             }
         }
     }
@@ -112,17 +111,18 @@ impl Judged {
     }
 }
 
-/// Judges the candidates of a group by the scheme for their number.
+/// Judges the candidates of a group by the scheme for their number; with `keep_graph` the consistency graph is kept.
 pub(crate) fn judge<G: Spatial<DOF>, const DOF: usize>(
     options: &Options,
     chains: &Chains<G, DOF>,
     group: &Group<G, DOF>,
     pool: Option<Pool<DOF>>,
     limits: Limits,
+    keep_graph: bool,
 ) -> Result<Judged, PcmError> {
     let count = group.candidates.len();
     let scheme = options.scheme.for_candidates(count);
-    if scheme == Scheme::Cells && options.consistency_graph.is_some() {
+    if scheme == Scheme::Cells && keep_graph {
         return Err(PcmError::GraphNotMade { candidates: count, megabytes: (count * count / 8) >> 20 });
     }
     let pairs = Pairs::new(chains, group).with_odometry_test(!options.no_odometry_test).with_pool(pool);
@@ -131,11 +131,12 @@ pub(crate) fn judge<G: Spatial<DOF>, const DOF: usize>(
         Some(probability) => Some(options.gate(probability, count, DOF)?),
         None => None,
     };
-    let judged = match scheme {
+    let mut judged = match scheme {
         Scheme::Cells => by_cells(options, &pairs, (gate, growth_gate.unwrap_or(gate)), limits),
         _ => by_clique(options, &pairs, (gate, growth_gate), limits),
     };
-    Ok(judged.counted())
+    let graph = judged.graph.take().filter(|_| keep_graph);
+    Ok(Judged { graph, ..judged.counted() })
 }
 
 fn by_cells<G: Spatial<DOF>, const DOF: usize>(
@@ -214,6 +215,6 @@ fn by_clique<G: Spatial<DOF>, const DOF: usize>(
         judged.figures.counts += growth.counts;
     }
     judged.figures.seconds_growth = start.elapsed().as_secs_f64();
-    judged.graph = options.consistency_graph.is_some().then_some((graph, tested));
+    judged.graph = Some((graph, tested));
     judged
 }

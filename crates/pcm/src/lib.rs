@@ -15,8 +15,7 @@
 //!   hold; [`growth`], candidates that a clique lost by a pair or two.
 //! - [`stage`]: all of it on a pose graph.
 //!
-//! Files of their own are [`readmission`], every edge against the map that the others make; [`incremental`], candidates
-//! one by one; and [`generate`], graphs for tests.
+//! Files of their own are [`incremental`], candidates one by one; and [`generate`], graphs for tests.
 
 pub mod calibration;
 pub mod chance;
@@ -27,7 +26,6 @@ pub mod incremental;
 mod judgement;
 mod odometry;
 mod pairs;
-pub mod readmission;
 pub mod stage;
 
 pub use error::PcmError;
@@ -38,3 +36,6 @@ pub use pairs::gate::{Correction, Gate, PerStep, Test, chi_square_quantile, corr
 pub use pairs::{candidate, consistency, distance, lanes, nearest, pretest};
 pub use stage::options::{Options, Scale, Scheme};
 pub use stage::{dimacs, replay, selection};
+
+/// The stage's name, in histories and in `rejected_by`.
+pub const STAGE: &str = "pcm";

@@ -5,51 +5,72 @@
 
 pub(crate) mod budget;
 pub mod dimacs;
+mod moved;
 pub(crate) mod options;
 pub mod replay;
 pub mod selection;
 pub(crate) mod summary;
 
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 use posecut_stage::{Context, Doubt, GraphStage, write_atomically};
+use serde::Serialize;
 
-use crate::calibration::{NoScales, ScaleEstimate, Scales, estimate_scales};
+use crate::calibration::{NoScales, ScaleEstimate, Scales, divide_information, estimate_scales};
 use crate::chance::Pool;
 use crate::judgement::figures::Figures;
 use crate::judgement::judge;
 use crate::odometry::chain::{Chains, Covariances};
 use crate::pairs::candidate::{Group, Grouped, group_with};
-use crate::readmission::{divide_information, readmit};
-use crate::{Options, PcmError, Spatial, Test};
+use crate::{Options, PcmError, STAGE, Spatial, Test};
 use budget::Budget;
 use dimacs::{NamedGraph, write_dimacs};
-use summary::{Calibration, Summary, note_readmission};
+use moved::MovedOptions;
+use summary::{Calibration, Summary};
 
 /// How often progress is drawn while a group takes long.
 const TICK: Duration = Duration::from_millis(200);
 
-impl GraphStage for Options {
-    const NAME: &'static str = "pcm";
+/// The options of the stage: those of PCM, and what a graph's history need not hold.
+#[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
+pub struct StageOptions {
+    /// What shapes the result.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub pcm: Options,
+
+    /// Write the consistency graph in DIMACS format, for other clique solvers
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    #[serde(skip)]
+    pub consistency_graph: Option<PathBuf>,
+
+    #[command(flatten)]
+    #[serde(skip)]
+    moved: MovedOptions,
+}
+
+impl GraphStage for StageOptions {
+    const NAME: &'static str = STAGE;
     const ABOUT: &'static str =
         "Reject landmark edges outside the largest set that is pairwise consistent with the odometry";
     const DOUBTS: &'static [Doubt] = &[Doubt::SearchLimit, Doubt::NothingKept, Doubt::CalibrationOnPrior];
 
+    fn check(&self) -> anyhow::Result<()> {
+        self.moved.check()?;
+        Ok(self.pcm.check()?)
+    }
+
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
-        self.check()?;
         if let Some(path) = &self.consistency_graph {
             context.check_further_output("--consistency-graph", path)?;
         }
-        if self.readmit {
-            let result = readmit(graph, &self.readmission()?)?;
-            note_readmission(&result, graph, context);
-            return Ok(());
-        }
+        let keep_graphs = self.consistency_graph.is_some();
         let (summary, graphs) = match graph.header.dimension {
-            Dimension::Two => reject::<SE2, 3>(self, graph, context)?,
-            Dimension::Three => reject::<SE3, 6>(self, graph, context)?,
+            Dimension::Two => reject::<SE2, 3>(&self.pcm, graph, keep_graphs, context)?,
+            Dimension::Three => reject::<SE3, 6>(&self.pcm, graph, keep_graphs, context)?,
         };
         if let Some(path) = &self.consistency_graph {
             write_atomically(path, |writer| Ok(write_dimacs(writer, &graphs)?))?;
@@ -62,6 +83,7 @@ impl GraphStage for Options {
 fn reject<G: Spatial<DOF>, const DOF: usize>(
     options: &Options,
     graph: &mut PoseGraph,
+    keep_graphs: bool,
     context: &Context,
 ) -> Result<(Summary, Vec<NamedGraph>), PcmError> {
     let (mut chains, mut grouped) = candidates::<G, DOF>(options, graph)?;
@@ -85,7 +107,7 @@ fn reject<G: Spatial<DOF>, const DOF: usize>(
     for group in &grouped.groups {
         let count = group.candidates.len();
         let alone = options.limits(count, deadline);
-        let judged = judge(options, &chains, group, pool, budget.next(count, alone))?;
+        let judged = judge(options, &chains, group, pool, budget.next(count, alone), keep_graphs)?;
         budget.spend(count, alone, judged.figures.work);
         progress.inc(pairs(count));
         judged.mark(graph, group);

@@ -43,7 +43,7 @@ pub fn went_through_pcm(graph: &PoseGraph) -> bool {
     place_of_pcm(graph).is_some()
 }
 
-/// Where in the history of a graph PCM looked for a clique; re-admission looks at none.
+/// Where in the history of a graph PCM looked for a clique; re-admission, an option of pcm in earlier versions, looks at none.
 fn place_of_pcm(graph: &PoseGraph) -> Option<usize> {
     let looks =
         |entry: &Value| stage(entry) == Some(PCM) && entry["arguments"]["readmit"] != Value::Bool(true);

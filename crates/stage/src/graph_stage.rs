@@ -27,6 +27,11 @@ pub trait GraphStage: clap::Args + Serialize {
         None
     }
 
+    /// Refuses options that mean nothing, before anything is read.
+    fn check(&self) -> anyhow::Result<()> {
+        Ok(())
+    }
+
     /// Does the work on a graph that has been read and validated.
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()>;
 }
@@ -56,6 +61,7 @@ pub fn run_graph_stage<S: GraphStage>(version: &'static str) -> ExitCode {
         S::DOUBTS,
         |command| &command.common,
         |command, context| {
+            command.stage.check()?;
             let mut graph = context.read_graph(&command.input, "graph")?;
             command.stage.run(&mut graph, context)?;
             context.record_provenance(&mut graph, &command.stage, command.stage.seed())?;

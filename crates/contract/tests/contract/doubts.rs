@@ -67,7 +67,6 @@ const CASES: &[Case] = &[
     case("optimize", "undetermined", &["{weak.jsonl}"]),
     case("pcm", "calibration-on-prior", &["{right.jsonl}", "--scale", "auto"]),
     case("pcm", "nothing-kept", &["{wrong.jsonl}"]),
-    case("pcm", "nothing-kept", &["{predicted.jsonl}", "--readmit"]),
     case("pcm", "search-limit", &["{cliques.jsonl}", "--work-limit", "1"]),
     // The limit ends the search among hypotheses, or more cells than hypotheses may be are occupied.
     case(
@@ -78,6 +77,7 @@ const CASES: &[Case] = &[
     case("pcm", "search-limit", &["{crowd.jsonl}", "--scheme", "cells", "--cell-size", "0.5"]),
     case("ransac", "nothing-kept", &["{right.jsonl}"]),
     case("ransac", "search-limit", &["{graph.jsonl}", "--most-trials", "1"]),
+    case("readmit", "nothing-kept", &["{predicted.jsonl}"]),
     case("verify", "calibration-on-prior", &["{right.jsonl}"]),
     case("verify", "nothing-kept", &["{wrong.jsonl}"]),
     case("verify", "parts-not-connected", &["{wrong-apart.jsonl}"]),
@@ -208,7 +208,7 @@ fn a_good_result_raises_no_doubt() {
 
 #[test]
 fn without_candidates_there_is_nothing_to_doubt() {
-    for program in ["densest", "islands", "multicut", "pcm", "ransac", "verify", "voting"] {
+    for program in ["densest", "islands", "multicut", "pcm", "ransac", "readmit", "verify", "voting"] {
         for name in ["empty.jsonl", "odometry.jsonl"] {
             let output = run(program, &["--strict", &path(name)], b"");
             let said = String::from_utf8_lossy(&output.stderr);

@@ -89,6 +89,7 @@ pub(crate) const TABLE: &[Row] = &[
     Row { name: "oracle", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
     Row { name: "pcm", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
     Row { name: "ransac", arguments: &[], input: Some("graph.jsonl"), pipe: true, writes_stream: true },
+    Row { name: "readmit", arguments: &[], input: Some("marginals.jsonl"), pipe: true, writes_stream: true },
     Row {
         name: "report",
         arguments: &["table", "{x.result.json}"],

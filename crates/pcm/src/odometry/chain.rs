@@ -132,7 +132,7 @@ fn step<G: LieGroup<DOF>, const DOF: usize>(
 }
 
 /// The covariance of an edge's measurement: the inverse of its information.
-pub(crate) fn covariance<const DOF: usize>(
+pub fn covariance<const DOF: usize>(
     graph: &PoseGraph,
     edge: &Edge,
     covariances: Covariances,
@@ -164,7 +164,7 @@ fn repaired<const DOF: usize>(mut information: SMatrix<f64, DOF, DOF>) -> SMatri
 /// log(E)^T Sigma^-1 log(E) by elimination of the lower triangle, L D L^T; `None` if Sigma is not positive definite. One
 /// division a column: a square root and a division an entry, as Cholesky's has, would take as long as all the rest.
 #[inline(always)]
-pub(crate) fn squared_mahalanobis<const DOF: usize>(
+pub fn squared_mahalanobis<const DOF: usize>(
     covariance: &SMatrix<f64, DOF, DOF>,
     error: &SVector<f64, DOF>,
 ) -> Option<f64> {

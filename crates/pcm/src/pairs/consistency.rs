@@ -59,7 +59,7 @@ pub struct Pairs<'a, G, const DOF: usize> {
 }
 
 /// Another candidate of `count`, mostly far away: steps of the golden section spread over all of them without a pattern.
-pub(crate) fn elsewhere(count: usize, candidate: usize, turn: usize) -> usize {
+pub fn elsewhere(count: usize, candidate: usize, turn: usize) -> usize {
     (candidate + (count as f64 * (0.618_034 * turn as f64).fract()) as usize) % count
 }
 

@@ -1,7 +1,6 @@
 //! The options of the stage.
 
 use std::fmt;
-use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::{Duration, Instant};
 
@@ -12,7 +11,6 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use crate::calibration::{ScaleEstimate, Scales};
 use crate::chance::COST;
 use crate::clique::Limits;
-use crate::readmission::Readmission;
 use crate::{Correction, Gate, PcmError, Test, corrected};
 
 /// The most candidates of a group for which all pairs are tested: their matrix takes 50 MB.
@@ -122,7 +120,6 @@ impl<'de> Deserialize<'de> for Scale {
 /// The options of PCM. From the history of a graph they are read back with defaults for what it does not say.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, clap::Args)]
 #[serde(default)]
-#[allow(clippy::struct_excessive_bools, reason = "flags of a command line")]
 pub struct Options {
     /// When two edges are consistent
     #[arg(long, value_enum, default_value_t = Test::Mahalanobis)]
@@ -149,7 +146,7 @@ pub struct Options {
     pub scale: Scale,
 
     /// Divide the informations of odometry and landmark edges by their estimated scales, for the optimiser that comes next
-    #[arg(long, conflicts_with = "readmit")]
+    #[arg(long)]
     pub calibrate: bool,
 
     /// Do not hold the candidates of one chain against its odometry alone before they are held against each other
@@ -160,7 +157,7 @@ pub struct Options {
     #[arg(long, value_name = "P")]
     pub grow: Option<f64>,
 
-    /// Drop edges that agree by chance alone, where a wrong edge costs as much as COST correct ones; always applied to grown and re-admitted edges and to `--scheme cells` [default there: 3]
+    /// Drop edges that agree by chance alone, where a wrong edge costs as much as COST correct ones; always applied to grown edges and to `--scheme cells` [default there: 3]
     #[arg(long, value_name = "COST")]
     pub chance: Option<f64>,
 
@@ -182,27 +179,6 @@ pub struct Options {
     /// Seconds after which all searches end; what is kept then depends on the machine
     #[arg(long, value_name = "SECONDS", help_heading = "Search")]
     pub time_limit: Option<f64>,
-
-    /// Judge every landmark edge by the optimiser's marginals instead: re-admit rejected ones, drop ones in use
-    #[arg(long, help_heading = "Re-admission")]
-    pub readmit: bool,
-
-    /// Probability within which the innovation of a rejected edge re-admits it
-    #[arg(long, value_name = "P", default_value_t = 0.99, help_heading = "Re-admission")]
-    pub admit: f64,
-
-    /// Probability beyond which the innovation of an edge in use drops it
-    #[arg(long, value_name = "P", default_value_t = 0.9999, help_heading = "Re-admission")]
-    pub drop: f64,
-
-    /// Divide the information of landmark edges by the scale, for the optimiser that comes next
-    #[arg(long, requires = "readmit", help_heading = "Re-admission")]
-    pub apply_scale: bool,
-
-    /// Write the consistency graph in DIMACS format, for other clique solvers
-    #[arg(long, value_name = "FILE", help_heading = "Output")]
-    #[serde(skip)]
-    pub consistency_graph: Option<PathBuf>,
 }
 
 impl Default for Options {
@@ -227,7 +203,7 @@ impl Options {
                 return Err(PcmError::NotPositive { option, value });
             }
         }
-        if self.test == Test::Threshold && !self.readmit {
+        if self.test == Test::Threshold {
             for (option, used) in [
                 ("--scale", self.scale != Scale::Fixed(Scales::ONE)),
                 ("--calibrate", self.calibrate),
@@ -291,26 +267,22 @@ impl Options {
         let stall = if self.work_limit.is_some() { u64::MAX } else { (nodes / STALL) as u64 };
         Limits { work: self.work_limit.unwrap_or(nodes as u64), stall, deadline }
     }
-
-    pub(crate) fn readmission(&self) -> Result<Readmission, PcmError> {
-        let scale = match self.scale {
-            Scale::Fixed(Scales { odometry, landmark }) if odometry == landmark => Some(landmark),
-            Scale::Fixed(_) => return Err(PcmError::TwoScales),
-            Scale::Auto => None,
-        };
-        Ok(Readmission {
-            admit: self.admit,
-            drop: self.drop,
-            scale,
-            apply_scale: self.apply_scale,
-            cost: self.cost(),
-        })
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn histories_of_earlier_versions_are_read() {
+        let written = serde_json::json!({
+            "test": "root", "probability": 0.95, "scale": [0.5, 2.0], "readmit": false, "admit": 0.99, "drop": 0.9999,
+            "apply_scale": false,
+        });
+        let options: Options = serde_json::from_value(written).unwrap();
+        let scale = Scale::Fixed(Scales { odometry: 0.5, landmark: 2.0 });
+        assert_eq!(options, Options { test: Test::Root, probability: 0.95, scale, ..Options::default() });
+    }
 
     #[test]
     fn the_search_after_an_estimate_is_short_and_the_papers_is_as_it_was() {

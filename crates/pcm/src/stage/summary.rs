@@ -1,11 +1,9 @@
 //! What the stage says about its work.
 
-use posecut_graph::{EdgeKind, PoseGraph};
 use posecut_stage::{Context, Doubt, counted, info, warn};
 
 use crate::calibration::{Ended, FEWEST, NoScales, ScaleEstimate};
 use crate::judgement::figures::Figures;
-use crate::readmission::Readmitted;
 
 /// Figures of a run.
 #[derive(Clone, Debug, Default)]
@@ -175,41 +173,4 @@ impl Summary {
         };
         context.doubt(Doubt::CalibrationOnPrior, message);
     }
-}
-
-/// Notes what re-admission did.
-pub(crate) fn note_readmission(result: &Readmitted, graph: &PoseGraph, context: &mut Context) {
-    info!(
-        "{} re-admitted and {} dropped of {}",
-        result.readmitted,
-        result.dropped,
-        counted(result.tested, "landmark edge")
-    );
-    let in_use = |edge: &&posecut_graph::Edge| edge.in_use() && edge.measurement.is_some();
-    if result.tested > 0 && graph.edges_of(EdgeKind::Landmark).filter(in_use).count() == 0 {
-        context.doubt(
-            Doubt::NothingKept,
-            format!(
-                "0 of {} in use after re-admission; check the units of the information, the covariances (--scale) and whether \
-                 there is overlap",
-                counted(result.tested, "landmark edge")
-            ),
-        );
-    }
-    if let Some(estimate) = result.unbounded_scale {
-        warn!(
-            "the landmark edges in use suggest a scale of {estimate:.1}; {} is used, for false edges in use raise it",
-            result.scale
-        );
-    }
-    let statistics = &mut context.statistics;
-    statistics.note("agree_by_chance", result.by_chance);
-    statistics.note("tested", result.tested);
-    statistics.note("readmitted", result.readmitted);
-    statistics.note("dropped", result.dropped);
-    statistics.note("changed", result.readmitted + result.dropped);
-    statistics.note("untestable", result.untestable);
-    statistics.note("unmeasured", result.unmeasured);
-    statistics.note("rejected_by_others", result.rejected_by_others);
-    statistics.note("scale", result.scale);
 }
