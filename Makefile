@@ -116,7 +116,7 @@ table_of       = $(call declared,$(PIPELINES)) $(both) --sessions $(call listed,
 
 # ---- programs ---------------------------------------------------------------------------------------------
 sources       := $(shell find crates -name '*.rs' -o -name Cargo.toml -o -path '*/assets/*' -type f) Cargo.toml Cargo.lock
-binaries      := $(addprefix $(BIN)/posecut-,simulate ingest construct label oracle pcm readmit multicut islands ransac verify voting densest \
+binaries      := $(addprefix $(BIN)/posecut-,simulate ingest construct label oracle pcm readmit multicut partition islands ransac verify voting densest \
                  optimize evaluate report convert conform experiment)
 
 $(BIN)/.posecut-built: $(sources)
