@@ -28,13 +28,12 @@
 //! - `solve`: the whole graph, and branch and cut on kernels.
 //! - `stage`: costs of landmark edges from support, and the multicut of a pose graph.
 //!
-//! `budget` limits the work of all of them, `options` are the caller's choices, and `command` is the program.
+//! `budget` limits the work of all of them, and `options` are the caller's choices.
 #![doc = include_str!("../docs/method.md")]
 
 mod bound;
 mod budget;
 mod certificate;
-pub mod command;
 mod graph;
 mod heuristics;
 mod options;

@@ -11,6 +11,8 @@ mod moved;
 pub mod solver;
 pub mod support;
 
+use std::path::{Path, PathBuf};
+
 use posecut_graph::PoseGraph;
 use posecut_stage::{Context, Doubt, GraphStage, counted, info};
 use serde::Serialize;
@@ -22,6 +24,9 @@ use landmarks::{label_landmarks, mark};
 use moved::MovedOptions;
 use solver::{SolverOptions, note};
 use support::Support;
+
+/// What names the file of the certificate.
+const CERTIFICATE: &str = "--certificate";
 
 /// The options of the multicut stage.
 #[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
@@ -36,6 +41,11 @@ pub struct StageOptions {
     #[serde(flatten)]
     pub solver: SolverOptions,
 
+    /// Write a certificate of the lower bound, which `posecut-partition verify` checks
+    #[arg(long, value_name = "FILE", help_heading = "Proof")]
+    #[serde(skip)]
+    pub certificate: Option<PathBuf>,
+
     #[command(flatten)]
     #[serde(skip)]
     moved: MovedOptions,
@@ -43,15 +53,10 @@ pub struct StageOptions {
 
 impl StageOptions {
     /// Cuts a pose graph: marks the landmark edges cut, labels the landmarks, notes figures.
-    pub(crate) fn cut(
-        &self,
-        graph: &mut PoseGraph,
-        certificate: bool,
-        context: &mut Context,
-    ) -> anyhow::Result<Solution> {
+    fn cut(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<Solution> {
         let (costs, support) = self.cut.costs(graph)?;
         let instance = self.cut.graph_of(graph, &costs)?;
-        let options = self.solver.options(certificate)?;
+        let options = self.solver.options(self.certificate.is_some())?;
         let solution = solve(&instance, &options);
         let cut_edges = mark(graph, &costs, &solution.labels);
         let landmarks = label_landmarks(graph, &costs, &solution.labels);
@@ -134,7 +139,15 @@ impl GraphStage for StageOptions {
         self.solver.options(false).map(drop)
     }
 
+    fn further_outputs(&self) -> Vec<(&'static str, &Path)> {
+        self.certificate.iter().map(|path| (CERTIFICATE, path.as_path())).collect()
+    }
+
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
-        self.cut(graph, false, context).map(drop)
+        let solution = self.cut(graph, context)?;
+        if let Some(certificate) = solution.certificate {
+            context.further_output(CERTIFICATE, move |mut writer| Ok(certificate.write(&mut writer)?));
+        }
+        Ok(())
     }
 }

@@ -11,12 +11,12 @@ pub mod replay;
 pub mod selection;
 pub(crate) mod summary;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, EdgeKind, PoseGraph};
-use posecut_stage::{Context, Doubt, GraphStage, write_atomically};
+use posecut_stage::{Context, Doubt, GraphStage};
 use serde::Serialize;
 
 use crate::calibration::{NoScales, ScaleEstimate, Scales, divide_information, estimate_scales};
@@ -30,6 +30,9 @@ use budget::Budget;
 use dimacs::{NamedGraph, write_dimacs};
 use moved::MovedOptions;
 use summary::{Calibration, Summary};
+
+/// What names the file of the consistency graph.
+const CONSISTENCY_GRAPH: &str = "--consistency-graph";
 
 /// How often progress is drawn while a group takes long.
 const TICK: Duration = Duration::from_millis(200);
@@ -63,17 +66,18 @@ impl GraphStage for StageOptions {
         Ok(self.pcm.check()?)
     }
 
+    fn further_outputs(&self) -> Vec<(&'static str, &Path)> {
+        self.consistency_graph.iter().map(|path| (CONSISTENCY_GRAPH, path.as_path())).collect()
+    }
+
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
-        if let Some(path) = &self.consistency_graph {
-            context.check_further_output("--consistency-graph", path)?;
-        }
         let keep_graphs = self.consistency_graph.is_some();
         let (summary, graphs) = match graph.header.dimension {
             Dimension::Two => reject::<SE2, 3>(&self.pcm, graph, keep_graphs, context)?,
             Dimension::Three => reject::<SE3, 6>(&self.pcm, graph, keep_graphs, context)?,
         };
-        if let Some(path) = &self.consistency_graph {
-            write_atomically(path, |writer| Ok(write_dimacs(writer, &graphs)?))?;
+        if keep_graphs {
+            context.further_output(CONSISTENCY_GRAPH, move |writer| Ok(write_dimacs(writer, &graphs)?));
         }
         summary.note(context);
         Ok(())
