@@ -1,15 +1,13 @@
 //! The multicut as a stage: marks the landmark edges that an optimal multicut cuts, and labels the landmarks
 //! that remain.
 //!
-//! [`mod@support`] counts the landmark edges between neighbouring frames, within the distance of [`delta`]: the paper's cost of
-//! an edge is +1 with such support and -1 without. Depends on [`solve`](crate::solve()) alone; the theory knows no pose graphs.
+//! [`cut_graph`] makes the signed graph of a pose graph. Depends on the costs and on [`solve`](crate::solve()) alone; the solver knows
+//! no pose graphs.
 
 pub mod cut_graph;
-pub mod delta;
 pub(crate) mod landmarks;
 mod moved;
 pub mod solver;
-pub mod support;
 
 use std::path::{Path, PathBuf};
 
@@ -17,13 +15,13 @@ use posecut_graph::PoseGraph;
 use posecut_stage::{Context, Doubt, GraphStage, counted, info};
 use serde::Serialize;
 
+use crate::costs::delta::Delta;
+use crate::costs::support::Support;
 use crate::{Solution, solve};
 use cut_graph::CutOptions;
-use delta::Delta;
 use landmarks::{label_landmarks, mark};
 use moved::MovedOptions;
 use solver::{SolverOptions, note};
-use support::Support;
 
 /// What names the file of the certificate.
 const CERTIFICATE: &str = "--certificate";

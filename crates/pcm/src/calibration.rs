@@ -15,7 +15,7 @@ use crate::odometry::spread::Spatial;
 use crate::pairs::candidate::Group;
 
 /// Landmark edges below which there is no estimate. Loops do not count: one edge closes up to nine of them.
-pub(crate) const FEWEST: usize = 15;
+pub const FEWEST: usize = 15;
 /// Nats of evidence below which an estimate rests on nothing (drawn sessions without overlap reach 11), and nats an edge:
 /// false edges between nearby places agree a little better than with shuffled ends.
 const EVIDENCE: f64 = 15.0;
@@ -85,7 +85,7 @@ pub enum Ended {
 
 impl Ended {
     /// For messages.
-    pub(crate) fn explanation(self) -> &'static str {
+    pub fn explanation(self) -> &'static str {
         match self {
             Self::Iterations => "after its last iteration without converging",
             Self::SmallestFactor => "at the smallest factor it tries, e^-12",
@@ -95,7 +95,7 @@ impl Ended {
     }
 
     /// Its name in the statistics.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Iterations => "iterations",
             Self::SmallestFactor => "smallest-factor",

@@ -25,6 +25,7 @@ mod buckets;
 mod colouring;
 mod component;
 mod degeneracy;
+pub mod dimacs;
 mod greedy;
 mod kernel;
 mod limits;

@@ -5,7 +5,7 @@
 //! [`clique`](crate::clique), [`chance`](crate::chance), odometry and pairs.
 
 pub mod cells;
-pub(crate) mod figures;
+pub mod figures;
 pub mod growth;
 
 use std::time::Instant;

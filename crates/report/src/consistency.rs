@@ -7,6 +7,7 @@ use posecut_graph::PoseGraph;
 use posecut_pcm::calibration::Scales;
 use posecut_pcm::replay::{GroupConsistency, consistency};
 use posecut_pcm::{Gate, Options, Scale};
+use posecut_stage::warn;
 use serde_json::Value;
 
 /// The name of the stage, in histories and marks.
@@ -64,7 +65,11 @@ pub fn matrix(graph: &PoseGraph) -> anyhow::Result<Option<Matrix>> {
         }
     }
     let options = options(&graph.header.provenance[place]["arguments"])?;
-    Ok(Some(of(graph, &consistency(&options, &before)?)))
+    let replay = consistency(&options, &before)?;
+    if let Some(warning) = &replay.warning {
+        warn!("{warning}");
+    }
+    Ok(Some(of(graph, &replay.groups)))
 }
 
 fn stage(entry: &Value) -> Option<&str> {

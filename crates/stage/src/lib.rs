@@ -24,7 +24,7 @@ mod lines;
 mod logging;
 mod output;
 mod program;
-mod randomness;
+mod selection;
 mod standard_output;
 mod statistics;
 mod threads;
@@ -39,15 +39,15 @@ pub use doubt::Doubt;
 pub use expansion::Expansion;
 pub use graph_stage::{GraphStage, run_graph_stage};
 pub use input::{Input, digest, open, open_file};
-pub use lines::{LONGEST_LINE, bounded_lines};
+pub use lines::bounded_lines;
 pub use output::{write_atomically, write_output};
 pub use program::{Identity, Outcome, run, run_with_doubts};
-pub use randomness::random;
+pub use selection::Selection;
 pub use statistics::Statistics;
 pub use words::counted;
 
 // What stages write their messages with, so that they need no logging crate of their own.
 pub use indicatif::ProgressBar;
-pub use rand;
-pub use rand_chacha::ChaCha8Rng;
+pub use posecut_graph::LONGEST_LINE;
+pub use posecut_random::{ChaCha8Rng, rand, random};
 pub use tracing::{debug, info, warn};

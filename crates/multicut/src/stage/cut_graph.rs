@@ -3,9 +3,9 @@
 use posecut_graph::{EdgeKind, PoseGraph};
 use serde::Serialize;
 
-use super::delta::Delta;
-use super::support::{Support, support};
 use crate::Graph;
+use crate::costs::delta::Delta;
+use crate::costs::support::{Support, support};
 
 /// What cutting a landmark edge costs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]

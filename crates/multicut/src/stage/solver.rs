@@ -11,8 +11,8 @@ use crate::{Options, Solution, Solver};
 #[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
 pub struct SolverOptions {
     /// The algorithm for what reductions leave
-    #[arg(long, value_enum, default_value_t = SolverChoice::Exact)]
-    pub solver: SolverChoice,
+    #[arg(long, value_enum, default_value_t = Solver::Exact)]
+    pub solver: Solver,
 
     /// Seconds after which the best solution so far is taken and its gap told
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
@@ -21,18 +21,6 @@ pub struct SolverOptions {
     /// The same by work, which ends at the same place on every machine
     #[arg(long, value_name = "UNITS")]
     pub work_limit: Option<u64>,
-}
-
-/// The algorithm.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum SolverChoice {
-    /// Bounds and branching until the optimum is proved
-    Exact,
-    /// Greedy contraction, then Kernighan-Lin with joins
-    Klj,
-    /// Greedy additive edge contraction
-    Gaec,
 }
 
 impl SolverOptions {
@@ -44,13 +32,8 @@ impl SolverOptions {
                 self.time_limit
             )
         })?;
-        let solver = match self.solver {
-            SolverChoice::Exact => Solver::Exact,
-            SolverChoice::Klj => Solver::Klj,
-            SolverChoice::Gaec => Solver::Gaec,
-        };
         Ok(Options {
-            solver,
+            solver: self.solver,
             time_limit: Some(time_limit),
             work_limit: self.work_limit,
             certificate,
