@@ -142,6 +142,7 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
         candidate: &Candidate<G, DOF>,
         (error, covariance): (SVector<f64, DOF>, SMatrix<f64, DOF, DOF>),
     ) -> Option<Evidence> {
+        // R is seen at the candidate's place, and the loop's covariance S in the frame of chain B: the adjoint carries R there.
         let to_chain = self.pairs.chain_b.poses[candidate.k].adjoint();
         let (near, far) = (
             covariance.cholesky()?,
@@ -154,6 +155,7 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
     }
 
     fn count(&self, evidence: Option<Evidence>) -> f64 {
+        // d^D / (2^(D/2) Gamma(D/2 + 1)) = exp(D/2 ln(d^2 / 2) - ln Gamma(D/2 + 1)): in logarithms, for d^D overflows at large d.
         let chance = evidence.map_or(1.0, |Evidence { ratio, squared_distance }| {
             (0.5 * DOF as f64 * (0.5 * squared_distance).ln() - self.log_gamma).exp() * ratio.sqrt()
         });
@@ -181,11 +183,14 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
                 (of.odometry <= limit, linked.map(|&(other, _)| other).collect())
             })
             .collect();
+        // Islands before counts: two overlaps far apart cannot vouch for each other across the odometry between, and judged one by
+        // one, all members of the smaller would look like chance.
         let mut islands = Islands::of(members, &links);
         let mut supported = islands.take_first();
         if self.pool.groups > 1 && !Self::is_vouched_for(&supported, &vouched, members, limit) {
             supported.clear();
         }
+        // In rounds, since an island that joined may vouch for the next one.
         while !supported.is_empty() {
             let nearest = Nearest::new(self.pairs, &supported);
             let joining = islands.take_where(|island| {
@@ -240,6 +245,7 @@ fn best(evidence: impl Iterator<Item = Option<Evidence>>) -> Option<Evidence> {
 pub fn acceptable(mut false_alarms: Vec<f64>, cost: f64) -> f64 {
     let weight = 1.0 + cost;
     false_alarms.sort_by(f64::total_cmp);
+    // The gain k - a - cost a, that is k - (1 + cost) a, at the k smallest; a is the largest of them.
     let mut best = (0.0, 0.0);
     for (place, &expected) in false_alarms.iter().enumerate() {
         let gain = (place + 1) as f64 - weight * expected;

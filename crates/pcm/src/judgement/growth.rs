@@ -8,9 +8,10 @@ use crate::odometry::spread::Spatial;
 use crate::pairs::consistency::{PairCounts, Pairs};
 use crate::pairs::nearest::Nearest;
 
-/// Members that a candidate is held against.
+/// Members that a candidate is held against: enough that one or two wrong ones do not decide.
 const WITNESSES: usize = 8;
-/// How many of them must agree, of four.
+/// How many of them must agree, of four: at a loose gate a correct candidate hardly disagrees with a correct member, but some of the
+/// members may be wrong.
 const QUARTERS: usize = 3;
 /// With fewer members there is nothing to hold a candidate against.
 const FEWEST: usize = 3;
@@ -75,6 +76,7 @@ pub(crate) fn grow_among<G: Spatial<DOF>, const DOF: usize>(
             let near = nearest.of(pairs.position(candidate), candidate, WITNESSES);
             let mut witnesses = Vec::with_capacity(near.len());
             for (place, &member) in near.iter().enumerate() {
+                // Too many have disagreed for three quarters still to agree.
                 if 4 * (place - witnesses.len()) > (4 - QUARTERS) * near.len() {
                     break;
                 }
@@ -94,6 +96,7 @@ pub(crate) fn grow_among<G: Spatial<DOF>, const DOF: usize>(
             (verdict, counts)
         })
         .collect();
+    // The limit is that of all candidates together, since each that grows adds to the false alarms of the whole.
     let alarms = |&(verdict, _): &(Verdict, PairCounts)| match verdict {
         Verdict::Agrees(expected) => Some(expected),
         _ => None,

@@ -17,6 +17,7 @@ impl Summary<'_> {
         }
     }
 
+    /// Says what was kept, doubts it where it should not be believed, and notes the figures.
     pub(crate) fn note(&self, context: &mut Context) {
         let exact = self.0.judged.groups_by_cells == 0;
         let optimal = exact && self.0.judged.clique_size == self.0.judged.clique_upper_bound;
@@ -45,6 +46,10 @@ impl Summary<'_> {
                 self.0.unmeasured
             );
         }
+        self.note_figures(exact, optimal, context);
+    }
+
+    fn note_figures(&self, exact: bool, optimal: bool, context: &mut Context) {
         let statistics = &mut context.statistics;
         statistics.note("scheme", self.scheme());
         statistics.note("candidates", self.0.judged.candidates);
@@ -69,8 +74,18 @@ impl Summary<'_> {
         statistics.note("optimal", optimal);
         statistics.note("grown", self.0.judged.grown);
         statistics.note("agree_by_chance", self.0.judged.by_chance);
-        statistics.note("rejected", self.0.judged.candidates - kept);
+        statistics.note("rejected", self.0.judged.candidates - self.0.judged.kept);
         statistics.note("branch_and_bound_nodes", self.0.judged.work);
+        self.note_scale(context);
+        let statistics = &mut context.statistics;
+        statistics.note("seconds_scale", self.0.calibration.seconds);
+        statistics.note("seconds_pairs", self.0.judged.seconds_pairs);
+        statistics.note("seconds_clique", self.0.judged.seconds_clique);
+        statistics.note("seconds_growth", self.0.judged.seconds_growth);
+    }
+
+    fn note_scale(&self, context: &mut Context) {
+        let statistics = &mut context.statistics;
         if let Some(Err(NoScales::NoEvidence(nats))) = self.0.calibration.scale {
             statistics.note("scale_evidence", nats);
         }
@@ -86,10 +101,6 @@ impl Summary<'_> {
             statistics.note("scale_evidence", estimate.evidence);
             statistics.note("scale_ended", estimate.ended.map_or("converged", Ended::name));
         }
-        statistics.note("seconds_scale", self.0.calibration.seconds);
-        statistics.note("seconds_pairs", self.0.judged.seconds_pairs);
-        statistics.note("seconds_clique", self.0.judged.seconds_clique);
-        statistics.note("seconds_growth", self.0.judged.seconds_growth);
     }
 }
 
