@@ -80,6 +80,34 @@ impl<const DOF: usize> Pool<DOF> {
     }
 }
 
+/// Which agreement is accepted: what a wrong edge costs, and among which candidates chance has its choice.
+#[derive(Clone, Copy, Debug)]
+pub struct Acceptance<const DOF: usize> {
+    /// How many correct edges a wrong one weighs as much as.
+    pub cost: f64,
+    pool: Option<Pool<DOF>>,
+}
+
+impl<const DOF: usize> Acceptance<DOF> {
+    /// Among the candidates of a group by itself.
+    pub fn within_group(cost: f64) -> Self {
+        Self { cost, pool: None }
+    }
+
+    /// Among those of all groups of the graph.
+    pub(crate) fn within(cost: f64, pool: Option<Pool<DOF>>) -> Self {
+        Self { cost, pool }
+    }
+
+    /// Counts the false alarms of a group's candidates. O(1): a thousand pairs of places.
+    pub(crate) fn chance<'a, G: Spatial<DOF>>(&self, pairs: &'a Pairs<'a, G, DOF>) -> Chance<'a, G, DOF> {
+        match self.pool {
+            Some(pool) => Chance::among(pairs, pool),
+            None => Chance::new(pairs),
+        }
+    }
+}
+
 /// Which members agree not by chance alone.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Support {
@@ -109,8 +137,10 @@ struct Vouched {
 impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
     /// Judges a group by itself. O(1): a thousand pairs of places.
     pub fn new(pairs: &'a Pairs<'a, G, DOF>) -> Self {
-        let pool =
-            pairs.pool.unwrap_or_else(|| Pool::of_places(std::iter::once((pairs.chain_b, pairs.candidates))));
+        Self::among(pairs, Pool::of_places(std::iter::once((pairs.chain_b, pairs.candidates))))
+    }
+
+    fn among(pairs: &'a Pairs<'a, G, DOF>, pool: Pool<DOF>) -> Self {
         Self { pairs, pool, log_gamma: ln_gamma(0.5 * DOF as f64 + 1.0) }
     }
 

@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use posecut_graph::PoseGraph;
 
-use crate::chance::{Chance, Pool};
+use crate::chance::{Acceptance, Pool};
 use crate::clique::{BitGraph, Limits, maximum_clique};
 use crate::odometry::chain::Chains;
 use crate::pairs::candidate::Group;
@@ -125,15 +125,16 @@ pub(crate) fn judge<G: Spatial<DOF>, const DOF: usize>(
     if scheme == Scheme::Cells && keep_graph {
         return Err(PcmError::GraphNotMade { candidates: count, megabytes: (count * count / 8) >> 20 });
     }
-    let pairs = Pairs::new(chains, group).with_odometry_test(!options.no_odometry_test).with_pool(pool);
+    let pairs = Pairs::new(chains, group).with_odometry_test(!options.no_odometry_test);
+    let acceptance = Acceptance::within(options.cost(), pool);
     let gate = options.gate(options.probability, count, DOF)?;
     let growth_gate = match options.grow {
         Some(probability) => Some(options.gate(probability, count, DOF)?),
         None => None,
     };
     let mut judged = match scheme {
-        Scheme::Cells => by_cells(options, &pairs, (gate, growth_gate.unwrap_or(gate)), limits),
-        _ => by_clique(options, &pairs, (gate, growth_gate), limits),
+        Scheme::Cells => by_cells(options, &pairs, (gate, growth_gate.unwrap_or(gate)), acceptance, limits),
+        _ => by_clique(options, &pairs, (gate, growth_gate), acceptance, limits),
     };
     let graph = judged.graph.take().filter(|_| keep_graph);
     Ok(Judged { graph, ..judged.counted() })
@@ -143,10 +144,11 @@ fn by_cells<G: Spatial<DOF>, const DOF: usize>(
     options: &Options,
     pairs: &Pairs<'_, G, DOF>,
     (gate, growth_gate): (Gate, Gate),
+    acceptance: Acceptance<DOF>,
     limits: Limits,
 ) -> Judged {
     let start = Instant::now();
-    let solution = solve_by_cells(pairs, gate, growth_gate, options.cell_size, limits, options.cost());
+    let solution = solve_by_cells(pairs, gate, growth_gate, options.cell_size, limits, acceptance);
     let seconds_clique = start.elapsed().as_secs_f64();
     let mut judged = Judged::new(solution.degrees);
     judged.figures = Figures {
@@ -174,6 +176,7 @@ fn by_clique<G: Spatial<DOF>, const DOF: usize>(
     options: &Options,
     pairs: &Pairs<'_, G, DOF>,
     (gate, growth_gate): (Gate, Option<Gate>),
+    acceptance: Acceptance<DOF>,
     limits: Limits,
 ) -> Judged {
     let start = Instant::now();
@@ -200,15 +203,15 @@ fn by_clique<G: Spatial<DOF>, const DOF: usize>(
     };
     let mut members: Vec<usize> = clique.vertices.iter().map(|&vertex| tested[vertex]).collect();
     let start = Instant::now();
-    if let Some(cost) = options.chance {
-        let support = Chance::new(pairs).support(&members, cost);
+    if options.chance.is_some() {
+        let support = acceptance.chance(pairs).support(&members, acceptance.cost);
         judged.play(Role::Chance, &support.by_chance);
         judged.note(&support.false_alarms);
         members = support.supported;
     }
     judged.play(Role::Clique, &members);
     if let Some(gate) = growth_gate {
-        let growth = grow(pairs, &members, gate, options.cost());
+        let growth = grow(pairs, &members, gate, acceptance);
         judged.play(Role::Chance, &growth.by_chance);
         judged.play(Role::Grown, &growth.grown);
         judged.note(&growth.false_alarms);

@@ -15,8 +15,9 @@
 //!   hold; [`growth`], candidates that a clique lost by a pair or two.
 //! - `stage`: the program, with the feature `cli`.
 //!
-//! Files of their own are [`reject()`], all of it on a pose graph; `options`; `preparation`, chains and candidates as the options want them; [`replay`], what the stage
-//! decides on, for those who show it; [`incremental`], candidates one by one; and [`generate`], graphs for tests.
+//! Files of their own are `rejection`, all of it on a pose graph ([`reject`]), with its `options`, the `budget` of its groups and
+//! their `preparation`; [`replay`], what it decides on, for those who show it; [`incremental`], candidates one by one; and
+//! [`generate`], graphs for tests.
 
 mod budget;
 pub mod calibration;

@@ -64,7 +64,7 @@ fn benches(criterion: &mut Criterion) {
                 ("verify", &|graph| judge::<posecut_verify::Options>(graph, &[])),
                 ("pcm", &|graph| judge::<posecut_pcm::stage::StageOptions>(graph, &[])),
                 ("pcm --chance 3", &|graph| {
-                    judge::<posecut_pcm::stage::StageOptions>(graph, &["--chance", "3"])
+                    judge::<posecut_pcm::stage::StageOptions>(graph, &["--chance", "3"]);
                 }),
             ];
             for method in methods {

@@ -68,6 +68,11 @@ pub(super) fn pcm(input: &[u8]) -> Outcome {
     )
 }
 
+pub(super) fn readmit(input: &[u8]) -> Outcome {
+    graph_stage::<posecut_readmit::Options>(input, &["--scale", "auto", "--apply-scale"]);
+    graph_stage::<posecut_readmit::Options>(input, &[])
+}
+
 pub(super) fn multicut(input: &[u8]) -> Outcome {
     graph_stage::<posecut_multicut::stage::StageOptions>(
         input,
