@@ -23,7 +23,7 @@ const STATS: &str = "--stats";
 const OUTPUT: &str = "--output";
 
 /// Writes the content of a file.
-type Content = Box<dyn FnOnce(&mut dyn Write) -> anyhow::Result<()>>;
+type Content = Box<dyn FnOnce(&mut dyn Write) -> anyhow::Result<()> + Send>;
 
 /// Inputs read so far, statistics, and the common arguments.
 pub struct Context {
@@ -199,7 +199,7 @@ impl Context {
     pub fn further_output(
         &mut self,
         option: &'static str,
-        write: impl FnOnce(&mut dyn Write) -> anyhow::Result<()> + 'static,
+        write: impl FnOnce(&mut dyn Write) -> anyhow::Result<()> + Send + 'static,
     ) {
         self.further.insert(option, Box::new(write));
     }
