@@ -2,23 +2,26 @@
 # PCM, then re-admission with the optimiser's marginals, in rounds: optimise what is in use, compare every landmark edge
 # with what the others predict, re-admit and drop, until nothing changes (at most five rounds).
 #
-# Usage: pipelines/readmission.sh [--pcm PROGRAM] [--optimize PROGRAM] [--rounds FILE] GRAPH OUTPUT [PCM OPTIONS]
+# Usage: pipelines/readmission.sh [--pcm PROGRAM] [--readmit PROGRAM] [--optimize PROGRAM] [--rounds FILE]
+#                                 GRAPH OUTPUT [PCM OPTIONS]
 # PCM OPTIONS are those of the first run [default: --calibrate --grow 0.999999].
-# PROGRAM [default: posecut-pcm and posecut-optimize of target/release]; READMIT holds the options of the rounds.
+# PROGRAM [default: posecut-pcm, posecut-readmit and posecut-optimize of target/release]; READMIT holds the options of the
+# rounds [default: --scale auto --apply-scale].
 # OUTPUT is the optimised graph with the rejections of the last round; FILE gets a line of figures a round.
 set -eu
 programs=$(dirname "$0")/../target/release
-pcm=$programs/posecut-pcm optimize=$programs/posecut-optimize rounds=/dev/null
+pcm=$programs/posecut-pcm readmit=$programs/posecut-readmit optimize=$programs/posecut-optimize rounds=/dev/null
 while [ $# -gt 0 ]; do
   case $1 in
     --pcm) pcm=$2 && shift 2 ;;
+    --readmit) readmit=$2 && shift 2 ;;
     --optimize) optimize=$2 && shift 2 ;;
     --rounds) rounds=$2 && shift 2 ;;
     --version) echo 'readmission.sh 0.1.0' && exit ;;
     *) break ;;
   esac
 done
-[ $# -ge 2 ] || { sed -n '2,8s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+[ $# -ge 2 ] || { sed -n '2,10s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 graph=$1 output=$2
 shift 2
 [ $# -gt 0 ] || set -- --calibrate --grow 0.999999
@@ -37,7 +40,7 @@ trap 'rm -rf "$work"' EXIT
 for round in 1 2 3 4 5; do
   "$optimize" --quiet "$work/judged.jsonl" --marginals landmark -o "$work/optimized.jsonl"
   # shellcheck disable=SC2086 # options are words
-  "$pcm" --quiet "$work/optimized.jsonl" --readmit ${READMIT---scale auto --apply-scale} $chance -o "$work/judged.jsonl" \
+  "$readmit" --quiet "$work/optimized.jsonl" ${READMIT---scale auto --apply-scale} $chance -o "$work/judged.jsonl" \
     --stats "$work/stats.json"
   figure() { sed -n "s/^  \"$1\": \([^,]*\),\{0,1\}$/\1/p" "$work/stats.json"; }
   echo "round $round readmitted $(figure readmitted) dropped $(figure dropped) scale $(figure scale)" >> "$work/rounds"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What proofs are made of: branchings, edges fixed, wheels packed, counted in the certificates of posecut-multicut.
+"""What proofs are made of: branchings, edges fixed, wheels packed, counted in the certificates of posecut-partition.
 
 Usage: scripts/bench-multicut-proofs.py [--program NAME=PATH]... [--time-limit SECONDS] [--write FILE]
 
@@ -53,9 +53,9 @@ def instances(folder, target):
 
 def proof(program, verifier, path, limit, folder):
     stats, certificate = folder / "stats.json", folder / "certificate"
-    subprocess.run([program, "--format", "mc", path, "--time-limit", str(limit), "--threads", "1", "-q", "--stats", stats,
+    subprocess.run([program, "solve", path, "--time-limit", str(limit), "--threads", "1", "-q", "--stats", stats,
                     "--certificate", certificate, "-o", os.devnull], check=True)
-    subprocess.run([verifier, "--format", "mc", path, "--verify", certificate, "-q"], check=True, stdout=subprocess.DEVNULL,
+    subprocess.run([verifier, "verify", certificate, path, "-q"], check=True, stdout=subprocess.DEVNULL,
                    stderr=subprocess.DEVNULL)
     words = [line.split(" ", 1)[0] for line in certificate.open()]
     found = json.loads(stats.read_text())
@@ -70,7 +70,7 @@ def main():
     parser.add_argument("--write", type=pathlib.Path)
     arguments = parser.parse_args()
     target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
-    programs = [text.split("=", 1) for text in arguments.program or [f"now={target / 'posecut-multicut'}"]]
+    programs = [text.split("=", 1) for text in arguments.program or [f"now={target / 'posecut-partition'}"]]
     lines = ["| instance | " + " | ".join(f"{name}: branchings | fixings | wheels | bound | work, millions" for name, _ in programs) + " |",
              "|---|" + "---|" * (5 * len(programs))]
     same = 0

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures posecut-multicut as a whole process on generated and published instances; writes docs/results/multicut.md.
+"""Measures posecut-partition, the multicut solver, as a whole process on generated and published instances; writes docs/results/multicut.md.
 
 Usage: scripts/bench-multicut.py [--largest N] [--peer PYTHON] [--time-limit SECONDS] [--generated-limit SECONDS]
                                  [--measured FILE] [--only TEXT] [--for SECONDS] [-o FILE]
@@ -50,7 +50,7 @@ def machine():
 
 def solve(program, path, solver, time_limit, folder):
     stats, labels = folder / "stats.json", folder / "labels"
-    command = [program, "--format", "mc", path, "--solver", solver, "--time-limit", time_limit, "--threads", 1, "-q",
+    command = [program, "solve", path, "--solver", solver, "--time-limit", time_limit, "--threads", 1, "-q",
                "--stats", stats, "-o", labels]
     result = measured(command, 4 * time_limit + 60)
     if result is None:
@@ -138,9 +138,9 @@ def main():
     parser.add_argument("-o", "--output", default=ROOT / "docs/results/multicut.md")
     arguments = parser.parse_args()
     target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
-    subprocess.run(["cargo", "build", "--release", "--locked", "-q", "-p", "posecut-multicut", "--bins", "--example",
-                    "generate_mc"], cwd=ROOT, check=True)
-    program, generator = target / "release/posecut-multicut", target / "release/examples/generate_mc"
+    subprocess.run(["cargo", "build", "--release", "--locked", "-q", "-p", "posecut-partition", "-p", "posecut-multicut",
+                    "--bins", "--example", "generate_mc"], cwd=ROOT, check=True)
+    program, generator = target / "release/posecut-partition", target / "release/examples/generate_mc"
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         jobs = []

@@ -82,7 +82,7 @@ impl Samples {
 }
 
 /// The samples, made once by the programs themselves: `2012-01-22/` (a session), `session.jsonl`,
-/// `graph.jsonl`, `optimized.jsonl`, `x.result.json`; `paper.toml` and `stages.toml` are those of `pipelines/`.
+/// `graph.jsonl`, `optimized.jsonl`, `marginals.jsonl`, `x.result.json`, `four.mc` (a signed graph) and `four.proof`; `paper.toml` and `stages.toml` are those of `pipelines/`.
 ///
 /// # Panics
 /// If a program fails.
@@ -103,7 +103,12 @@ pub fn samples() -> &'static Samples {
             b"",
         );
         succeed("optimize", &[&graph, "-o", &optimized], b"");
+        succeed("optimize", &[&graph, "--marginals", "landmark", "-o", &path("marginals.jsonl")], b"");
         succeed("evaluate", &[&optimized, "--label", "method=all", "-o", &path("x.result.json")], b"");
+        let instance = path("four.mc");
+        std::fs::write(&instance, "MULTICUT\n0 1 2\n2 3 2\n1 2 0.5\n0 3 -1\n")
+            .expect("a sample can be written");
+        succeed("partition", &["solve", &instance, "--certificate", &path("four.proof")], b"");
         for name in ["paper.toml", "stages.toml"] {
             std::fs::copy(workspace().join("pipelines").join(name), path(name))
                 .expect("pipelines/ can be copied");

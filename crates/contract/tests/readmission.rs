@@ -35,6 +35,7 @@ fn edges_over_a_gap_that_nothing_predicts_stay_rejected() {
     std::fs::write(&graph, with_a_gap()).unwrap();
     let done = Command::new(workspace().join("pipelines/readmission.sh"))
         .args(["--pcm".as_ref(), program("pcm").as_os_str()])
+        .args(["--readmit".as_ref(), program("readmit").as_os_str()])
         .args(["--optimize".as_ref(), program("optimize").as_os_str()])
         .args([&graph, &output])
         .output()

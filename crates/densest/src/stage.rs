@@ -6,9 +6,8 @@ use posecut_graph::{Dimension, PoseGraph};
 use posecut_pcm::candidate::{Group, group};
 use posecut_pcm::chain::Chains;
 use posecut_pcm::consistency::squared_distance;
-use posecut_pcm::selection::Selection;
 use posecut_pcm::{Gate, Test};
-use posecut_stage::{Context, GraphStage, Phase, Place, counted, info, random};
+use posecut_stage::{Context, GraphStage, Phase, Place, Selection, counted, info, random, warn};
 use serde::Serialize;
 
 use crate::{Affinity, densest_clique};
@@ -99,8 +98,17 @@ impl Options {
     fn reject<G: LieGroup<DOF>, const DOF: usize>(&self, graph: &mut PoseGraph) -> anyhow::Result<Summary> {
         let gate = Gate::new(Test::Mahalanobis, self.probability, DOF)?;
         let chains = Chains::<G, DOF>::of(graph)?;
+        if let Some(warning) = chains.warning() {
+            warn!("{warning}");
+        }
         let grouped = group(graph, &chains)?;
-        let mut summary = Summary { selection: Selection::of(&grouped), ..Summary::default() };
+        let selection = Selection {
+            groups: grouped.groups.len(),
+            unmeasured: grouped.unmeasured,
+            rejected_before: grouped.rejected_before,
+            ..Selection::default()
+        };
+        let mut summary = Summary { selection, ..Summary::default() };
         for (number, group) in grouped.groups.iter().enumerate() {
             let affinity = self.affinity(&chains, group, gate);
             let mut draw = random(self.seed, &format!("densest {number}"));
@@ -109,7 +117,8 @@ impl Options {
                 Select::Clique => densest.vertices.clone(),
                 Select::Rounded => densest.rounded(),
             };
-            summary.selection.keep(graph, group, &kept, Self::NAME);
+            let edges = group.candidates.iter().map(|candidate| candidate.edge);
+            summary.selection.keep(graph, edges, &kept, Self::NAME);
             summary.consistent_pairs += affinity.pairs();
             summary.density += densest.density;
             summary.steps += densest.steps;

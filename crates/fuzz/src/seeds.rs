@@ -7,6 +7,7 @@ use posecut_convert::tum::Poses;
 use posecut_convert::{g2o, kitti, toro, tum};
 use posecut_geometry::{LieGroup as _, SE2};
 use posecut_graph::{Dimension, EdgeKind, PoseGraph};
+use serde_json::Value;
 
 /// Inputs that once were findings, and others by hand: `crates/fuzz/corpus/TARGET/`.
 pub(crate) fn kept(target: &str) -> Vec<Vec<u8>> {
@@ -90,6 +91,32 @@ pub(crate) fn graphs() -> Vec<Vec<u8>> {
         {\"kind\":\"landmark\",\"id\":1,\"from\":0,\"to\":1,\"truth\":{\"correct\":true}}\n\
         {\"kind\":\"gps\",\"at\":[1,2]}\n";
     vec![written(&planar()), written(&marked), written(&spatial()), least.as_bytes().to_vec()]
+}
+
+/// Graphs that the optimiser has given marginals, with edges that PCM rejected.
+pub(crate) fn predicted() -> Vec<Vec<u8>> {
+    let with_marginals = |mut graph: PoseGraph, identity: &[f64], covariance: &[f64]| {
+        for node in &mut graph.nodes {
+            node.pose.get_or_insert_with(|| identity.to_vec());
+        }
+        let landmarks = graph.edges.iter_mut().filter(|edge| edge.kind == EdgeKind::Landmark);
+        for (place, edge) in landmarks.enumerate() {
+            let predicted = if place % 7 == 6 { Value::Null } else { covariance.into() };
+            edge.extra.insert("predicted_covariance".to_owned(), predicted);
+            if place % 2 == 1 {
+                edge.reject("pcm");
+            }
+        }
+        written(&graph)
+    };
+    let diagonal = |axes: usize| -> Vec<f64> {
+        let entries = (0..axes).flat_map(|row| (row..axes).map(move |column| (row, column)));
+        entries.map(|(row, column)| if row == column { 1e-3 } else { 0.0 }).collect()
+    };
+    vec![
+        with_marginals(planar(), &[0.0; 3], &diagonal(3)),
+        with_marginals(spatial(), &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], &diagonal(6)),
+    ]
 }
 
 pub(crate) fn g2o() -> Vec<Vec<u8>> {

@@ -121,6 +121,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "session", words: CSV, read: session::directory, seeds: seeds::sessions },
     Target { name: "archive", words: CSV, read: session::archive, seeds: seeds::archives },
     Target { name: "pcm", words: JSON, read: stages::pcm, seeds: seeds::graphs },
+    Target { name: "readmit", words: JSON, read: stages::readmit, seeds: seeds::predicted },
     Target { name: "multicut", words: JSON, read: stages::multicut, seeds: seeds::graphs },
     Target { name: "verify", words: JSON, read: stages::verify, seeds: seeds::graphs },
     Target { name: "optimize", words: JSON, read: stages::optimize, seeds: seeds::graphs },

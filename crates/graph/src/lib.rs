@@ -39,7 +39,7 @@ pub use dimension::Dimension;
 pub use error::{FormatProblem, ReadError, WriteError};
 pub use graph::PoseGraph;
 pub use header::{Header, InputDigest, NoiseModel, Provenance, StageDoubt, doubts_of};
-pub use read::{Examination, RecordReader, examine};
+pub use read::{Examination, LONGEST_LINE, RecordReader, examine};
 pub use record::{Edge, EdgeKind, EdgeTruth, FIXED, Node, NodeTruth, Record};
 pub use schema::schema;
 

@@ -7,8 +7,8 @@ use crate::parse::{check_unknown, kind_of, parse_edge, parse_header, parse_node}
 use crate::validate::Validator;
 use crate::{Edge, EdgeKind, Header, Node, PoseGraph, ReadError, Record};
 
-/// A line longer than this is no record of a pose graph: 16 MiB.
-const LONGEST_LINE: u64 = 16 << 20;
+/// A longer line is no record of any format here: 16 MiB.
+pub const LONGEST_LINE: u64 = 16 << 20;
 
 /// Reads records one by one, each checked by itself and against the header. What concerns several records
 /// (duplicate ids, dangling edges) is checked by [`PoseGraph::read`], which holds them all.

@@ -26,28 +26,30 @@
 //! - `heuristics`: greedy contraction, Kernighan-Lin with joins, fusion moves.
 //! - `certificate`: proofs of lower bounds, and their independent check.
 //! - `solve`: the whole graph, and branch and cut on kernels.
-//! - `stage`: costs of landmark edges from support, and the multicut of a pose graph.
+//! - `costs`: costs of landmark edges from support.
+//! - `stage`: the multicut of a pose graph, with the feature `cli`.
 //!
-//! `budget` limits the work of all of them, `options` are the caller's choices, and `command` is the program.
+//! `budget` limits the work of all of them, and `options` are the caller's choices.
 #![doc = include_str!("../docs/method.md")]
 
 mod bound;
 mod budget;
 mod certificate;
-pub mod command;
+mod costs;
 mod graph;
 mod heuristics;
 mod options;
 mod reduce;
 mod solve;
+#[cfg(feature = "cli")]
 pub mod stage;
 
 pub use certificate::proof::Certificate;
 pub use certificate::verify::{Verified, VerifyError, verify};
+pub use costs::{delta, support};
 pub use graph::error::{GraphError, LabelError, MAXIMUM_NODES};
 pub use graph::generate;
 pub use graph::instance::{Edge, Graph};
 pub use graph::read::{ReadError, read_mc};
 pub use options::{Options, Solver};
 pub use solve::{Solution, solve};
-pub use stage::{delta, support};

@@ -1,5 +1,5 @@
-//! `posecut-multicut`: minimum-cost multicuts of landmark edges and of plain signed graphs.
+//! `posecut-multicut`: a minimum-cost multicut of the landmark edges of a pose graph.
 
 fn main() -> std::process::ExitCode {
-    posecut_multicut::command::main()
+    posecut_stage::run_graph_stage::<posecut_multicut::stage::StageOptions>(env!("CARGO_PKG_VERSION"))
 }

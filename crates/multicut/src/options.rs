@@ -2,15 +2,19 @@
 
 use std::time::Duration;
 
-/// Which algorithm runs on the kernels that reductions leave.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+use serde::Serialize;
+
+/// The algorithm for the kernels that reductions leave.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Solver {
-    /// Bounds, cycle relaxation and branching until the optimum is proved, or a limit is reached.
+    /// Bounds and branching until the optimum is proved
     #[default]
     Exact,
-    /// Greedy additive edge contraction, then Kernighan-Lin with joins.
+    /// Greedy contraction, then Kernighan-Lin with joins
     Klj,
-    /// Greedy additive edge contraction alone.
+    /// Greedy additive edge contraction
     Gaec,
 }
 

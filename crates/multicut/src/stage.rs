@@ -1,177 +1,60 @@
 //! The multicut as a stage: marks the landmark edges that an optimal multicut cuts, and labels the landmarks
 //! that remain.
 //!
-//! [`mod@support`] counts the landmark edges between neighbouring frames, within the distance of [`delta`]: the paper's cost of
-//! an edge is +1 with such support and -1 without. Depends on [`solve`](crate::solve()) alone; the theory knows no pose graphs.
+//! [`cut_graph`] makes the signed graph of a pose graph. Depends on the costs and on [`solve`](crate::solve()) alone; the solver knows
+//! no pose graphs.
 
-pub mod delta;
+pub mod cut_graph;
 pub(crate) mod landmarks;
-pub mod support;
+mod moved;
+pub mod solver;
 
-use std::time::Duration;
+use std::path::{Path, PathBuf};
 
-use posecut_graph::{EdgeKind, PoseGraph};
+use posecut_graph::PoseGraph;
 use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, counted, info};
 use serde::Serialize;
 
-use crate::{Graph, Solution, Solver, solve};
-use delta::Delta;
+use crate::costs::delta::Delta;
+use crate::costs::support::Support;
+use crate::{Solution, solve};
+use cut_graph::CutOptions;
 use landmarks::{label_landmarks, mark};
-use support::{Support, support};
+use moved::MovedOptions;
+use solver::{SolverOptions, note};
 
-/// What cutting a landmark edge costs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum Costs {
-    /// +1 with a support edge, -1 without: the paper's
-    Support,
-    /// The number of support edges, -1 without
-    Count,
-    /// The edge's own "cost" in the file
-    Field,
-}
-
-/// Which edges the cut graph has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum CutGraph {
-    /// Landmark edges alone: a component of the result is one landmark
-    Landmark,
-    /// Odometry edges too, which tie whole sessions together
-    Full,
-}
+/// What names the file of the certificate.
+const CERTIFICATE: &str = "--certificate";
 
 /// The options of the multicut stage.
 #[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
 pub struct StageOptions {
-    /// Largest distance of a support edge at each end, frames; `auto` takes the median spacing of each pair of sessions
-    #[arg(long, value_name = "FRAMES", default_value_t = Delta::Frames(1))]
-    pub delta: Delta,
+    /// Which signed graph is cut.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub cut: CutOptions,
 
-    /// What cutting a landmark edge costs
-    #[arg(long, value_enum, default_value_t = Costs::Support)]
-    pub costs: Costs,
+    /// How it is cut.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub solver: SolverOptions,
 
-    /// Which edges are cut
-    #[arg(long, value_enum, default_value_t = CutGraph::Landmark)]
-    pub graph: CutGraph,
+    /// Write a certificate of the lower bound, which `posecut-partition verify` checks
+    #[arg(long, value_name = "FILE", help_heading = "Proof")]
+    #[serde(skip)]
+    pub certificate: Option<PathBuf>,
 
-    /// Cost of cutting an odometry edge, with --graph full
-    #[arg(long, value_name = "COST", default_value_t = 1.0)]
-    pub odometry_cost: f64,
-
-    /// The algorithm for what reductions leave
-    #[arg(long, value_enum, default_value_t = SolverChoice::Exact)]
-    pub solver: SolverChoice,
-
-    /// Seconds after which the best solution so far is taken and its gap told
-    #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
-    pub time_limit: f64,
-
-    /// The same by work, which ends at the same place on every machine
-    #[arg(long, value_name = "UNITS")]
-    pub work_limit: Option<u64>,
+    #[command(flatten)]
+    #[serde(skip)]
+    moved: MovedOptions,
 }
-
-/// The algorithm.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum SolverChoice {
-    /// Bounds and branching until the optimum is proved
-    Exact,
-    /// Greedy contraction, then Kernighan-Lin with joins
-    Klj,
-    /// Greedy additive edge contraction
-    Gaec,
-}
-
-/// Indices of edges, each with its cost.
-type Priced = Vec<(usize, f64)>;
 
 impl StageOptions {
-    /// How to solve, as the command line says it.
-    pub(crate) fn solver_options(&self, certificate: bool) -> anyhow::Result<crate::Options> {
-        let time_limit = Duration::try_from_secs_f64(self.time_limit).map_err(|_| {
-            anyhow::anyhow!(
-                "--time-limit is {}, and must be zero or a positive number of seconds",
-                self.time_limit
-            )
-        })?;
-        let solver = match self.solver {
-            SolverChoice::Exact => Solver::Exact,
-            SolverChoice::Klj => Solver::Klj,
-            SolverChoice::Gaec => Solver::Gaec,
-        };
-        Ok(crate::Options {
-            solver,
-            time_limit: Some(time_limit),
-            work_limit: self.work_limit,
-            certificate,
-            ..crate::Options::default()
-        })
-    }
-
-    /// The place of each landmark edge in use and its cost, with the support that costs rest on.
-    fn costs(&self, graph: &PoseGraph) -> anyhow::Result<(Priced, Option<Support>)> {
-        if self.costs == Costs::Field {
-            let costs: anyhow::Result<Priced> = graph
-                .edges
-                .iter()
-                .enumerate()
-                .filter(|(_, edge)| edge.kind == EdgeKind::Landmark && edge.in_use())
-                .map(|(index, edge)| {
-                    edge.cost.map(|cost| (index, cost)).ok_or_else(|| {
-                        anyhow::anyhow!(
-                            "{}: has no \"cost\"; give every landmark edge one, or take --costs support",
-                            edge.name()
-                        )
-                    })
-                })
-                .collect();
-            return Ok((costs?, None));
-        }
-        let cost = |count: usize| match (self.costs, count) {
-            (_, 0) => -1.0,
-            (Costs::Count, count) => count as f64,
-            _ => 1.0,
-        };
-        let support = support(graph, self.delta)?;
-        let costs = support.counts.iter().map(|&(index, count)| (index, cost(count))).collect();
-        Ok((costs, Some(support)))
-    }
-
-    /// The signed graph of a pose graph: its nodes are the places of the pose graph's nodes.
-    pub(crate) fn cut_graph(&self, graph: &PoseGraph) -> anyhow::Result<Graph> {
-        self.graph_of(graph, &self.costs(graph)?.0)
-    }
-
-    fn graph_of(&self, graph: &PoseGraph, costs: &[(usize, f64)]) -> anyhow::Result<Graph> {
-        let mut edges: Vec<_> = costs.iter().map(|&(index, cost)| ends(graph, index, cost)).collect();
-        if self.graph == CutGraph::Full {
-            anyhow::ensure!(
-                self.odometry_cost.is_finite(),
-                "--odometry-cost is {}, and must be a finite number",
-                self.odometry_cost
-            );
-            for (index, edge) in graph.edges.iter().enumerate() {
-                if edge.kind == EdgeKind::Odometry && edge.in_use() {
-                    edges.push(ends(graph, index, self.odometry_cost));
-                }
-            }
-        }
-        Ok(Graph::new(graph.nodes.len(), edges)?)
-    }
-
     /// Cuts a pose graph: marks the landmark edges cut, labels the landmarks, notes figures.
-    pub(crate) fn cut(
-        &self,
-        graph: &mut PoseGraph,
-        certificate: bool,
-        context: &mut Context,
-    ) -> anyhow::Result<Solution> {
-        let (costs, support) = self.costs(graph)?;
-        let instance = self.graph_of(graph, &costs)?;
-        let options = self.solver_options(certificate)?;
+    fn cut(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<Solution> {
+        let (costs, support) = self.cut.costs(graph)?;
+        let instance = self.cut.graph_of(graph, &costs)?;
+        let options = self.solver.options(self.certificate.is_some())?;
         let solution = solve(&instance, &options);
         let cut_edges = mark(graph, &costs, &solution.labels);
         let landmarks = label_landmarks(graph, &costs, &solution.labels);
@@ -221,7 +104,7 @@ impl StageOptions {
             (one, other) if one == other => format!("{one} frames"),
             (one, other) => format!("{one} to {other} frames"),
         };
-        let remedy = match self.delta {
+        let remedy = match self.cut.delta {
             Delta::Frames(_) => {
                 "set --delta to the spacing of the candidates (--delta auto estimates it), or use posecut-verify"
             }
@@ -243,39 +126,6 @@ fn unsupported_and_cut(graph: &PoseGraph, support: &Support) -> usize {
     support.counts.iter().filter(|&&(index, count)| count == 0 && !graph.edges[index].in_use()).count()
 }
 
-/// Notes what is known of a solution, and doubts it if the proof is not complete.
-pub(crate) fn note(solution: &Solution, solver: Solver, context: &mut Context) {
-    if !solution.optimal {
-        let remedy = match solver {
-            Solver::Exact => "raise --time-limit or --work-limit",
-            _ => "--solver exact searches for a proof",
-        };
-        context.doubt(
-            Doubt::SearchLimit,
-            format!(
-                "not proved optimal: objective {}, lower bound {}, gap {}; {remedy}",
-                solution.objective,
-                solution.lower_bound,
-                solution.gap()
-            ),
-        );
-    }
-    let statistics = &mut context.statistics;
-    statistics.note("objective", solution.objective);
-    statistics.note("lower_bound", solution.lower_bound);
-    statistics.note("gap", solution.gap());
-    statistics.note("optimal", solution.optimal);
-    statistics.note("kernel_nodes", solution.kernel_nodes);
-    statistics.note("kernel_edges", solution.kernel_edges);
-    statistics.note("largest_kernel_edges", solution.largest_kernel.1);
-    statistics.note("work", solution.work);
-}
-
-fn ends(graph: &PoseGraph, edge: usize, cost: f64) -> (u64, u64, f64) {
-    let place = |id| graph.node_index(id).map_or(u64::MAX, |index| index as u64);
-    (place(graph.edges[edge].from), place(graph.edges[edge].to), cost)
-}
-
 impl GraphStage for StageOptions {
     const NAME: &'static str = "multicut";
     const ABOUT: &'static str =
@@ -283,7 +133,20 @@ impl GraphStage for StageOptions {
     const PLACE: Place = Place(Phase::Judgement, 20);
     const DOUBTS: &'static [Doubt] = &[Doubt::SearchLimit, Doubt::EverythingCut, Doubt::NoSupportWithinDelta];
 
+    fn check(&self) -> anyhow::Result<()> {
+        self.moved.check()?;
+        self.solver.options(false).map(drop)
+    }
+
+    fn further_outputs(&self) -> Vec<(&'static str, &Path)> {
+        self.certificate.iter().map(|path| (CERTIFICATE, path.as_path())).collect()
+    }
+
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
-        self.cut(graph, false, context).map(drop)
+        let solution = self.cut(graph, context)?;
+        if let Some(certificate) = solution.certificate {
+            context.further_output(CERTIFICATE, move |mut writer| Ok(certificate.write(&mut writer)?));
+        }
+        Ok(())
     }
 }

@@ -1,4 +1,4 @@
-//! The program from end to end: plain instances, certificates, pose graphs.
+//! The program from end to end; certificates are checked in crates/contract, which has the program that does.
 #![allow(clippy::unwrap_used)]
 
 use std::path::{Path, PathBuf};
@@ -38,99 +38,6 @@ fn holds(folder: &Path, file: &str, key: &str, value: &str) {
     let text = std::fs::read_to_string(folder.join(file)).unwrap();
     let line = format!("\"{key}\": {value}");
     assert!(text.lines().any(|found| found.trim().trim_end_matches(',') == line), "no {line} in {text}");
-}
-
-const TRIANGLE: &str = "MULTICUT\n0 1 2\n1 2 1\n0 2 -3\n";
-
-#[test]
-fn a_plain_instance_gives_one_label_a_line() {
-    let folder = folder("plain");
-    std::fs::write(folder.join("t.mc"), TRIANGLE).unwrap();
-    for solver in ["exact", "klj", "gaec"] {
-        let arguments = format!("--format mc t.mc --solver {solver} --stats s.json -o labels --threads 1");
-        succeed(&folder, &arguments);
-        assert_eq!(std::fs::read_to_string(folder.join("labels")).unwrap(), "0\n0\n1\n");
-        for (key, value) in [
-            ("objective", "-2.0"),
-            ("lower_bound", "-2.0"),
-            ("optimal", "true"),
-            ("gap", "0.0"),
-            ("nodes", "3"),
-        ] {
-            holds(&folder, "s.json", key, value);
-        }
-        let text = std::fs::read_to_string(folder.join("s.json")).unwrap();
-        assert!(["seconds", "kernel_nodes", "kernel_edges"].iter().all(|key| text.contains(key)), "{text}");
-    }
-    // A limit that is over at once leaves the plainest multicut: nothing that is conflicted is cut.
-    assert_eq!(succeed(&folder, "--format mc t.mc --work-limit 0 --time-limit 0"), "0\n0\n0\n");
-}
-
-#[test]
-fn odd_instances_are_defined() {
-    let folder = folder("odd");
-    let labels = |text: &str| {
-        std::fs::write(folder.join("odd.mc"), text).unwrap();
-        succeed(&folder, "--format mc odd.mc --quiet")
-    };
-    assert_eq!(labels("MULTICUT\n"), "", "no node");
-    assert_eq!(labels("MULTICUT\n0 0 -5\n"), "0\n", "one node, one self-loop");
-    assert_eq!(labels("MULTICUT\n0 1 2\n1 0 -3\n"), "0\n1\n", "parallel edges add");
-    assert_eq!(labels("MULTICUT\n0 1 2\n1 0 -1\n"), "0\n0\n", "parallel edges add");
-    assert_eq!(labels("MULTICUT\n0 1 0\n"), "0\n1\n", "nothing holds");
-    assert_eq!(labels("MULTICUT\n2 3 1\n"), "0\n1\n2\n2\n", "nodes without edges");
-}
-
-#[test]
-fn bad_instances_are_refused_with_file_and_line() {
-    let folder = folder("bad");
-    for (text, said) in [
-        ("0 1 1\n", "bad.mc: line 1 "),
-        ("", "bad.mc: line 1 "),
-        ("MULTICUT\n0 1 1\n0 1\n", "bad.mc: line 3 "),
-        ("MULTICUT\n0 1 nan\n", "bad.mc: line 2: edge 0 (0, 1) costs NaN"),
-        ("MULTICUT\n0 1 inf\n", "costs inf"),
-        ("MULTICUT\n0 1 1e308\n0 1 1e308\n", "add up to infinity"),
-        ("MULTICUT\n0 99999999999999999999 1\n", "bad.mc: line 2: the graph has"),
-        ("MULTICUT\n0 4294967295 1\n", "bad.mc: line 2: the graph has"),
-    ] {
-        std::fs::write(folder.join("bad.mc"), text).unwrap();
-        let message = fails(&folder, "--format mc bad.mc -o labels --stats s.json --certificate c", 2);
-        assert_eq!(message.matches(said).count(), 1, "{text:?}: {message}");
-        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1, "{text:?} left files");
-    }
-    assert!(fails(&folder, "--format mc none.mc", 2).contains("none.mc: cannot be opened"));
-    assert!(fails(&folder, "--format mc bad.mc --costs count", 2).contains("for pose graphs"));
-    assert!(fails(&folder, "--format mc bad.mc --time-limit=-1", 2).contains("--time-limit is -1"));
-    assert!(fails(&folder, "--format mc bad.mc -o x --certificate x", 2).contains("name two files"));
-}
-
-#[test]
-fn certificates_are_written_and_checked() {
-    let folder = folder("certificate");
-    std::fs::write(folder.join("t.mc"), TRIANGLE).unwrap();
-    std::fs::write(folder.join("other.mc"), TRIANGLE.replace("-3", "3")).unwrap();
-    succeed(&folder, "--format mc t.mc -o labels --certificate t.proof");
-    let said = succeed(&folder, "--format mc t.mc --verify t.proof --stats v.json");
-    assert!(said.contains("the labels cost -2, and no multicut costs less"), "{said}");
-    holds(&folder, "v.json", "optimal", "true");
-    holds(&folder, "v.json", "holds", "true");
-    let text = std::fs::read_to_string(folder.join("t.proof")).unwrap();
-    // The same labels are not optimal for other costs.
-    let other = run(&folder, "--format mc other.mc --verify t.proof");
-    let said = String::from_utf8(other.stdout).unwrap();
-    assert!(!said.contains("no multicut costs less\n"), "{said}");
-    // A part with a node that is not there.
-    let component = text.lines().nth(2).unwrap();
-    std::fs::write(folder.join("spoiled"), text.replace(component, "component 0 1 9")).unwrap();
-    assert!(
-        fails(&folder, "--format mc t.mc --verify spoiled", 1).contains("spoiled: proves nothing: line 3")
-    );
-    std::fs::write(folder.join("cut"), &text[..text.len() / 2]).unwrap();
-    assert!(fails(&folder, "--format mc t.mc --verify cut", 1).contains("proves nothing"));
-    assert!(fails(&folder, "--format mc t.mc --verify t.mc", 2).contains("t.mc: line 1 is not"));
-    assert!(fails(&folder, "--format mc t.mc --verify none", 2).contains("none: cannot be opened"));
-    assert!(fails(&folder, "--format mc none.mc --verify t.proof", 2).contains("none.mc: cannot be opened"));
 }
 
 /// Two sessions; 0-3, 1-4, 2-5 support each other, 0-6 stands alone.
@@ -200,18 +107,13 @@ fn cost_models_and_cut_graphs() {
 }
 
 #[test]
-fn pose_graphs_have_certificates_too() {
-    let folder = folder("pose-certificate");
-    std::fs::write(folder.join("g.jsonl"), POSES).unwrap();
-    for options in ["", "--costs field", "--graph full", "--solver gaec"] {
-        let plain = succeed(&folder, &format!("g.jsonl {options}"));
-        assert_eq!(plain, succeed(&folder, &format!("g.jsonl {options} --certificate g.proof")), "{options}");
-        let said = succeed(&folder, &format!("g.jsonl {options} --verify g.proof"));
-        assert!(said.contains("no multicut costs less\n"), "{options}: {said}");
-    }
-    succeed(&folder, "g.jsonl --certificate g.proof");
-    let said = succeed(&folder, "g.jsonl --costs field --verify g.proof");
-    assert!(!said.contains("no multicut costs less\n"), "a proof for other costs: {said}");
+fn options_of_another_program_name_it() {
+    let folder = folder("moved");
+    // Before anything is read.
+    let message = fails(&folder, "none.jsonl --format mc", 2);
+    assert!(message.contains("posecut-partition solve INSTANCE"), "{message}");
+    let message = fails(&folder, "none.jsonl --verify g.proof", 2);
+    assert!(message.contains("posecut-partition verify g.proof INPUT"), "{message}");
 }
 
 #[test]
@@ -280,10 +182,6 @@ fn closures_at_every_fifth_frame_are_cut_by_delta_1_and_kept_by_delta_auto() {
     }
     let text = std::fs::read_to_string(folder.join("out")).unwrap();
     assert!(text.lines().next().unwrap().contains("\"delta\":\"auto\""), "{text}");
-    // A certificate is for the costs of that delta.
-    succeed(&folder, "g.jsonl --delta auto --certificate g.proof");
-    let proved = succeed(&folder, "g.jsonl --delta auto --verify g.proof");
-    assert!(proved.contains("no multicut costs less\n"), "{proved}");
 }
 
 #[test]
@@ -298,5 +196,4 @@ fn a_dense_overlap_has_delta_1_either_way() {
     assert_eq!(records(""), records("--delta auto"));
     assert!(!said(&folder, "g.jsonl -o out").contains("only because"));
     assert!(fails(&folder, "g.jsonl --delta often", 2).contains("expected `auto` or a number of frames"));
-    assert!(fails(&folder, "g.jsonl --format mc --delta auto", 2).contains("for pose graphs"));
 }

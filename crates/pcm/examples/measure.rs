@@ -11,7 +11,7 @@ use posecut_geometry::{SE2, SE3};
 use posecut_pcm::candidate::group;
 use posecut_pcm::cells::solve_by_cells;
 use posecut_pcm::chain::Chains;
-use posecut_pcm::chance::COST;
+use posecut_pcm::chance::{Acceptance, COST};
 use posecut_pcm::clique::{Limits, maximum_clique};
 use posecut_pcm::consistency::Pairs;
 use posecut_pcm::generate::{Falsehood, Scenario};
@@ -60,7 +60,7 @@ fn measure<G: Spatial<DOF>, const DOF: usize>(
     let pairs = Pairs::new(&chains, group);
     let (members, grown, counts, upper_bound, work, seconds_pairs, seconds_clique);
     if scheme == "cells" {
-        let solution = solve_by_cells(&pairs, gate, gate, 10.0, LIMITS, COST);
+        let solution = solve_by_cells(&pairs, gate, gate, 10.0, LIMITS, Acceptance::within_group(COST));
         (seconds_pairs, seconds_clique) = (0.0, start.elapsed().as_secs_f64());
         (members, grown, counts, upper_bound, work) =
             (solution.members, solution.grown, solution.counts, group.candidates.len(), solution.clique.work);
@@ -72,7 +72,13 @@ fn measure<G: Spatial<DOF>, const DOF: usize>(
         seconds_clique = start.elapsed().as_secs_f64();
         grown = match growth {
             Some(probability) => {
-                grow(&pairs, &clique.vertices, Gate::new(Test::Mahalanobis, probability, DOF)?, COST).grown
+                grow(
+                    &pairs,
+                    &clique.vertices,
+                    Gate::new(Test::Mahalanobis, probability, DOF)?,
+                    Acceptance::within_group(COST),
+                )
+                .grown
             }
             None => Vec::new(),
         };

@@ -7,6 +7,7 @@
 mod loops;
 mod mixture;
 
+use posecut_graph::{EdgeKind, PoseGraph};
 use serde::Serialize;
 
 use crate::odometry::chain::Chains;
@@ -14,7 +15,7 @@ use crate::odometry::spread::Spatial;
 use crate::pairs::candidate::Group;
 
 /// Landmark edges below which there is no estimate. Loops do not count: one edge closes up to nine of them.
-pub(crate) const FEWEST: usize = 15;
+pub const FEWEST: usize = 15;
 /// Nats of evidence below which an estimate rests on nothing (drawn sessions without overlap reach 11), and nats an edge:
 /// false edges between nearby places agree a little better than with shuffled ends.
 const EVIDENCE: f64 = 15.0;
@@ -84,7 +85,7 @@ pub enum Ended {
 
 impl Ended {
     /// For messages.
-    pub(crate) fn explanation(self) -> &'static str {
+    pub fn explanation(self) -> &'static str {
         match self {
             Self::Iterations => "after its last iteration without converging",
             Self::SmallestFactor => "at the smallest factor it tries, e^-12",
@@ -94,7 +95,7 @@ impl Ended {
     }
 
     /// Its name in the statistics.
-    pub(crate) fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Iterations => "iterations",
             Self::SmallestFactor => "smallest-factor",
@@ -151,5 +152,20 @@ pub fn estimate_scales<G: Spatial<DOF>, const DOF: usize>(
         }
     } else {
         Ok(estimate)
+    }
+}
+
+/// Divides the information of all edges of a kind with a measurement; one that a noise model gave becomes the edge's own.
+pub fn divide_information(graph: &mut PoseGraph, kind: EdgeKind, scale: f64) {
+    for index in 0..graph.edges.len() {
+        let edge = &graph.edges[index];
+        if edge.kind != kind || edge.measurement.is_none() {
+            continue;
+        }
+        let Some(information) = graph.information(edge) else { continue };
+        let scaled: Vec<f64> = information.iter().map(|term| term / scale).collect();
+        let edge = &mut graph.edges[index];
+        edge.information = Some(scaled);
+        edge.noise = None;
     }
 }

@@ -80,6 +80,34 @@ impl<const DOF: usize> Pool<DOF> {
     }
 }
 
+/// Which agreement is accepted: what a wrong edge costs, and among which candidates chance has its choice.
+#[derive(Clone, Copy, Debug)]
+pub struct Acceptance<const DOF: usize> {
+    /// How many correct edges a wrong one weighs as much as.
+    pub cost: f64,
+    pool: Option<Pool<DOF>>,
+}
+
+impl<const DOF: usize> Acceptance<DOF> {
+    /// Among the candidates of a group by itself.
+    pub fn within_group(cost: f64) -> Self {
+        Self { cost, pool: None }
+    }
+
+    /// Among those of all groups of the graph.
+    pub(crate) fn within(cost: f64, pool: Option<Pool<DOF>>) -> Self {
+        Self { cost, pool }
+    }
+
+    /// Counts the false alarms of a group's candidates. O(1): a thousand pairs of places.
+    pub(crate) fn chance<'a, G: Spatial<DOF>>(&self, pairs: &'a Pairs<'a, G, DOF>) -> Chance<'a, G, DOF> {
+        match self.pool {
+            Some(pool) => Chance::among(pairs, pool),
+            None => Chance::new(pairs),
+        }
+    }
+}
+
 /// Which members agree not by chance alone.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Support {
@@ -109,8 +137,10 @@ struct Vouched {
 impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
     /// Judges a group by itself. O(1): a thousand pairs of places.
     pub fn new(pairs: &'a Pairs<'a, G, DOF>) -> Self {
-        let pool =
-            pairs.pool.unwrap_or_else(|| Pool::of_places(std::iter::once((pairs.chain_b, pairs.candidates))));
+        Self::among(pairs, Pool::of_places(std::iter::once((pairs.chain_b, pairs.candidates))))
+    }
+
+    fn among(pairs: &'a Pairs<'a, G, DOF>, pool: Pool<DOF>) -> Self {
         Self { pairs, pool, log_gamma: ln_gamma(0.5 * DOF as f64 + 1.0) }
     }
 
@@ -142,6 +172,7 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
         candidate: &Candidate<G, DOF>,
         (error, covariance): (SVector<f64, DOF>, SMatrix<f64, DOF, DOF>),
     ) -> Option<Evidence> {
+        // R is seen at the candidate's place, and the loop's covariance S in the frame of chain B: the adjoint carries R there.
         let to_chain = self.pairs.chain_b.poses[candidate.k].adjoint();
         let (near, far) = (
             covariance.cholesky()?,
@@ -154,6 +185,7 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
     }
 
     fn count(&self, evidence: Option<Evidence>) -> f64 {
+        // d^D / (2^(D/2) Gamma(D/2 + 1)) = exp(D/2 ln(d^2 / 2) - ln Gamma(D/2 + 1)): in logarithms, for d^D overflows at large d.
         let chance = evidence.map_or(1.0, |Evidence { ratio, squared_distance }| {
             (0.5 * DOF as f64 * (0.5 * squared_distance).ln() - self.log_gamma).exp() * ratio.sqrt()
         });
@@ -181,11 +213,14 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
                 (of.odometry <= limit, linked.map(|&(other, _)| other).collect())
             })
             .collect();
+        // Islands before counts: two overlaps far apart cannot vouch for each other across the odometry between, and judged one by
+        // one, all members of the smaller would look like chance.
         let mut islands = Islands::of(members, &links);
         let mut supported = islands.take_first();
         if self.pool.groups > 1 && !Self::is_vouched_for(&supported, &vouched, members, limit) {
             supported.clear();
         }
+        // In rounds, since an island that joined may vouch for the next one.
         while !supported.is_empty() {
             let nearest = Nearest::new(self.pairs, &supported);
             let joining = islands.take_where(|island| {
@@ -240,6 +275,7 @@ fn best(evidence: impl Iterator<Item = Option<Evidence>>) -> Option<Evidence> {
 pub fn acceptable(mut false_alarms: Vec<f64>, cost: f64) -> f64 {
     let weight = 1.0 + cost;
     false_alarms.sort_by(f64::total_cmp);
+    // The gain k - a - cost a, that is k - (1 + cost) a, at the k smallest; a is the largest of them.
     let mut best = (0.0, 0.0);
     for (place, &expected) in false_alarms.iter().enumerate() {
         let gain = (place + 1) as f64 - weight * expected;

@@ -25,6 +25,7 @@ mod buckets;
 mod colouring;
 mod component;
 mod degeneracy;
+pub mod dimacs;
 mod greedy;
 mod kernel;
 mod limits;
@@ -91,6 +92,7 @@ pub(crate) fn larger_clique(graph: &BitGraph, alive: &BitSet, floor: usize, limi
     let mut incumbent = Incumbent { clique: None, size: floor };
     let mut alive = alive.clone();
     let degeneracy = Degeneracy::of(graph, &alive);
+    // A clique of k vertices lies in the (k - 1)-core. The cheapest bound comes first, since it often meets the first greedy clique.
     let core_bound = degeneracy.clique_bound();
     if core_bound > floor {
         incumbent.offer(greedy::along_degeneracy(graph, &degeneracy));
@@ -101,6 +103,7 @@ pub(crate) fn larger_clique(graph: &BitGraph, alive: &BitSet, floor: usize, limi
     if core_bound <= incumbent.size || alive.is_empty() {
         return Outcome { upper_bound: incumbent.size, clique: incumbent.clique, work: 0 };
     }
+    // Local search before the kernel: every vertex that the clique gains lets reductions remove more, and those are what costs.
     if let Some(clique) = &incumbent.clique {
         let mut around = alive.clone();
         for &vertex in clique {
@@ -112,6 +115,7 @@ pub(crate) fn larger_clique(graph: &BitGraph, alive: &BitSet, floor: usize, limi
     kernel::shrink(graph, &mut alive, incumbent.size);
     let mut parts = Parts::of(graph, &alive, incumbent.clique.as_deref().unwrap_or_default());
     let work = parts.solve(&mut incumbent, limits);
+    // Vertices that the kernel lost are in no clique larger than the incumbent, so the parts' bound holds for the whole graph.
     let upper_bound = parts.upper_bound().min(core_bound).max(incumbent.size);
     Outcome { clique: incumbent.clique, upper_bound, work }
 }

@@ -29,11 +29,6 @@ pub enum PcmError {
         /// What was given.
         value: f64,
     },
-    /// Two scales where only one makes sense.
-    #[error(
-        "--readmit takes one scale, for a marginal covariance does not fall into odometry's part and landmark edges'; give one number, or auto"
-    )]
-    TwoScales,
     /// An option for a test that does not look at covariances.
     #[error(
         "{option} has no effect on --test threshold, which reads no covariances; leave one of the two out"
@@ -41,22 +36,6 @@ pub enum PcmError {
     CovariancesUnread {
         /// The option.
         option: &'static str,
-    },
-    /// A landmark edge without a usable `predicted_covariance`.
-    #[error(
-        "{edge}: its field predicted_covariance {reason}; re-admission needs the optimiser's marginals, as posecut-optimize --marginals landmark writes them"
-    )]
-    Prediction {
-        /// The edge.
-        edge: String,
-        /// What is wrong with the field.
-        reason: String,
-    },
-    /// A node without an estimate.
-    #[error("node {node}: it has no pose; re-admission needs an optimised graph")]
-    Pose {
-        /// The node.
-        node: u64,
     },
     /// The consistency graph of a group is asked for, and is not made.
     #[error(

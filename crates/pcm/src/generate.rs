@@ -4,12 +4,13 @@
 use nalgebra::SVector;
 use posecut_geometry::LieGroup;
 use posecut_graph::{Dimension, Edge, EdgeKind, EdgeTruth, Header, Node, NoiseModel, PoseGraph};
-use posecut_stage::{ChaCha8Rng, random};
+use posecut_random::{ChaCha8Rng, random};
 use rand::RngExt as _;
 use rand_distr::{Distribution, StandardNormal};
 
 /// What false edges look like.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Falsehood {
     /// Each joins two places anywhere and claims that they are near each other.
     Uniform,

@@ -5,20 +5,19 @@
 //! [`clique`](crate::clique), [`chance`](crate::chance), odometry and pairs.
 
 pub mod cells;
-pub(crate) mod figures;
+pub mod figures;
 pub mod growth;
 
 use std::time::Instant;
 
 use posecut_graph::PoseGraph;
-use posecut_stage::GraphStage as _;
 
-use crate::chance::{Chance, Pool};
+use crate::chance::{Acceptance, Pool};
 use crate::clique::{BitGraph, Limits, maximum_clique};
 use crate::odometry::chain::Chains;
 use crate::pairs::candidate::Group;
 use crate::pairs::consistency::Pairs;
-use crate::{Gate, Options, PcmError, Scheme, Spatial};
+use crate::{Gate, Options, PcmError, STAGE, Scheme, Spatial};
 use cells::solve_by_cells;
 use figures::{Figures, Searched};
 use growth::grow;
@@ -97,7 +96,7 @@ impl Judged {
                 edge.extra.insert("pcm_false_alarms".to_owned(), expected.into());
             }
             if !self.roles[place].stays() {
-                edge.reject(Options::NAME);
+                edge.reject(STAGE);
             }
         }
     }
@@ -112,40 +111,44 @@ impl Judged {
     }
 }
 
-/// Judges the candidates of a group by the scheme for their number.
+/// Judges the candidates of a group by the scheme for their number; with `keep_graph` the consistency graph is kept.
 pub(crate) fn judge<G: Spatial<DOF>, const DOF: usize>(
     options: &Options,
     chains: &Chains<G, DOF>,
     group: &Group<G, DOF>,
     pool: Option<Pool<DOF>>,
     limits: Limits,
+    keep_graph: bool,
 ) -> Result<Judged, PcmError> {
     let count = group.candidates.len();
     let scheme = options.scheme.for_candidates(count);
-    if scheme == Scheme::Cells && options.consistency_graph.is_some() {
+    if scheme == Scheme::Cells && keep_graph {
         return Err(PcmError::GraphNotMade { candidates: count, megabytes: (count * count / 8) >> 20 });
     }
-    let pairs = Pairs::new(chains, group).with_odometry_test(!options.no_odometry_test).with_pool(pool);
+    let pairs = Pairs::new(chains, group).with_odometry_test(!options.no_odometry_test);
+    let acceptance = Acceptance::within(options.cost(), pool);
     let gate = options.gate(options.probability, count, DOF)?;
     let growth_gate = match options.grow {
         Some(probability) => Some(options.gate(probability, count, DOF)?),
         None => None,
     };
-    let judged = match scheme {
-        Scheme::Cells => by_cells(options, &pairs, (gate, growth_gate.unwrap_or(gate)), limits),
-        _ => by_clique(options, &pairs, (gate, growth_gate), limits),
+    let mut judged = match scheme {
+        Scheme::Cells => by_cells(options, &pairs, (gate, growth_gate.unwrap_or(gate)), acceptance, limits),
+        _ => by_clique(options, &pairs, (gate, growth_gate), acceptance, limits),
     };
-    Ok(judged.counted())
+    let graph = judged.graph.take().filter(|_| keep_graph);
+    Ok(Judged { graph, ..judged.counted() })
 }
 
 fn by_cells<G: Spatial<DOF>, const DOF: usize>(
     options: &Options,
     pairs: &Pairs<'_, G, DOF>,
     (gate, growth_gate): (Gate, Gate),
+    acceptance: Acceptance<DOF>,
     limits: Limits,
 ) -> Judged {
     let start = Instant::now();
-    let solution = solve_by_cells(pairs, gate, growth_gate, options.cell_size, limits, options.cost());
+    let solution = solve_by_cells(pairs, gate, growth_gate, options.cell_size, limits, acceptance);
     let seconds_clique = start.elapsed().as_secs_f64();
     let mut judged = Judged::new(solution.degrees);
     judged.figures = Figures {
@@ -173,6 +176,7 @@ fn by_clique<G: Spatial<DOF>, const DOF: usize>(
     options: &Options,
     pairs: &Pairs<'_, G, DOF>,
     (gate, growth_gate): (Gate, Option<Gate>),
+    acceptance: Acceptance<DOF>,
     limits: Limits,
 ) -> Judged {
     let start = Instant::now();
@@ -199,21 +203,21 @@ fn by_clique<G: Spatial<DOF>, const DOF: usize>(
     };
     let mut members: Vec<usize> = clique.vertices.iter().map(|&vertex| tested[vertex]).collect();
     let start = Instant::now();
-    if let Some(cost) = options.chance {
-        let support = Chance::new(pairs).support(&members, cost);
+    if options.chance.is_some() {
+        let support = acceptance.chance(pairs).support(&members, acceptance.cost);
         judged.play(Role::Chance, &support.by_chance);
         judged.note(&support.false_alarms);
         members = support.supported;
     }
     judged.play(Role::Clique, &members);
     if let Some(gate) = growth_gate {
-        let growth = grow(pairs, &members, gate, options.cost());
+        let growth = grow(pairs, &members, gate, acceptance);
         judged.play(Role::Chance, &growth.by_chance);
         judged.play(Role::Grown, &growth.grown);
         judged.note(&growth.false_alarms);
         judged.figures.counts += growth.counts;
     }
     judged.figures.seconds_growth = start.elapsed().as_secs_f64();
-    judged.graph = options.consistency_graph.is_some().then_some((graph, tested));
+    judged.graph = Some((graph, tested));
     judged
 }

@@ -13,11 +13,13 @@
 //! - [`calibration`]: how far the covariances are off, from the candidates themselves.
 //! - `judgement`: what becomes of a group; [`cells`], the same for more candidates than a matrix of all pairs can
 //!   hold; [`growth`], candidates that a clique lost by a pair or two.
-//! - [`stage`]: all of it on a pose graph.
+//! - `stage`: the program, with the feature `cli`.
 //!
-//! Files of their own are [`readmission`], every edge against the map that the others make; [`incremental`], candidates
-//! one by one; and [`generate`], graphs for tests.
+//! Files of their own are `rejection`, all of it on a pose graph ([`reject`]), with its `options`, the `budget` of its groups and
+//! their `preparation`; [`replay`], what it decides on, for those who show it; [`incremental`], candidates one by one; and
+//! [`generate`], graphs for tests.
 
+mod budget;
 pub mod calibration;
 pub mod chance;
 pub mod clique;
@@ -26,15 +28,23 @@ pub mod generate;
 pub mod incremental;
 mod judgement;
 mod odometry;
+mod options;
 mod pairs;
-pub mod readmission;
+mod preparation;
+mod rejection;
+pub mod replay;
+#[cfg(feature = "cli")]
 pub mod stage;
 
+pub use clique::dimacs;
 pub use error::PcmError;
-pub use judgement::{cells, growth};
+pub use judgement::{cells, figures, growth};
 pub use odometry::chain;
 pub use odometry::spread::Spatial;
+pub use options::{Options, Scale, Scheme};
 pub use pairs::gate::{Correction, Gate, PerStep, Test, chi_square_quantile, corrected};
 pub use pairs::{candidate, consistency, distance, lanes, nearest, pretest};
-pub use stage::options::{Options, Scale, Scheme};
-pub use stage::{dimacs, replay, selection};
+pub use rejection::{Calibration, Progress, Rejection, reject};
+
+/// The stage's name, in histories and in `rejected_by`.
+pub const STAGE: &str = "pcm";

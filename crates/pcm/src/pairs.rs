@@ -12,8 +12,7 @@
 //! pairs the distance, and [`consistency`] the graph of all pairs. [`block`], [`lanes`] and [`logarithm`] test several pairs
 //! at once; [`nearest`] finds neighbours by distance travelled.
 //!
-//! Depends on `odometry`, on the bit rows of [`clique`](crate::clique), and on what groups share for
-//! [`chance`](crate::chance).
+//! Depends on `odometry` and on the bit rows of [`clique`](crate::clique).
 
 pub(crate) mod block;
 pub mod candidate;

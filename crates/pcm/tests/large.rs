@@ -7,7 +7,7 @@ use posecut_graph::{EdgeKind, PoseGraph};
 use posecut_pcm::candidate::group;
 use posecut_pcm::cells::solve_by_cells;
 use posecut_pcm::chain::Chains;
-use posecut_pcm::chance::COST;
+use posecut_pcm::chance::{Acceptance, COST};
 use posecut_pcm::clique::{Limits, maximum_clique};
 use posecut_pcm::consistency::Pairs;
 use posecut_pcm::generate::{Falsehood, Scenario};
@@ -36,8 +36,14 @@ fn cells_keep_the_correct_edges_of_every_scenario() {
             let chains = Chains::<SE2, 3>::of(&graph).unwrap();
             let grouped = group(&graph, &chains).unwrap();
             let pairs = Pairs::new(&chains, &grouped.groups[0]);
-            let solution =
-                solve_by_cells(&pairs, gate::<3>(0.99), gate::<3>(0.99), 10.0, Limits::work(1000), COST);
+            let solution = solve_by_cells(
+                &pairs,
+                gate::<3>(0.99),
+                gate::<3>(0.99),
+                10.0,
+                Limits::work(1000),
+                Acceptance::within_group(COST),
+            );
             let kept = [&solution.members[..], &solution.grown[..]].concat();
             let edges: Vec<usize> =
                 grouped.groups[0].candidates.iter().map(|candidate| candidate.edge).collect();
@@ -61,7 +67,14 @@ fn cells_do_not_depend_on_the_number_of_threads() {
     let solve = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let solution = solve_by_cells(&pairs, gate::<3>(0.99), gate::<3>(0.99), 10.0, Limits::NONE, COST);
+            let solution = solve_by_cells(
+                &pairs,
+                gate::<3>(0.99),
+                gate::<3>(0.99),
+                10.0,
+                Limits::NONE,
+                Acceptance::within_group(COST),
+            );
             let (matrix, _) = pairs.graph(gate::<3>(0.99));
             (solution.members, solution.grown, solution.degrees, maximum_clique(&matrix, Limits::NONE))
         })
@@ -83,7 +96,7 @@ fn growth_brings_back_what_single_pairs_cost() {
     let clique = maximum_clique(&matrix, Limits::NONE);
     assert!(clique.is_optimal());
     let (_, before) = judged(&graph, &edges, &clique.vertices);
-    let grown = grow(&pairs, &clique.vertices, gate::<6>(0.9999), COST).grown;
+    let grown = grow(&pairs, &clique.vertices, gate::<6>(0.9999), Acceptance::within_group(COST)).grown;
     let kept = [&clique.vertices[..], &grown[..]].concat();
     let (precision, after) = judged(&graph, &edges, &kept);
     assert!(before < 0.95 && after > 0.99 && precision > 0.999, "{before} {after} {precision}");
@@ -96,7 +109,7 @@ fn too_few_members_grow_nothing() {
     let chains = Chains::<SE2, 3>::of(&graph).unwrap();
     let grouped = group(&graph, &chains).unwrap();
     let pairs = Pairs::new(&chains, &grouped.groups[0]);
-    assert!(grow(&pairs, &[0, 1], gate::<3>(0.9999), COST).grown.is_empty());
+    assert!(grow(&pairs, &[0, 1], gate::<3>(0.9999), Acceptance::within_group(COST)).grown.is_empty());
 }
 
 /// Candidates one by one end with a clique of the same size, a proof, and the same graph.

@@ -148,6 +148,17 @@ fn calibrating_changes_the_information_and_no_verdict() {
 }
 
 #[test]
+fn options_of_readmission_name_the_program_that_has_them() {
+    let (folder, _) = folder("moved");
+    let options: [&[&str]; 4] =
+        [&["--readmit"], &["--admit", "0.9"], &["--drop", "0.9"], &["--scale", "auto", "--apply-scale"]];
+    for given in options {
+        let message = refused(&folder, given);
+        assert!(message.contains("call posecut-readmit GRAPH") && message.lines().count() == 1, "{message}");
+    }
+}
+
+#[test]
 fn factors_that_mean_nothing_are_refused() {
     let (folder, _) = folder("refused");
     for value in ["0", "0,1", "1,-1", "1,2,3", "inf", "1,nan", "automatic", ""] {
@@ -157,8 +168,6 @@ fn factors_that_mean_nothing_are_refused() {
             "{message}"
         );
     }
-    let message = refused(&folder, &["--readmit", "--scale", "1,2"]);
-    assert!(message.contains("one scale"), "{message}");
     for scale in [["--scale", "auto"], ["--scale", "2"]] {
         let message = refused(&folder, &[&scale[..], &["--test", "threshold"]].concat());
         assert!(message.contains("reads no covariances"), "{message}");

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use clap::Parser as _;
 use posecut_graph::PoseGraph;
-use posecut_pcm::Options;
+use posecut_pcm::stage::StageOptions;
 use posecut_stage::{CommonArguments, Context, GraphStage, Identity};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -19,7 +19,7 @@ const CHAINS: usize = 4;
 #[derive(clap::Parser)]
 struct Line {
     #[command(flatten)]
-    options: Options,
+    options: StageOptions,
     #[command(flatten)]
     common: CommonArguments,
 }
@@ -61,8 +61,12 @@ fn cliques() -> PoseGraph {
 /// The nodes that the searches took together.
 fn work(graph: &PoseGraph, limit: u64) -> u64 {
     let line = Line::parse_from(["pcm", "--quiet", "--work-limit", &limit.to_string()]);
-    let identity =
-        Identity { name: Options::NAME, version: "0", about: Options::ABOUT, place: Options::PLACE };
+    let identity = Identity {
+        name: StageOptions::NAME,
+        version: "0",
+        about: StageOptions::ABOUT,
+        place: StageOptions::PLACE,
+    };
     let mut context = Context::new(identity, line.common);
     line.options.run(&mut graph.clone(), &mut context).unwrap();
     context.statistics.as_map()["branch_and_bound_nodes"].as_u64().unwrap()

@@ -6,9 +6,8 @@ use posecut_graph::{Dimension, PoseGraph};
 use posecut_pcm::candidate::group;
 use posecut_pcm::chain::Chains;
 use posecut_pcm::consistency::squared_distance;
-use posecut_pcm::selection::Selection;
 use posecut_pcm::{Gate, Test};
-use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, counted, info, random};
+use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, Selection, counted, info, random, warn};
 use serde::Serialize;
 
 use crate::{Search, largest_consensus};
@@ -83,8 +82,17 @@ impl Options {
             most_trials: self.most_trials,
         };
         let chains = Chains::<G, DOF>::of(graph)?;
+        if let Some(warning) = chains.warning() {
+            warn!("{warning}");
+        }
         let grouped = group(graph, &chains)?;
-        let mut summary = Summary { selection: Selection::of(&grouped), ..Summary::default() };
+        let selection = Selection {
+            groups: grouped.groups.len(),
+            unmeasured: grouped.unmeasured,
+            rejected_before: grouped.rejected_before,
+            ..Selection::default()
+        };
+        let mut summary = Summary { selection, ..Summary::default() };
         for (number, group) in grouped.groups.iter().enumerate() {
             let candidates = &group.candidates;
             let (chain_a, chain_b) = (&chains.chains[group.a], &chains.chains[group.b]);
@@ -98,7 +106,8 @@ impl Options {
             let consensus = largest_consensus(candidates.len(), &search, &mut draw, agree);
             let kept: &[usize] =
                 if consensus.members.len() < self.minimum_consensus { &[] } else { &consensus.members };
-            summary.selection.keep(graph, group, kept, Self::NAME);
+            let edges = group.candidates.iter().map(|candidate| candidate.edge);
+            summary.selection.keep(graph, edges, kept, Self::NAME);
             summary.trials += consensus.trials;
             summary.unsure += usize::from(!consensus.confident);
         }

@@ -7,6 +7,7 @@ use posecut_graph::PoseGraph;
 use posecut_pcm::calibration::Scales;
 use posecut_pcm::replay::{GroupConsistency, consistency};
 use posecut_pcm::{Gate, Options, Scale};
+use posecut_stage::warn;
 use serde_json::Value;
 
 /// The name of the stage, in histories and marks.
@@ -43,7 +44,7 @@ pub fn went_through_pcm(graph: &PoseGraph) -> bool {
     place_of_pcm(graph).is_some()
 }
 
-/// Where in the history of a graph PCM looked for a clique; re-admission looks at none.
+/// Where in the history of a graph PCM looked for a clique; re-admission, an option of pcm in earlier versions, looks at none.
 fn place_of_pcm(graph: &PoseGraph) -> Option<usize> {
     let looks =
         |entry: &Value| stage(entry) == Some(PCM) && entry["arguments"]["readmit"] != Value::Bool(true);
@@ -64,7 +65,11 @@ pub fn matrix(graph: &PoseGraph) -> anyhow::Result<Option<Matrix>> {
         }
     }
     let options = options(&graph.header.provenance[place]["arguments"])?;
-    Ok(Some(of(graph, &consistency(&options, &before)?)))
+    let replay = consistency(&options, &before)?;
+    if let Some(warning) = &replay.warning {
+        warn!("{warning}");
+    }
+    Ok(Some(of(graph, &replay.groups)))
 }
 
 fn stage(entry: &Value) -> Option<&str> {

@@ -1,7 +1,7 @@
 //! What a running stage has at hand.
 
-use std::collections::BTreeSet;
-use std::io::Read as _;
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{Read as _, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -22,6 +22,9 @@ const STATS: &str = "--stats";
 /// What says where the result goes.
 const OUTPUT: &str = "--output";
 
+/// Writes the content of a file.
+type Content = Box<dyn FnOnce(&mut dyn Write) -> anyhow::Result<()> + Send>;
+
 /// Inputs read so far, statistics, and the common arguments.
 pub struct Context {
     /// Figures for `--stats`.
@@ -35,6 +38,8 @@ pub struct Context {
     given: Given,
     /// Files read so far, some of which no argument names.
     opened: Vec<PathBuf>,
+    /// What is to be written beside the result, by the option that names the file.
+    further: BTreeMap<&'static str, Content>,
 }
 
 impl Context {
@@ -49,6 +54,7 @@ impl Context {
             started: Instant::now(),
             given: Given::default(),
             opened: Vec::new(),
+            further: BTreeMap::new(),
         }
     }
 
@@ -186,6 +192,24 @@ impl Context {
             );
         }
         self.given.other(option, path).map_or(Ok(()), |what| Err(overwritten(path, what, option)))
+    }
+
+    /// Hands over the content of a [further output](crate::GraphStage::further_outputs), by the option that names its file. It is
+    /// written after the run.
+    pub fn further_output(
+        &mut self,
+        option: &'static str,
+        write: impl FnOnce(&mut dyn Write) -> anyhow::Result<()> + Send + 'static,
+    ) {
+        self.further.insert(option, Box::new(write));
+    }
+
+    /// Writes what was handed over for `option`.
+    pub(crate) fn write_further_output(&mut self, option: &str, path: &Path) -> anyhow::Result<()> {
+        match self.further.remove(option) {
+            Some(write) => output::write_atomically(path, write),
+            None => bail!("{}: there is nothing to write for {option}; leave the option out", path.display()),
+        }
     }
 
     /// Refuses a result that is no graph and would overwrite an input. A graph may take its own place.

@@ -1,5 +1,6 @@
 //! Stages from graph to graph.
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -11,7 +12,7 @@ use crate::{CommonArguments, Context, Doubt, Identity, Outcome, Phase, Place, So
 /// A stage that reads one pose graph and writes it again with its own findings in it.
 ///
 /// The options are the fields of the implementing type: clap reads them, and their JSON goes into the
-/// provenance, so they must hold everything that shapes the result and nothing else.
+/// provenance, so the JSON must hold everything that shapes the result and nothing else (`serde(skip)` leaves files out).
 pub trait GraphStage: clap::Args + Serialize {
     /// The stage's name without `posecut-`.
     const NAME: &'static str;
@@ -28,6 +29,17 @@ pub trait GraphStage: clap::Args + Serialize {
     /// The seed, for a stage that draws random numbers.
     fn seed(&self) -> Option<u64> {
         None
+    }
+
+    /// Refuses options that mean nothing, before anything is read.
+    fn check(&self) -> anyhow::Result<()> {
+        Ok(())
+    }
+
+    /// Files that the stage writes beside the graph, each with the option that names it: checked before anything is read, and
+    /// written with the graph. The run hands over their content ([`Context::further_output`]).
+    fn further_outputs(&self) -> Vec<(&'static str, &Path)> {
+        Vec::new()
     }
 
     /// Does the work on a graph that has been read and validated.
@@ -59,11 +71,18 @@ pub fn run_graph_stage<S: GraphStage>(version: &'static str) -> ExitCode {
         S::DOUBTS,
         |command| &command.common,
         |command, context| {
+            command.stage.check()?;
+            for (option, path) in command.stage.further_outputs() {
+                context.check_further_output(option, path)?;
+            }
             let mut graph = context.read_graph(&command.input, "graph")?;
             command.stage.run(&mut graph, context)?;
             context.record_provenance(&mut graph, &command.stage, command.stage.seed())?;
             if command.drop_rejected {
                 graph.drop_rejected();
+            }
+            for (option, path) in command.stage.further_outputs() {
+                context.write_further_output(option, path)?;
             }
             context.write_graph(&graph)?;
             Ok(Outcome::Done)

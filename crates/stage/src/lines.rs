@@ -2,8 +2,7 @@
 
 use std::io::{self, BufRead, Read as _};
 
-/// A longer line is no record of any format here: 16 MiB.
-pub const LONGEST_LINE: u64 = 16 << 20;
+use posecut_graph::LONGEST_LINE;
 
 /// The lines of a text without their ends, like [`BufRead::lines`], but a line above [`LONGEST_LINE`] is an error: a file
 /// without line ends would otherwise be taken into memory whole. Nothing follows an error.

@@ -62,8 +62,10 @@ fn benches(criterion: &mut Criterion) {
             let graph = Scenario { candidates, outliers: 0.3, falsehood, seed: 1 }.draw::<SE2, 3>();
             let methods: [(&str, Method); 3] = [
                 ("verify", &|graph| judge::<posecut_verify::Options>(graph, &[])),
-                ("pcm", &|graph| judge::<posecut_pcm::Options>(graph, &[])),
-                ("pcm --chance 3", &|graph| judge::<posecut_pcm::Options>(graph, &["--chance", "3"])),
+                ("pcm", &|graph| judge::<posecut_pcm::stage::StageOptions>(graph, &[])),
+                ("pcm --chance 3", &|graph| {
+                    judge::<posecut_pcm::stage::StageOptions>(graph, &["--chance", "3"]);
+                }),
             ];
             for method in methods {
                 bench(criterion, &graph, &format!("{kind}/{candidates}"), method);

@@ -8,7 +8,17 @@ use serde_json::Value;
 
 /// Stages that decide something about edges or poses.
 const ESTIMATING: &[&str] =
-    &["densest", "islands", "multicut", "optimize", "pcm", "ransac", "verify", "voting"];
+    &["densest", "islands", "multicut", "optimize", "pcm", "ransac", "readmit", "verify", "voting"];
+
+/// All stages from graph to graph.
+fn stages() -> impl Iterator<Item = &'static str> {
+    ESTIMATING.iter().copied().chain(["oracle"])
+}
+
+/// A sample that a stage takes: re-admission needs the optimiser's marginals.
+fn sample(stage: &str) -> Vec<u8> {
+    samples().bytes(if stage == "readmit" { "marginals.jsonl" } else { "graph.jsonl" })
+}
 
 fn read(bytes: &[u8]) -> PoseGraph {
     PoseGraph::read("test", bytes).expect("stages write sound graphs")
@@ -34,10 +44,10 @@ fn without_provenance(bytes: &[u8]) -> Vec<u8> {
 
 #[test]
 fn estimating_stages_are_blind_to_the_truth() {
-    let seeing = samples().bytes("graph.jsonl");
-    let blind = without_truth(&seeing);
-    assert_ne!(seeing, blind, "the sample has truth");
     for name in ESTIMATING {
+        let seeing = sample(name);
+        let blind = without_truth(&seeing);
+        assert_ne!(seeing, blind, "the sample has truth");
         let with = succeed(name, &[], &seeing);
         let without = succeed(name, &[], &blind);
         assert_eq!(
@@ -56,19 +66,18 @@ fn the_oracle_does_look_at_the_truth() {
 
 #[test]
 fn what_a_stage_does_not_know_passes_through() {
-    let mut text = String::from_utf8(samples().bytes("graph.jsonl")).unwrap();
-    text = text.replacen(
-        "\"kind\":\"node\",",
-        "\"kind\":\"node\",\"colour\":{\"red\":0.1,\"name\":\"\\u00e9\"},",
-        1,
-    );
-    text = text.replacen("\"kind\":\"landmark\",", "\"kind\":\"landmark\",\"seen\":[1,null,true],", 1);
-    text = text.replacen("\"dimension\":2,", "\"dimension\":2,\"licence\":\"own\",", 1);
     let note = r#"{"kind":"note",  "text":"kept as it stands", "number": 1.50}"#;
-    text.push_str(note);
-    text.push('\n');
-    for name in ["densest", "islands", "multicut", "optimize", "oracle", "pcm", "ransac", "verify", "voting"]
-    {
+    for name in stages() {
+        let mut text = String::from_utf8(sample(name)).unwrap();
+        text = text.replacen(
+            "\"kind\":\"node\",",
+            "\"kind\":\"node\",\"colour\":{\"red\":0.1,\"name\":\"\\u00e9\"},",
+            1,
+        );
+        text = text.replacen("\"kind\":\"landmark\",", "\"kind\":\"landmark\",\"seen\":[1,null,true],", 1);
+        text = text.replacen("\"dimension\":2,", "\"dimension\":2,\"licence\":\"own\",", 1);
+        text.push_str(note);
+        text.push('\n');
         let output = succeed(name, &[], text.as_bytes());
         let written = String::from_utf8(output.clone()).unwrap();
         assert!(written.ends_with(&format!("{note}\n")), "{name}: the unknown record changed");
@@ -82,16 +91,17 @@ fn what_a_stage_does_not_know_passes_through() {
 
 #[test]
 fn stages_mark_edges_and_never_remove_them() {
-    let before = read(&samples().bytes("graph.jsonl"));
-    for name in ["densest", "islands", "multicut", "optimize", "oracle", "pcm", "ransac", "verify", "voting"]
-    {
-        let after = read(&succeed(name, &[], &samples().bytes("graph.jsonl")));
+    for name in stages() {
+        let before = read(&sample(name));
+        let after = read(&succeed(name, &[], &sample(name)));
         let ids = |graph: &PoseGraph| graph.edges.iter().map(|edge| edge.id).collect::<Vec<_>>();
         assert_eq!(ids(&before), ids(&after), "{name}");
+        // Re-admission goes on with the decisions of PCM.
+        let own = if name == "readmit" { "pcm" } else { name };
         let own_marks =
-            after.edges.iter().all(|edge| edge.rejected_by.as_deref().is_none_or(|mark| mark == name));
+            after.edges.iter().all(|edge| edge.rejected_by.as_deref().is_none_or(|mark| mark == own));
         assert!(own_marks, "{name} marks edges by its own name");
-        let dropped = read(&succeed(name, &["--drop-rejected"], &samples().bytes("graph.jsonl")));
+        let dropped = read(&succeed(name, &["--drop-rejected"], &sample(name)));
         assert_eq!(dropped.edges.len(), after.edges.iter().filter(|edge| edge.in_use()).count(), "{name}");
         assert_eq!(
             after.header.provenance.len(),

@@ -10,15 +10,16 @@ fn files_beside_the_result_may_be_neither_it_nor_the_statistics() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("same.json");
     let (file, spelt_otherwise) = (file.to_str().unwrap(), folder.path().join(".").join("same.json"));
-    let graph = samples().path("graph.jsonl");
-    let commands: [(&str, &[&str]); 3] = [
-        ("pcm", &["--consistency-graph"]),
-        ("multicut", &["--certificate"]),
-        ("optimize", &["--solver", "isam2", "--every", "50", "--estimates"]),
+    let (graph, instance) = (samples().path("graph.jsonl"), samples().path("four.mc"));
+    let commands: [(&str, &[&str], &[&str]); 4] = [
+        ("pcm", &[&graph], &["--consistency-graph"]),
+        ("multicut", &[&graph], &["--certificate"]),
+        ("optimize", &[&graph], &["--solver", "isam2", "--every", "50", "--estimates"]),
+        ("partition", &["solve", &instance], &["--certificate"]),
     ];
-    for (name, options) in commands {
+    for (name, input, options) in commands {
         for other in ["--output", "--stats"] {
-            let mut arguments = vec![graph.as_str(), other, file];
+            let mut arguments = [input, &[other, file]].concat();
             arguments.extend(options);
             arguments.push(spelt_otherwise.to_str().unwrap());
             let output = run(name, &arguments, b"");
@@ -27,11 +28,11 @@ fn files_beside_the_result_may_be_neither_it_nor_the_statistics() {
             assert!(said.contains("overwrite"), "{name} {other}: {said}");
             assert!(!std::path::Path::new(file).exists(), "{name} {other}");
         }
-        let dash = run(name, &[&[graph.as_str()], options, &["-"]].concat(), b"");
+        let dash = run(name, &[input, options, &["-"]].concat(), b"");
         assert_eq!(dash.status.code(), Some(2), "{name}");
         // That it cannot be written was only found when the work was done, and the summary printed.
         let here = folder.path().to_str().unwrap();
-        let into_folder = run(name, &[&[graph.as_str()], options, &[here]].concat(), b"");
+        let into_folder = run(name, &[input, options, &[here]].concat(), b"");
         let said = String::from_utf8_lossy(&into_folder.stderr);
         assert_eq!(into_folder.status.code(), Some(2), "{name}: {said}");
         assert!(said.contains("is a folder") && said.lines().count() == 1, "{name}: {said}");

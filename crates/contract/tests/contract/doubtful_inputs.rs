@@ -54,18 +54,28 @@ fn fixed(graph: &str, nodes: &[u64]) -> String {
 }
 
 /// All pairs of 16 nodes with costs of both signs: no bound closes without branching.
+fn costs() -> impl Iterator<Item = (i64, i64, i64)> {
+    let pairs = (0..16_i64).flat_map(|i| (i + 1..16).map(move |j| (i, j)));
+    pairs.map(|(i, j)| {
+        let cost = ((i * 7 + j * 11) * (i + j) % 13) - 6;
+        (i, j, if cost == 0 { 1 } else { cost })
+    })
+}
+
 fn frustrated() -> String {
     let mut text = header("[100,0,0,100,0,400]");
     for node in 0..16 {
         let _ = writeln!(text, r#"{{"kind":"node","id":{node}}}"#);
     }
-    let pairs = (0..16_i64).flat_map(|i| (i + 1..16).map(move |j| (i, j)));
-    for (id, (i, j)) in pairs.enumerate() {
-        let cost = ((i * 7 + j * 11) * (i + j) % 13) - 6;
-        let cost = if cost == 0 { 1 } else { cost };
+    for (id, (i, j, cost)) in costs().enumerate() {
         let _ = writeln!(text, r#"{{"kind":"landmark","id":{id},"from":{i},"to":{j},"cost":{cost}}}"#);
     }
     text
+}
+
+fn frustrated_instance() -> String {
+    let lines: Vec<String> = costs().map(|(i, j, cost)| format!("{i} {j} {cost}\n")).collect();
+    format!("MULTICUT\n{}", lines.concat())
 }
 
 /// Two chains in space and many candidates between them that disagree somewhat: the largest clique takes branching.
@@ -156,6 +166,7 @@ pub(crate) fn path(name: &str) -> String {
             ("weak.jsonl", without_rotations(&chain(4, &[], &[(0, 3, 4.0), (0, 2, 3.0)]))),
             ("costs.jsonl", wrong.replace("\"noise\":\"n\"}\n", "\"noise\":\"n\",\"cost\":-1}\n")),
             ("frustrated.jsonl", frustrated()),
+            ("frustrated.mc", frustrated_instance()),
             ("cliques.jsonl", cliques()),
             ("crowd.jsonl", crowd()),
             ("tangle.jsonl", tangle()),

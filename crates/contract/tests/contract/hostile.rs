@@ -53,7 +53,7 @@ const READERS: &[(&str, &[&str])] = &[
     ("convert", &["--from", "g2o"]),
     ("convert", &["--from", "tum"]),
     ("convert", &["--from", "kitti"]),
-    ("multicut", &["--format", "mc"]),
+    ("partition", &["solve"]),
 ];
 
 #[test]
@@ -62,13 +62,13 @@ fn compressed_input_made_to_fill_memory_is_refused() {
     let blank = || (0..300).map(|_| [[b' '; 4095].as_slice(), b"\n"].concat().repeat(256));
     let bomb = compressed(blank());
     for (name, arguments) in READERS {
-        if *name == "multicut" {
+        if *name == "partition" {
             continue;
         }
         refused(name, arguments, &bomb, "100 times their size");
     }
     let with_header = std::iter::once(b"MULTICUT\n".to_vec()).chain(blank());
-    refused("multicut", &["--format", "mc"], &compressed(with_header), "100 times their size");
+    refused("partition", &["solve"], &compressed(with_header), "100 times their size");
     let folder = tempfile::tempdir().unwrap();
     let list = folder.path().join("matches.csv.gz");
     // CSV readers skip empty lines, and refuse those of spaces.
@@ -91,7 +91,7 @@ fn a_line_without_end_is_refused() {
     let endless = vec![b'1'; 40 << 20];
     for (name, arguments) in READERS {
         let (bytes, part) = match *name {
-            "multicut" => ([b"MULTICUT\n".as_slice(), &endless].concat(), "line 2"),
+            "partition" => ([b"MULTICUT\n".as_slice(), &endless].concat(), "line 2"),
             "inspect" if arguments[0] == "validate" => continue,
             _ => (endless.clone(), "16 MiB"),
         };
@@ -110,7 +110,7 @@ fn sizes_that_files_claim_are_not_believed() {
         ("MULTICUT\n0 99999999999999999999999999 1\n", "more than the"),
         ("MULTICUT\n0 268435455 1\n", "only 1 edges"),
     ] {
-        refused("multicut", &["--format", "mc"], text.as_bytes(), part);
+        refused("partition", &["solve"], text.as_bytes(), part);
     }
     let header = r#"{"kind":"header","format":"posecut","version":1,"dimension":2}"#;
     let deep = format!("{header}\n{{\"kind\":\"node\",\"id\":0,\"x\":{}\n", "[".repeat(1_000_000));

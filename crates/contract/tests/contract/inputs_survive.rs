@@ -76,17 +76,20 @@ fn statistics_that_name_an_input_are_refused() {
 
 #[test]
 fn other_files_beside_the_result_that_name_an_input_are_refused() {
-    let commands: &[(&str, &[&str])] = &[
-        ("pcm", &["--consistency-graph"]),
-        ("multicut", &["--certificate"]),
-        ("optimize", &["--solver", "isam2", "--every", "50", "--estimates"]),
+    let commands: &[(&str, &str, &[&str], &[&str])] = &[
+        ("pcm", "graph.jsonl", &[], &["--consistency-graph"]),
+        ("multicut", "graph.jsonl", &[], &["--certificate"]),
+        ("optimize", "graph.jsonl", &[], &["--solver", "isam2", "--every", "50", "--estimates"]),
+        ("partition", "four.mc", &["solve"], &["--certificate"]),
+        // Its own certificate is an input, too.
+        ("partition", "four.proof", &["verify"], &[&samples().path("four.mc"), "--output"]),
     ];
     let folder = tempfile::tempdir().unwrap();
-    let (file, content) = (folder.path().join("graph.jsonl"), samples().bytes("graph.jsonl"));
-    fs::write(&file, &content).unwrap();
-    for (name, options) in commands {
+    for (name, input, task, options) in commands {
+        let (file, content) = (folder.path().join(input), samples().bytes(input));
+        fs::write(&file, &content).unwrap();
         for other in spellings(&file) {
-            let words = [&[file.to_str().unwrap()][..], options, &[other.to_str().unwrap()]].concat();
+            let words = [task, &[file.to_str().unwrap()][..], options, &[other.to_str().unwrap()]].concat();
             refused(&format!("{name} {words:?}"), &run(name, &words, b""), &file, &content);
         }
     }

@@ -35,6 +35,7 @@ fn testdata_keep_to_the_schema() {
 fn what_programs_write_keeps_to_the_schema() {
     let schema = schema();
     let (graph, optimized) = (samples().path("graph.jsonl"), samples().path("optimized.jsonl"));
+    let marginals = samples().path("marginals.jsonl");
     let (session, directory) = (samples().path("session.jsonl"), samples().path("2012-01-22"));
     let written = [
         ("ingest", vec![directory.as_str()]),
@@ -42,6 +43,7 @@ fn what_programs_write_keeps_to_the_schema() {
         ("construct", vec![session.as_str(), "--radius", "8"]),
         ("pcm", vec![graph.as_str()]),
         ("ransac", vec![graph.as_str()]),
+        ("readmit", vec![marginals.as_str()]),
         ("islands", vec![graph.as_str()]),
         ("densest", vec![graph.as_str()]),
         ("verify", vec![graph.as_str()]),

@@ -62,7 +62,15 @@ fn sound(graph: &PoseGraph) -> Outcome {
 }
 
 pub(super) fn pcm(input: &[u8]) -> Outcome {
-    graph_stage::<posecut_pcm::Options>(input, &["--work-limit", "1000", "--grow", "0.9999", "--chance", "3"])
+    graph_stage::<posecut_pcm::stage::StageOptions>(
+        input,
+        &["--work-limit", "1000", "--grow", "0.9999", "--chance", "3"],
+    )
+}
+
+pub(super) fn readmit(input: &[u8]) -> Outcome {
+    graph_stage::<posecut_readmit::Options>(input, &["--scale", "auto", "--apply-scale"]);
+    graph_stage::<posecut_readmit::Options>(input, &[])
 }
 
 pub(super) fn multicut(input: &[u8]) -> Outcome {

@@ -34,6 +34,9 @@ impl Row {
     }
 }
 
+/// Share of the way to the boundary that a step takes at most.
+const DAMPING: f64 = 0.995;
+
 /// Newton steps in a row that may bring no progress.
 const PATIENCE: usize = 8;
 
@@ -52,6 +55,8 @@ pub(crate) fn minimise_covering(
     budget: &mut Budget,
 ) -> Option<Point> {
     let mut system = NewtonSystem::new(costs.len(), rows)?;
+    // A strictly feasible start: at x = 1 every row has slack, and each row takes half of its share of the scarcest of its
+    // capacities, so that half of every capacity at least is left.
     let mut values = vec![1.0; costs.len()];
     let mut load = vec![0.0; costs.len()];
     for &(column, coefficient) in rows.iter().flat_map(|row| &row.entries) {
@@ -68,9 +73,11 @@ pub(crate) fn minimise_covering(
         let slack: Vec<f64> = rows.iter().map(|row| row.value(&values) - row.least).collect();
         let mut reduced = costs.to_vec();
         subtract_transposed(rows, &weights, &mut reduced);
+        // Rounding can lead out of the interior, where nothing is a bound any more; the best point so far is one.
         if slack.iter().chain(&reduced).any(|value| *value <= 0.0) {
             break;
         }
+        // Both sides are feasible, so by weak duality the optimum lies in this gap.
         let gap = dot(costs, &values)
             - rows.iter().zip(&weights).map(|(row, weight)| row.least * weight).sum::<f64>();
         if gap < point.gap {
@@ -84,13 +91,14 @@ pub(crate) fn minimise_covering(
         if gap <= tolerance || stalled > PATIENCE || !budget.affords(work) || !budget.spend(work) {
             break;
         }
+        // mu, the mean product of complementary pairs; on the central path all of them equal it.
         let count = (costs.len() + rows.len()) as f64;
         let mean = (dot(&slack, &weights) + dot(&reduced, &values)) / count;
         let state = State { values: &values, slack: &slack, weights: &weights, reduced: &reduced };
         if system.factorise(&state).is_none() {
             break;
         }
-        // Predictor: straight to the optimum.
+        // Predictor: the Newton step for products of zero, straight to the optimum (Nocedal, Wright 2006, algorithm 14.3).
         let affine = system.direction(&state, &|index| -weights[index] * slack[index], &|index| {
             -values[index] * reduced[index]
         });
@@ -103,6 +111,7 @@ pub(crate) fn minimise_covering(
                 }))
                 .sum::<f64>()
                 / count;
+        // Mehrotra's centring, sigma mu with sigma = (mu_affine / mu)^3: hardly any where the predictor gets far.
         let centre = mean * (ahead / mean).powi(3);
         // Corrector: towards the centre, with the second-order term of the predictor.
         let step = system.direction(
@@ -110,7 +119,9 @@ pub(crate) fn minimise_covering(
             &|i| centre - weights[i] * slack[i] - affine.slack[i] * affine.weights[i],
             &|j| centre - values[j] * reduced[j] - affine.values[j] * affine.reduced[j],
         );
-        let (primal, dual) = step.lengths(&state, 0.995);
+        // Not all of the way to the boundary, next to which the following steps would be short. Primal and dual steps of different
+        // lengths keep both feasible, since each starts feasible and its constraints are linear.
+        let (primal, dual) = step.lengths(&state, DAMPING);
         for (value, change) in values.iter_mut().zip(&step.values) {
             *value += primal * change;
         }
@@ -211,7 +222,9 @@ impl<'a> NewtonSystem<'a> {
         }
     }
 
-    /// The Newton direction for complementarity right-hand sides of rows and columns.
+    /// The Newton direction for the complementarity right-hand sides `t` of rows and columns: `s dw + w ds = t_rows`,
+    /// `x dr + r dx = t_columns`. What is eliminated is computed from the constraints, so that iterates stay feasible however accurate
+    /// the factorisation is.
     fn direction(
         &mut self,
         state: &State,
@@ -222,6 +235,8 @@ impl<'a> NewtonSystem<'a> {
         let row_targets: Vec<f64> = (0..rows.len()).map(row_target).collect();
         let column_targets: Vec<f64> = (0..state.values.len()).map(column_target).collect();
         if self.by_rows {
+            // (diag(s / w) + A diag(x / r) A') dw = t_rows / w - A (t_columns / r), from dx = (t_columns - x dr) / r, dr = -A' dw
+            // and A dx = ds = (t_rows - s dw) / w.
             let alone: Vec<f64> =
                 column_targets.iter().zip(state.reduced).map(|(target, reduced)| target / reduced).collect();
             let mut weights: Vec<f64> = (rows.iter().zip(&row_targets).zip(state.weights))
@@ -236,6 +251,7 @@ impl<'a> NewtonSystem<'a> {
             let slack = rows.iter().map(|row| row.value(&values)).collect();
             return Direction { values, reduced, slack, weights };
         }
+        // (diag(r / x) + A' diag(w / s) A) dx = t_columns / x + A' (t_rows / s), from the same equations with dw eliminated.
         let mut values: Vec<f64> =
             column_targets.iter().zip(state.values).map(|(target, value)| target / value).collect();
         let pulls: Vec<f64> =

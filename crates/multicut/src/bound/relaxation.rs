@@ -5,7 +5,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use super::conflict::Conflict;
 use super::cycle_separation::CycleSeparation;
-use super::interior_point::{Row, minimise_covering};
+use super::interior_point::{Point, Row, minimise_covering};
 use super::odd_wheel_separation::WheelSeparation;
 use super::packing::Packing;
 use crate::budget::Budget;
@@ -49,6 +49,54 @@ impl Program {
         new
     }
 
+    /// The linear program in the form that the interior point method takes.
+    fn covering(&self, kernel: &Kernel) -> Covering {
+        // Only edges on some cycle are variables; the others are paid nothing.
+        let mut column = vec![u32::MAX; kernel.edge_count()];
+        let mut costs = Vec::new();
+        let rows = self
+            .uses
+            .iter()
+            .zip(&self.conflicts)
+            .map(|(uses, conflict)| {
+                let entries = uses.iter().map(|&(edge, times)| {
+                    let place = &mut column[edge as usize];
+                    if *place == u32::MAX {
+                        *place = costs.len() as u32;
+                        costs.push(kernel.costs[edge as usize].abs());
+                    }
+                    (*place, times as f32)
+                });
+                Row { entries: entries.collect(), least: conflict.least() }
+            })
+            .collect();
+        Covering { column, costs, rows }
+    }
+
+    /// What the dual weights pack, and what fits beside it. Weights below a share of `scale` are rounding errors.
+    fn packing(&self, kernel: &Kernel, point: &Point, scale: f64, budget: &mut Budget) -> Packing {
+        let weighted = self.conflicts.iter().zip(&self.uses).zip(&point.weights);
+        let weighted = weighted.map(|((conflict, uses), &weight)| (conflict, uses.as_slice(), weight));
+        let mut packing = Packing::from_weights(kernel, weighted.filter(|entry| entry.2 > NOTHING * scale));
+        packing.extend(kernel, u64::MAX, budget);
+        packing
+    }
+
+    /// Drops the inequalities that hold anyway: far from tight, with a weight that the point's error explains. Small programs make
+    /// short steps cheap.
+    fn drop_slack(&mut self, covering: &Covering, point: &Point, accuracy: f64) {
+        let keep: Vec<bool> = covering
+            .rows
+            .iter()
+            .zip(&point.weights)
+            .map(|(row, &weight)| {
+                row.value(&point.values) < row.least + 0.5
+                    || weight > accuracy * 0.01 * covering.costs[row.entries[0].0 as usize]
+            })
+            .collect();
+        self.retain(|index| keep[index]);
+    }
+
     /// Keeps the conflicts for which `keep` holds at their position.
     fn retain(&mut self, keep: impl Fn(usize) -> bool) {
         let mut index = 0;
@@ -69,6 +117,29 @@ impl Program {
     }
 }
 
+/// A program over the edges that its inequalities use.
+struct Covering {
+    /// For each edge its variable; none is `u32::MAX`.
+    column: Vec<u32>,
+    costs: Vec<f64>,
+    rows: Vec<Row>,
+}
+
+impl Covering {
+    /// Writes how much each edge is paid at a point.
+    fn pay(&self, point: &Point, paid: &mut [f64]) {
+        for (paid, &place) in paid.iter_mut().zip(&self.column) {
+            *paid = if place == u32::MAX { 0.0 } else { point.values[place as usize] };
+        }
+    }
+
+    /// The bound of the dual point: the negative costs, and what each inequality takes at least.
+    fn bound(&self, kernel: &Kernel, point: &Point) -> f64 {
+        let weighted = self.rows.iter().zip(&point.weights);
+        kernel.negative_sum() + weighted.map(|(row, weight)| row.least * weight).sum::<f64>()
+    }
+}
+
 fn hash(uses: &[(u32, u32)]) -> u64 {
     let mut sorted = uses.to_vec();
     sorted.sort_unstable();
@@ -77,11 +148,29 @@ fn hash(uses: &[(u32, u32)]) -> u64 {
     hasher.finish()
 }
 
-/// Accuracy of a point from which on wheels are looked for: among cycles that it violates, none is left.
+/// Gaps at which points are good enough, as shares of what is paid. An early point lies near the middle of what is feasible, and
+/// inequalities that it violates cut deep; the accuracy rises only when no more are found.
+const FIRST_ACCURACY: f64 = 1e-2;
+const REFINEMENT: f64 = 1e-2;
+const LAST_ACCURACY: f64 = 1e-9;
+
+/// An inequality counts as violated by this share of the accuracy, and by no less than a rounding error: what is less is the
+/// point's own error.
+const VIOLATION: f64 = 0.1;
+const LEAST_VIOLATION: f64 = 1e-7;
+
+/// Accuracy of a point from which on wheels are looked for: among cycles that it violates, none is left. Separation of wheels takes
+/// the point for exact.
 const FINE: f64 = 2e-6;
 
 /// Rounds of wheels.
 const ROUNDS: usize = 20;
+
+/// Dual weights below this share of what is paid are rounding errors.
+const NOTHING: f64 = 1e-11;
+
+/// A bound that rises by less than this share of all costs does not rise.
+const RISE: f64 = 1e-9;
 
 /// Solves `min c^+ y + |c^-| (1 - y)` over the cycle inequalities (Chopra, Rao 1993): for each repulsive edge `f` and each
 /// attractive path `P` between its ends, `y(P) + (1 - y_f) >= 1`. Cycles with other numbers of repulsive edges do not change
@@ -106,39 +195,19 @@ pub(crate) fn solve_relaxation(
         Relaxation { packing: start, paid: vec![0.0; kernel.edge_count()], converged: false };
     let mut separation = CycleSeparation::new(kernel);
     let mut rounds = 0;
-    let mut accuracy = 1e-2;
+    let mut accuracy = FIRST_ACCURACY;
     let mut missing = Vec::new();
     let mut last_bound = f64::NEG_INFINITY;
     while !budget.is_over() && !program.conflicts.is_empty() {
-        // Only edges on some cycle are variables; the others are paid nothing.
-        let mut column = vec![u32::MAX; kernel.edge_count()];
-        let mut costs = Vec::new();
-        let rows: Vec<Row> = program
-            .uses
-            .iter()
-            .zip(&program.conflicts)
-            .map(|(uses, conflict)| {
-                let entries = uses.iter().map(|&(edge, times)| {
-                    let place = &mut column[edge as usize];
-                    if *place == u32::MAX {
-                        *place = costs.len() as u32;
-                        costs.push(kernel.costs[edge as usize].abs());
-                    }
-                    (*place, times as f32)
-                });
-                Row { entries: entries.collect(), least: conflict.least() }
-            })
-            .collect();
+        let covering = program.covering(kernel);
         // The gap that matters is relative to what is paid, not to the sum of all costs.
         let scale = (relaxation.packing.bound - kernel.negative_sum()).max(magnitude * 1e-6);
-        let Some(point) = minimise_covering(&costs, &rows, accuracy * scale, budget) else { break };
-        for (edge, &place) in column.iter().enumerate() {
-            relaxation.paid[edge] = if place == u32::MAX { 0.0 } else { point.values[place as usize] };
-        }
-        let weighted = program.conflicts.iter().zip(&program.uses).zip(&point.weights);
-        let weighted = weighted.map(|((conflict, uses), &weight)| (conflict, uses.as_slice(), weight));
-        let mut packing = Packing::from_weights(kernel, weighted.filter(|entry| entry.2 > 1e-11 * scale));
-        packing.extend(kernel, u64::MAX, budget);
+        let Some(point) = minimise_covering(&covering.costs, &covering.rows, accuracy * scale, budget) else {
+            break;
+        };
+        let accurate = point.gap <= accuracy * scale;
+        covering.pay(&point, &mut relaxation.paid);
+        let packing = program.packing(kernel, &point, scale, budget);
         if packing.bound > relaxation.packing.bound {
             relaxation.packing = packing;
         }
@@ -146,9 +215,7 @@ pub(crate) fn solve_relaxation(
             break;
         }
         missing.push(target - relaxation.packing.bound);
-        if let [.., before, _, _, now] = missing[..]
-            && now > 0.95 * before
-        {
+        if has_stalled(&missing) {
             if give_up(&relaxation.packing) {
                 break;
             }
@@ -161,45 +228,34 @@ pub(crate) fn solve_relaxation(
                 continue;
             }
         }
-        let least = (accuracy * 0.1).max(1e-7);
+        let least = (accuracy * VIOLATION).max(LEAST_VIOLATION);
         let mut violated = separation.violated(&relaxation.paid, least, budget);
-        if violated.is_empty() && accuracy <= FINE && rounds < ROUNDS && point.gap <= accuracy * scale {
+        if violated.is_empty() && accuracy <= FINE && rounds < ROUNDS && accurate {
             rounds += 1;
             violated = WheelSeparation::new(kernel).violated(&relaxation.paid, budget);
         }
-        if point.gap <= accuracy * scale
-            && point_bound(kernel, &rows, &point.weights) > last_bound + 1e-9 * magnitude
-        {
+        let bound = covering.bound(kernel, &point);
+        if accurate && bound > last_bound + RISE * magnitude {
             // The bound rises, so dropped cycles cannot come back for ever.
-            last_bound = point_bound(kernel, &rows, &point.weights);
-            let keep: Vec<bool> = rows
-                .iter()
-                .zip(&point.weights)
-                .map(|(row, &weight)| {
-                    row.value(&point.values) < row.least + 0.5
-                        || weight > accuracy * 0.01 * costs[row.entries[0].0 as usize]
-                })
-                .collect();
-            program.retain(|index| keep[index]);
+            last_bound = bound;
+            program.drop_slack(&covering, &point, accuracy);
         }
         let mut added = false;
         for conflict in violated {
             added |= program.add(kernel, conflict);
         }
         if !added {
-            if accuracy <= 1e-9 || point.gap > accuracy * scale {
-                relaxation.converged = point.gap <= accuracy * scale;
+            if accuracy <= LAST_ACCURACY || !accurate {
+                relaxation.converged = accurate;
                 break;
             }
-            accuracy *= 1e-2;
-            if accuracy < 1e-9 {
-                accuracy = 1e-9;
-            }
+            accuracy = (accuracy * REFINEMENT).max(LAST_ACCURACY);
         }
     }
     relaxation
 }
 
-fn point_bound(kernel: &Kernel, rows: &[Row], weights: &[f64]) -> f64 {
-    kernel.negative_sum() + rows.iter().zip(weights).map(|(row, weight)| row.least * weight).sum::<f64>()
+/// Whether three rounds have brought less than a twentieth of what was missing to the target.
+fn has_stalled(missing: &[f64]) -> bool {
+    matches!(missing, [.., before, _, _, now] if *now > 0.95 * before)
 }

@@ -1,9 +1,9 @@
 //! Seeded graphs like those of the pipeline: two sessions of viewpoints, correct landmark edges between near
 //! ones and false ones anywhere, with the costs that support gives them.
 
-use posecut_stage::rand::RngExt as _;
-use posecut_stage::rand::seq::SliceRandom as _;
-use posecut_stage::{ChaCha8Rng, random};
+use posecut_random::rand::RngExt as _;
+use posecut_random::rand::seq::SliceRandom as _;
+use posecut_random::{ChaCha8Rng, random};
 
 use crate::{Graph, GraphError};
 

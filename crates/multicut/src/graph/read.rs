@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, Read as _};
 
-use posecut_stage::LONGEST_LINE;
+use posecut_graph::LONGEST_LINE;
 
 use super::error::{GraphError, MAXIMUM_NODES};
 use super::instance::{Edge, Graph};

@@ -13,7 +13,7 @@ const PATIENCE: (usize, usize, usize) = (20, 2, 200);
 /// The same for splitting a cluster, where the way to a gain is longer: half of a band has to leave.
 const PATIENCE_OF_SPLITS: usize = 10_000;
 
-/// Gains below this share of the absolute costs are rounding errors.
+/// Gains below this share of the absolute costs are rounding errors: taken for gains, they would keep sequences going for ever.
 const TOLERANCE: f64 = 1e-12;
 
 /// Improves `labels` by Kernighan-Lin with joins (Keuper et al., ICCV 2015, algorithm 1, "KLj"): for each pair of
@@ -30,6 +30,16 @@ pub(crate) fn kernighan_lin_with_joins(graph: &SignedGraph, labels: &mut Vec<u32
     }
     Search::new(graph, labels).run(budget);
     *labels = graph.connected_labels(labels);
+}
+
+/// Nodes by the gain of moving them, of equal ones the first; entries out of date stay until they come up.
+type Heap = BinaryHeap<(Key, Reverse<u32>)>;
+
+/// A sequence of moves, the gain of its best prefix, and that prefix's length.
+struct Moves {
+    nodes: Vec<u32>,
+    gain: f64,
+    length: usize,
 }
 
 struct Search<'a> {
@@ -73,6 +83,7 @@ impl<'a> Search<'a> {
     fn run(&mut self, budget: &mut Budget) {
         loop {
             self.recent = std::mem::replace(&mut self.changed, vec![false; self.members.len()]);
+            // Only clusters that changed in the last round can improve in this one.
             let mut pairs: Vec<(u32, u32)> = self
                 .graph
                 .edges()
@@ -130,8 +141,6 @@ impl<'a> Search<'a> {
     /// Best prefix of moves between clusters `a` and `b`, or joining them; true if the objective fell.
     fn improve(&mut self, a: u32, b: u32, budget: &mut Budget) -> bool {
         self.sequence += 1;
-        let mut heap = BinaryHeap::new();
-        let mut between = 0.0;
         let splitting = self.members[b as usize].is_empty();
         // The smaller cluster knows the border; an empty one borders everywhere.
         let (near, far) = if splitting || self.members[a as usize].len() <= self.members[b as usize].len() {
@@ -139,12 +148,46 @@ impl<'a> Search<'a> {
         } else {
             (b, a)
         };
-        let (least, each, most) = PATIENCE;
-        let patience = if splitting {
-            PATIENCE_OF_SPLITS
+        let mut heap = BinaryHeap::new();
+        let between = self.find_border(near, far, &mut heap, budget);
+        let Moves { nodes, gain, length } =
+            self.move_across((a, b), self.patience(near, splitting), heap, budget);
+        for &node in &nodes {
+            self.moved[node as usize] = false;
+        }
+        // Joining gains the cost of all edges between the two. Where moves gain as much, they are taken: they leave both clusters to
+        // later sequences.
+        let join = between > gain + self.tolerance && !splitting;
+        for &node in &nodes[if join { 0 } else { length }..] {
+            let label = &mut self.labels[node as usize];
+            *label = if *label == a { b } else { a };
+        }
+        if join {
+            self.join(near, far);
+        } else if length > 0 {
+            self.regroup(a, b);
         } else {
-            (least + each * self.members[near as usize].len()).min(most)
-        };
+            return false;
+        }
+        self.changed[a as usize] = true;
+        self.changed[b as usize] = true;
+        true
+    }
+
+    /// Moves tried after the best one: more for larger clusters, whose way to a gain may be longer.
+    fn patience(&self, near: u32, splitting: bool) -> usize {
+        if splitting {
+            return PATIENCE_OF_SPLITS;
+        }
+        let (least, each, most) = PATIENCE;
+        (least + each * self.members[near as usize].len()).min(most)
+    }
+
+    /// Makes the nodes of both clusters candidates that have an edge to the other one; of a cluster to be split, all. Returns the
+    /// cost of the edges between the clusters.
+    fn find_border(&mut self, near: u32, far: u32, heap: &mut Heap, budget: &mut Budget) -> f64 {
+        let splitting = self.members[far as usize].is_empty();
+        let mut between = 0.0;
         let mut work = 1;
         for index in 0..self.members[near as usize].len() {
             let node = self.members[near as usize][index];
@@ -155,75 +198,75 @@ impl<'a> Search<'a> {
                 if self.labels[arc.node as usize] == far {
                     between += arc.cost;
                     border = true;
-                    work += self.touch(arc.node, far, near, &mut heap);
+                    work += self.touch(arc.node, far, near, heap);
                 }
             }
             if border {
-                work += self.touch(node, near, far, &mut heap);
+                work += self.touch(node, near, far, heap);
             }
         }
         budget.spend(work as u64);
+        between
+    }
 
-        let mut moves: Vec<u32> = Vec::new();
-        let (mut total, mut best, mut best_length) = (0.0, 0.0, 0);
+    /// Moves the node that gains most, each once, until `patience` moves bring nothing better. Moves that lose are made too: the way
+    /// out of a local minimum leads through them (Kernighan, Lin, Bell System Technical Journal 49(2), 1970).
+    fn move_across(
+        &mut self,
+        (a, b): (u32, u32),
+        patience: usize,
+        mut heap: Heap,
+        budget: &mut Budget,
+    ) -> Moves {
+        let mut best = Moves { nodes: Vec::new(), gain: 0.0, length: 0 };
+        let mut total = 0.0;
         while let Some((Key(gain), Reverse(node))) = heap.pop() {
+            // An entry is out of date if its node has moved or gained since; a newer one is in the heap.
             if self.moved[node as usize] || self.gain[node as usize] != gain {
                 continue;
             }
             let (from, to) = if self.labels[node as usize] == a { (a, b) } else { (b, a) };
             self.moved[node as usize] = true;
             self.labels[node as usize] = to;
-            moves.push(node);
+            best.nodes.push(node);
             total += gain;
-            if total > best + self.tolerance {
-                best = total;
-                best_length = moves.len();
-            } else if moves.len() >= best_length + patience {
+            if total > best.gain + self.tolerance {
+                best.gain = total;
+                best.length = best.nodes.len();
+            } else if best.nodes.len() >= best.length + patience {
                 break;
             }
-            let graph = self.graph;
-            let mut work = graph.arcs(node).len();
-            for arc in graph.arcs(node) {
-                let label = self.labels[arc.node as usize];
-                if self.moved[arc.node as usize] || (label != a && label != b) {
-                    continue;
-                }
-                if self.stamp[arc.node as usize] == self.sequence {
-                    // Moving towards `node` gains what moving away from it lost, and vice versa.
-                    self.gain[arc.node as usize] +=
-                        if label == from { 2.0 * arc.cost } else { -2.0 * arc.cost };
-                    heap.push((Key(self.gain[arc.node as usize]), Reverse(arc.node)));
-                } else {
-                    let other = if label == a { b } else { a };
-                    work += self.touch(arc.node, label, other, &mut heap);
-                }
-            }
+            let work = self.update_neighbours(node, from, (a, b), &mut heap);
             if !budget.spend(1 + work as u64) {
                 break;
             }
         }
-        for &node in &moves {
-            self.moved[node as usize] = false;
+        best
+    }
+
+    /// Corrects the gains of a node's neighbours after it has left `from`; returns the arcs visited.
+    fn update_neighbours(&mut self, node: u32, from: u32, (a, b): (u32, u32), heap: &mut Heap) -> usize {
+        let graph = self.graph;
+        let mut work = graph.arcs(node).len();
+        for arc in graph.arcs(node) {
+            let label = self.labels[arc.node as usize];
+            if self.moved[arc.node as usize] || (label != a && label != b) {
+                continue;
+            }
+            if self.stamp[arc.node as usize] == self.sequence {
+                // Moving towards `node` gains what moving away from it lost, and vice versa.
+                self.gain[arc.node as usize] += if label == from { 2.0 * arc.cost } else { -2.0 * arc.cost };
+                heap.push((Key(self.gain[arc.node as usize]), Reverse(arc.node)));
+            } else {
+                let other = if label == a { b } else { a };
+                work += self.touch(arc.node, label, other, heap);
+            }
         }
-        let join = between > best + self.tolerance && !splitting;
-        for &node in &moves[if join { 0 } else { best_length }..] {
-            let label = &mut self.labels[node as usize];
-            *label = if *label == a { b } else { a };
-        }
-        if join {
-            self.join(near, far);
-        } else if best_length > 0 {
-            self.regroup(a, b);
-        } else {
-            return false;
-        }
-        self.changed[a as usize] = true;
-        self.changed[b as usize] = true;
-        true
+        work
     }
 
     /// Makes a node a candidate of this sequence; returns the arcs visited.
-    fn touch(&mut self, node: u32, from: u32, to: u32, heap: &mut BinaryHeap<(Key, Reverse<u32>)>) -> usize {
+    fn touch(&mut self, node: u32, from: u32, to: u32, heap: &mut Heap) -> usize {
         if self.stamp[node as usize] == self.sequence {
             return 0;
         }

@@ -29,6 +29,8 @@ pub(crate) struct Outcome {
 /// Searches for a clique of more than `known` vertices (Tomita and Seki 2003; bit-parallel as San Segundo,
 /// Rodriguez-Losada, Jimenez 2011; recolouring as Tomita et al. 2010).
 pub(super) fn search(graph: &BitGraph, known: usize, limits: Limits) -> Outcome {
+    // Vertices of high core number first: greedy colouring in this order takes few colours, and vertices of few neighbours, whose
+    // subproblems are small, are coloured last and branched on first.
     let all = BitSet::full(graph.len());
     let mut order = Degeneracy::of(graph, &all).order;
     order.reverse();
@@ -43,6 +45,7 @@ pub(super) fn search(graph: &BitGraph, known: usize, limits: Limits) -> Outcome 
     let mut candidates = all;
     let mut left = &branches[..];
     while let Some(round) = next_round(&mut left, size) {
+        // Equal shares, so that how much a branch may do depends on no other branch of the round, nor on threads.
         let share = limits.work.saturating_sub(work).div_ceil(round.len() as u64).min(limits.stall);
         let run = |place: usize, share: u64| {
             let mut own = candidates.clone();
@@ -69,6 +72,7 @@ pub(super) fn search(graph: &BitGraph, known: usize, limits: Limits) -> Outcome 
                 best = Some(found.clique.clone());
             }
         }
+        // Branches come by falling numbers of colours: the colours of the first that was not finished bound it and all after it.
         let open = round.iter().zip(&outcomes).find(|(_, found)| !found.complete);
         if let Some(((_, colours), _)) = open {
             upper_bound = *colours;
@@ -148,6 +152,7 @@ impl State<'_> {
         let mut next = BitSet::new(self.graph.len());
         // Those coloured last need the most colours: a clique through them can be largest.
         for &(vertex, colours) in branches.iter().rev() {
+            // A clique takes one vertex of each colour at most, and all branches to come have no more colours.
             if self.clique.len() + colours <= self.size {
                 return;
             }
@@ -215,6 +220,7 @@ impl Colours {
                     self.order.push((vertex, colours));
                 }
             }
+            // Recolouring has emptied the class: the next one takes its number, and bounds stay tight.
             if colours > spare && self.order.len() == listed {
                 colours -= 1;
             }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::growth::grow_among;
 use crate::Gate;
-use crate::chance::Chance;
+use crate::chance::Acceptance;
 use crate::clique::{BitGraph, BitSet, Limits, MaximumClique, maximum_clique};
 use crate::odometry::spread::Spatial;
 use crate::pairs::consistency::{PairCounts, Pairs};
@@ -55,7 +55,7 @@ struct Star {
 
 /// Sorts the candidates into cells of `size` metres travelled in either chain. Within a cell, the candidate that agrees
 /// with most others is a hypothesis together with them; up to three are taken. The maximum clique over the hypotheses'
-/// centres is sought. Of these, what agrees by chance alone goes, where a wrong edge weighs as much as `cost` correct ones;
+/// centres is sought. Of these, what agrees by chance alone goes, as `acceptance` says;
 /// then every candidate joins that agrees with three quarters of the eight members nearest to it, not by chance either, in
 /// two rounds.
 ///
@@ -66,7 +66,7 @@ pub fn solve_by_cells<G: Spatial<DOF>, const DOF: usize>(
     growth_gate: Gate,
     size: f64,
     limits: Limits,
-    cost: f64,
+    acceptance: Acceptance<DOF>,
 ) -> CellSolution {
     let cells = cells(pairs, gate, size);
     let mut solution =
@@ -92,7 +92,7 @@ pub fn solve_by_cells<G: Spatial<DOF>, const DOF: usize>(
     solution.members = solution.clique.vertices.iter().map(|&vertex| centres[vertex]).collect();
     solution.members.sort_unstable();
     if gate.per_step.is_none() {
-        let support = Chance::new(pairs).support(&solution.members, cost);
+        let support = acceptance.chance(pairs).support(&solution.members, acceptance.cost);
         solution.members = support.supported;
         solution.by_chance = support.by_chance;
         solution.false_alarms = support.false_alarms;
@@ -100,7 +100,7 @@ pub fn solve_by_cells<G: Spatial<DOF>, const DOF: usize>(
     let (mut kept, mut by_chance) = (solution.members.clone(), Vec::new());
     let mut asked: Vec<usize> = (0..pairs.len()).collect();
     for _ in 0..ROUNDS {
-        let growth = grow_among(pairs, &kept, &asked, growth_gate, cost);
+        let growth = grow_among(pairs, &kept, &asked, growth_gate, acceptance);
         asked = growth.open;
         solution.counts += growth.counts;
         solution.false_alarms.extend(growth.false_alarms);

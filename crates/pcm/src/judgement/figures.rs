@@ -7,32 +7,52 @@ use crate::pairs::consistency::PairCounts;
 
 /// Figures of a group; those of several groups add up.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Figures {
-    pub(crate) candidates: usize,
-    pub(crate) lone_candidates: usize,
-    pub(crate) groups_by_cells: usize,
-    pub(crate) against_odometry: usize,
-    pub(crate) counts: PairCounts,
-    pub(crate) cells: usize,
-    pub(crate) hypotheses: usize,
-    pub(crate) hypotheses_left_out: usize,
-    pub(crate) clique_size: usize,
-    pub(crate) clique_upper_bound: usize,
-    pub(crate) searched: Searched,
-    pub(crate) grown: usize,
-    pub(crate) by_chance: usize,
-    pub(crate) kept: usize,
-    pub(crate) work: u64,
-    pub(crate) seconds_pairs: f64,
-    pub(crate) seconds_clique: f64,
-    pub(crate) seconds_growth: f64,
+pub struct Figures {
+    /// Landmark edges tested.
+    pub candidates: usize,
+    /// Groups of one candidate, which has no other edge to disagree with.
+    pub lone_candidates: usize,
+    /// Groups solved by cells.
+    pub groups_by_cells: usize,
+    /// Candidates of one chain that disagree with its odometry alone.
+    pub against_odometry: usize,
+    /// How the pairs fared.
+    pub counts: PairCounts,
+    /// Cells with candidates.
+    pub cells: usize,
+    /// Hypotheses in the clique problem.
+    pub hypotheses: usize,
+    /// Hypotheses of least support that the clique problem left out.
+    pub hypotheses_left_out: usize,
+    /// Candidates in cliques.
+    pub clique_size: usize,
+    /// No set of cliques has more candidates.
+    pub clique_upper_bound: usize,
+    /// What the searches found.
+    pub searched: Searched,
+    /// Candidates that growth added.
+    pub grown: usize,
+    /// Candidates that agree no better than chance.
+    pub by_chance: usize,
+    /// Candidates that stay.
+    pub kept: usize,
+    /// Branch-and-bound nodes.
+    pub work: u64,
+    /// Seconds of testing pairs.
+    pub seconds_pairs: f64,
+    /// Seconds of searching for cliques.
+    pub seconds_clique: f64,
+    /// Seconds of growth, and of what agrees by chance.
+    pub seconds_growth: f64,
 }
 
 /// What the searches for cliques found, among candidates or hypotheses, and what their bounds leave possible.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Searched {
-    pub(crate) size: usize,
-    pub(crate) upper_bound: usize,
+pub struct Searched {
+    /// Candidates or hypotheses in the cliques.
+    pub size: usize,
+    /// No cliques have more.
+    pub upper_bound: usize,
 }
 
 impl Searched {

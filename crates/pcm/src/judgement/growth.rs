@@ -3,14 +3,15 @@
 use rayon::prelude::*;
 
 use crate::Gate;
-use crate::chance::{Chance, acceptable};
+use crate::chance::{Acceptance, acceptable};
 use crate::odometry::spread::Spatial;
 use crate::pairs::consistency::{PairCounts, Pairs};
 use crate::pairs::nearest::Nearest;
 
-/// Members that a candidate is held against.
+/// Members that a candidate is held against: enough that one or two wrong ones do not decide.
 const WITNESSES: usize = 8;
-/// How many of them must agree, of four.
+/// How many of them must agree, of four: at a loose gate a correct candidate hardly disagrees with a correct member, but some of the
+/// members may be wrong.
 const QUARTERS: usize = 3;
 /// With fewer members there is nothing to hold a candidate against.
 const FEWEST: usize = 3;
@@ -31,19 +32,19 @@ pub struct Growth {
 }
 
 /// The candidates outside `members` that agree with three quarters of the eight members nearest to them by distance
-/// travelled, and not by chance: a wrong one weighs as much as `cost` correct ones.
+/// travelled, and not by chance, as `acceptance` says.
 ///
 /// Near members say most: the odometry between adds little to the covariance. Far from all members nearly everything
-/// agrees; there [`Chance`] has to say. The members are not extended meanwhile: what grows does not depend on the order.
+/// agrees; there [`chance`](crate::chance) has to say. The members are not extended meanwhile: what grows does not depend on the order.
 /// O(N log N) time, 8 N pairs.
 pub fn grow<G: Spatial<DOF>, const DOF: usize>(
     pairs: &Pairs<'_, G, DOF>,
     members: &[usize],
     gate: Gate,
-    cost: f64,
+    acceptance: Acceptance<DOF>,
 ) -> Growth {
     let everyone: Vec<usize> = (0..pairs.len()).collect();
-    grow_among(pairs, members, &everyone, gate, cost)
+    grow_among(pairs, members, &everyone, gate, acceptance)
 }
 
 /// As [`grow`], of these candidates alone, which ascend.
@@ -52,7 +53,7 @@ pub(crate) fn grow_among<G: Spatial<DOF>, const DOF: usize>(
     members: &[usize],
     asked: &[usize],
     gate: Gate,
-    cost: f64,
+    acceptance: Acceptance<DOF>,
 ) -> Growth {
     let mut growth = Growth::default();
     if members.len() < FEWEST {
@@ -60,7 +61,7 @@ pub(crate) fn grow_among<G: Spatial<DOF>, const DOF: usize>(
     }
     let nearest = Nearest::new(pairs, members);
     // Where covariances are not looked at, nothing tells what chance can do.
-    let chance = gate.per_step.is_none().then(|| Chance::new(pairs));
+    let chance = gate.per_step.is_none().then(|| acceptance.chance(pairs));
     let mut inside = vec![false; pairs.len()];
     for &member in members {
         inside[member] = true;
@@ -75,6 +76,7 @@ pub(crate) fn grow_among<G: Spatial<DOF>, const DOF: usize>(
             let near = nearest.of(pairs.position(candidate), candidate, WITNESSES);
             let mut witnesses = Vec::with_capacity(near.len());
             for (place, &member) in near.iter().enumerate() {
+                // Too many have disagreed for three quarters still to agree.
                 if 4 * (place - witnesses.len()) > (4 - QUARTERS) * near.len() {
                     break;
                 }
@@ -94,11 +96,12 @@ pub(crate) fn grow_among<G: Spatial<DOF>, const DOF: usize>(
             (verdict, counts)
         })
         .collect();
+    // The limit is that of all candidates together, since each that grows adds to the false alarms of the whole.
     let alarms = |&(verdict, _): &(Verdict, PairCounts)| match verdict {
         Verdict::Agrees(expected) => Some(expected),
         _ => None,
     };
-    let limit = acceptable(verdicts.iter().filter_map(alarms).collect(), cost);
+    let limit = acceptable(verdicts.iter().filter_map(alarms).collect(), acceptance.cost);
     for (&candidate, (verdict, counts)) in asked.iter().zip(verdicts) {
         growth.counts += counts;
         match verdict {

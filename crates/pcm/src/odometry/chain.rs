@@ -7,7 +7,6 @@ use petgraph::unionfind::UnionFind;
 use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::{CovarianceError, covariance_from_information, unpack_upper_triangle};
 use posecut_graph::{Edge, EdgeKind, PoseGraph};
-use posecut_stage::warn;
 
 use crate::PcmError;
 
@@ -63,6 +62,8 @@ pub struct Chains<G, const DOF: usize> {
     pub chains: Vec<Chain<G, DOF>>,
     /// For each node of the graph: its chain and its place there.
     pub places: Vec<(usize, usize)>,
+    /// Odometry edges that branch off or close a ring, and are in no chain.
+    pub left_out: usize,
 }
 
 /// Whether covariances are needed: some tests look at the measurements alone.
@@ -79,20 +80,24 @@ pub enum Covariances {
 
 impl<G: LieGroup<DOF>, const DOF: usize> Chains<G, DOF> {
     /// Follows the odometry edges of a graph. Every node gets a place; one without odometry is a chain of its
-    /// own. Where odometry branches or closes a ring, edges of higher id are left out with a warning. O(edges).
+    /// own. Where odometry branches or closes a ring, edges of higher id are left out ([`Self::warning`]). O(edges).
     pub fn of(graph: &PoseGraph) -> Result<Self, PcmError> {
         Self::with(graph, Covariances::Needed)
+    }
+
+    /// What to warn of: odometry edges that are in no chain.
+    pub fn warning(&self) -> Option<String> {
+        (self.left_out > 0).then(|| {
+            format!(
+                "{} odometry edges branch off or close a ring and are left out of the chains",
+                self.left_out
+            )
+        })
     }
 
     /// As [`Self::of`], with or without covariances.
     pub fn with(graph: &PoseGraph, covariances: Covariances) -> Result<Self, PcmError> {
         let links = Links::of(graph);
-        if links.left_out > 0 {
-            warn!(
-                "{} odometry edges branch off or close a ring and are left out of the chains",
-                links.left_out
-            );
-        }
         let mut places = vec![(usize::MAX, 0); graph.nodes.len()];
         let mut chains = Vec::new();
         for Path { nodes, edges } in links.paths() {
@@ -106,7 +111,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Chains<G, DOF> {
             }
             chains.push(chain);
         }
-        Ok(Self { chains, places })
+        Ok(Self { chains, places, left_out: links.left_out })
     }
 }
 
@@ -132,7 +137,7 @@ fn step<G: LieGroup<DOF>, const DOF: usize>(
 }
 
 /// The covariance of an edge's measurement: the inverse of its information.
-pub(crate) fn covariance<const DOF: usize>(
+pub fn covariance<const DOF: usize>(
     graph: &PoseGraph,
     edge: &Edge,
     covariances: Covariances,
@@ -164,7 +169,7 @@ fn repaired<const DOF: usize>(mut information: SMatrix<f64, DOF, DOF>) -> SMatri
 /// log(E)^T Sigma^-1 log(E) by elimination of the lower triangle, L D L^T; `None` if Sigma is not positive definite. One
 /// division a column: a square root and a division an entry, as Cholesky's has, would take as long as all the rest.
 #[inline(always)]
-pub(crate) fn squared_mahalanobis<const DOF: usize>(
+pub fn squared_mahalanobis<const DOF: usize>(
     covariance: &SMatrix<f64, DOF, DOF>,
     error: &SVector<f64, DOF>,
 ) -> Option<f64> {

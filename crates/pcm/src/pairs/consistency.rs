@@ -11,7 +11,6 @@ use super::candidate::{Candidate, Group};
 pub use super::distance::{squared_distance, squared_distance_to_odometry};
 use super::lanes::WIDTH;
 use super::pretest::{PreTest, Verdict};
-use crate::chance::Pool;
 use crate::clique::BitGraph;
 use crate::odometry::chain::{Chain, Chains};
 use crate::odometry::spread::Spatial;
@@ -54,12 +53,10 @@ pub struct Pairs<'a, G, const DOF: usize> {
     pub(crate) candidates: &'a [Candidate<G, DOF>],
     pretest: PreTest,
     odometry_test: bool,
-    /// What the groups of the graph share, where they are judged together.
-    pub(crate) pool: Option<Pool<DOF>>,
 }
 
 /// Another candidate of `count`, mostly far away: steps of the golden section spread over all of them without a pattern.
-pub(crate) fn elsewhere(count: usize, candidate: usize, turn: usize) -> usize {
+pub fn elsewhere(count: usize, candidate: usize, turn: usize) -> usize {
     (candidate + (count as f64 * (0.618_034 * turn as f64).fract()) as usize) % count
 }
 
@@ -73,7 +70,6 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
             candidates: &group.candidates,
             pretest: PreTest::new(chains, group),
             odometry_test: true,
-            pool: None,
         }
     }
 
@@ -118,13 +114,6 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
     #[must_use]
     pub fn with_odometry_test(mut self, odometry_test: bool) -> Self {
         self.odometry_test = odometry_test;
-        self
-    }
-
-    /// Judges agreement by chance among all groups of the graph instead of this one alone.
-    #[must_use]
-    pub(crate) fn with_pool(mut self, pool: Option<Pool<DOF>>) -> Self {
-        self.pool = pool;
         self
     }
 

@@ -6,7 +6,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use crate::PcmError;
 
 /// What is compared with what.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Test {
     /// The squared Mahalanobis distance, which is chi-square distributed: passes the stated share of true pairs
@@ -18,7 +19,8 @@ pub enum Test {
 }
 
 /// What the probability of a gate refers to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Correction {
     /// One pair: of N correct edges some are lost, for each must agree with all others

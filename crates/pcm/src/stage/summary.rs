@@ -1,101 +1,98 @@
 //! What the stage says about its work.
 
-use posecut_graph::{EdgeKind, PoseGraph};
 use posecut_stage::{Context, Doubt, counted, info, warn};
 
+use crate::Rejection;
 use crate::calibration::{Ended, FEWEST, NoScales, ScaleEstimate};
-use crate::judgement::figures::Figures;
-use crate::readmission::Readmitted;
 
-/// Figures of a run.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Summary {
-    pub(crate) groups: usize,
-    pub(crate) unmeasured: usize,
-    pub(crate) rejected_before: usize,
-    /// Over all groups.
-    pub(crate) judged: Figures,
-    pub(crate) calibration: Calibration,
-}
+/// Notes what PCM did and doubts it where it should not be believed.
+pub(crate) struct Summary<'a>(pub(crate) &'a Rejection);
 
-/// What calibration found.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Calibration {
-    /// Where it was asked for.
-    pub(crate) scale: Option<Result<ScaleEstimate, NoScales>>,
-    pub(crate) seconds: f64,
-}
-
-impl Summary {
+impl Summary<'_> {
     fn scheme(&self) -> &'static str {
-        match self.judged.groups_by_cells {
+        match self.0.judged.groups_by_cells {
             0 => "exact",
-            all if all == self.groups => "cells",
+            all if all == self.0.groups => "cells",
             _ => "mixed",
         }
     }
 
+    /// Says what was kept, doubts it where it should not be believed, and notes the figures.
     pub(crate) fn note(&self, context: &mut Context) {
-        let exact = self.judged.groups_by_cells == 0;
-        let optimal = exact && self.judged.clique_size == self.judged.clique_upper_bound;
-        let kept = self.judged.kept;
-        let grown = if self.judged.grown > 0 {
-            format!(", {} of them grown", self.judged.grown)
+        let exact = self.0.judged.groups_by_cells == 0;
+        let optimal = exact && self.0.judged.clique_size == self.0.judged.clique_upper_bound;
+        let kept = self.0.judged.kept;
+        let grown = if self.0.judged.grown > 0 {
+            format!(", {} of them grown", self.0.judged.grown)
         } else {
             String::new()
         };
-        let by_chance = if self.judged.by_chance > 0 {
-            format!(", {} left out for agreeing by chance", self.judged.by_chance)
+        let by_chance = if self.0.judged.by_chance > 0 {
+            format!(", {} left out for agreeing by chance", self.0.judged.by_chance)
         } else {
             String::new()
         };
         info!(
             "{kept} of {} kept{grown}{by_chance}, {}{}{}",
-            counted(self.judged.candidates, "landmark edge"),
-            counted(self.groups, "group"),
+            counted(self.0.judged.candidates, "landmark edge"),
+            counted(self.0.groups, "group"),
             if optimal { ", proved largest" } else { "" },
             if exact { "" } else { ", by cells" }
         );
         self.doubt(exact, context);
-        if self.unmeasured > 0 {
+        if self.0.unmeasured > 0 {
             warn!(
                 "{} landmark edges have no measurement and are neither tested nor rejected",
-                self.unmeasured
+                self.0.unmeasured
             );
         }
+        self.note_figures(exact, optimal, context);
+    }
+
+    fn note_figures(&self, exact: bool, optimal: bool, context: &mut Context) {
         let statistics = &mut context.statistics;
         statistics.note("scheme", self.scheme());
-        statistics.note("candidates", self.judged.candidates);
-        statistics.note("groups", self.groups);
-        statistics.note("groups_by_cells", self.judged.groups_by_cells);
-        statistics.note("lone_candidates", self.judged.lone_candidates);
-        statistics.note("unmeasured", self.unmeasured);
-        statistics.note("rejected_before", self.rejected_before);
-        statistics.note("against_odometry", self.judged.against_odometry);
-        statistics.note("pairs", self.judged.counts.pairs);
-        statistics.note("pairs_skipped_by_rotation", self.judged.counts.skipped_by_rotation);
-        statistics.note("pairs_skipped_by_translation", self.judged.counts.skipped_by_translation);
-        statistics.note("consistent_pairs", self.judged.counts.consistent);
-        statistics.note("indefinite_pairs", self.judged.counts.indefinite);
+        statistics.note("candidates", self.0.judged.candidates);
+        statistics.note("groups", self.0.groups);
+        statistics.note("groups_by_cells", self.0.judged.groups_by_cells);
+        statistics.note("lone_candidates", self.0.judged.lone_candidates);
+        statistics.note("unmeasured", self.0.unmeasured);
+        statistics.note("rejected_before", self.0.rejected_before);
+        statistics.note("against_odometry", self.0.judged.against_odometry);
+        statistics.note("pairs", self.0.judged.counts.pairs);
+        statistics.note("pairs_skipped_by_rotation", self.0.judged.counts.skipped_by_rotation);
+        statistics.note("pairs_skipped_by_translation", self.0.judged.counts.skipped_by_translation);
+        statistics.note("consistent_pairs", self.0.judged.counts.consistent);
+        statistics.note("indefinite_pairs", self.0.judged.counts.indefinite);
         if !exact {
-            statistics.note("cells", self.judged.cells);
-            statistics.note("hypotheses", self.judged.hypotheses);
-            statistics.note("hypotheses_left_out", self.judged.hypotheses_left_out);
+            statistics.note("cells", self.0.judged.cells);
+            statistics.note("hypotheses", self.0.judged.hypotheses);
+            statistics.note("hypotheses_left_out", self.0.judged.hypotheses_left_out);
         }
-        statistics.note("clique_size", self.judged.clique_size);
-        statistics.note("clique_upper_bound", self.judged.clique_upper_bound);
+        statistics.note("clique_size", self.0.judged.clique_size);
+        statistics.note("clique_upper_bound", self.0.judged.clique_upper_bound);
         statistics.note("optimal", optimal);
-        statistics.note("grown", self.judged.grown);
-        statistics.note("agree_by_chance", self.judged.by_chance);
-        statistics.note("rejected", self.judged.candidates - kept);
-        statistics.note("branch_and_bound_nodes", self.judged.work);
-        if let Some(Err(NoScales::NoEvidence(nats))) = self.calibration.scale {
+        statistics.note("grown", self.0.judged.grown);
+        statistics.note("agree_by_chance", self.0.judged.by_chance);
+        statistics.note("rejected", self.0.judged.candidates - self.0.judged.kept);
+        statistics.note("branch_and_bound_nodes", self.0.judged.work);
+        self.note_scale(context);
+        let statistics = &mut context.statistics;
+        statistics.note("seconds_scale", self.0.calibration.seconds);
+        statistics.note("seconds_pairs", self.0.judged.seconds_pairs);
+        statistics.note("seconds_clique", self.0.judged.seconds_clique);
+        statistics.note("seconds_growth", self.0.judged.seconds_growth);
+    }
+
+    fn note_scale(&self, context: &mut Context) {
+        let statistics = &mut context.statistics;
+        if let Some(Err(NoScales::NoEvidence(nats))) = self.0.calibration.scale {
             statistics.note("scale_evidence", nats);
         }
-        if let Some(Err(NoScales::AtBound(ended))) = self.calibration.scale {
+        if let Some(Err(NoScales::AtBound(ended))) = self.0.calibration.scale {
             statistics.note("scale_ended", ended.name());
         }
-        if let Some(Ok(estimate)) = self.calibration.scale {
+        if let Some(Ok(estimate)) = self.0.calibration.scale {
             statistics.note("scale_odometry", estimate.scales.odometry);
             statistics.note("scale_landmark", estimate.scales.landmark);
             statistics.note("scale_correct", estimate.correct);
@@ -104,20 +101,16 @@ impl Summary {
             statistics.note("scale_evidence", estimate.evidence);
             statistics.note("scale_ended", estimate.ended.map_or("converged", Ended::name));
         }
-        statistics.note("seconds_scale", self.calibration.seconds);
-        statistics.note("seconds_pairs", self.judged.seconds_pairs);
-        statistics.note("seconds_clique", self.judged.seconds_clique);
-        statistics.note("seconds_growth", self.judged.seconds_growth);
     }
 }
 
-impl Summary {
+impl Summary<'_> {
     /// Raises the doubts about the cliques and the scales. Without candidates there is nothing to doubt.
     fn doubt(&self, exact: bool, context: &mut Context) {
-        if self.judged.candidates == 0 {
+        if self.0.judged.candidates == 0 {
             return;
         }
-        let searched = self.judged.searched;
+        let searched = self.0.judged.searched;
         if searched.size < searched.upper_bound {
             context.doubt(
                 Doubt::SearchLimit,
@@ -129,22 +122,22 @@ impl Summary {
                 ),
             );
         }
-        if self.judged.hypotheses_left_out > 0 {
+        if self.0.judged.hypotheses_left_out > 0 {
             context.doubt(
                 Doubt::SearchLimit,
                 format!(
                     "the search by cells left {} of {} hypotheses out; enlarge --cell-size, or use --scheme exact",
-                    self.judged.hypotheses_left_out,
-                    self.judged.hypotheses + self.judged.hypotheses_left_out
+                    self.0.judged.hypotheses_left_out,
+                    self.0.judged.hypotheses + self.0.judged.hypotheses_left_out
                 ),
             );
         }
-        if self.judged.kept == 0 {
+        if self.0.judged.kept == 0 {
             context.doubt(
                 Doubt::NothingKept,
                 format!(
                     "0 of {} kept; check the units of the information, the covariances (--scale auto) and whether there is overlap",
-                    counted(self.judged.candidates, "landmark edge")
+                    counted(self.0.judged.candidates, "landmark edge")
                 ),
             );
         }
@@ -152,7 +145,7 @@ impl Summary {
     }
 
     fn doubt_scale(&self, context: &mut Context) {
-        let message = match self.calibration.scale {
+        let message = match self.0.calibration.scale {
             Some(Err(NoScales::FewEdges(edges))) => format!(
                 "no scale is estimated: that takes {FEWEST} landmark edges that close loops, and there are {edges}; the covariances \
                  are used unchanged, so check them or give --scale"
@@ -175,41 +168,4 @@ impl Summary {
         };
         context.doubt(Doubt::CalibrationOnPrior, message);
     }
-}
-
-/// Notes what re-admission did.
-pub(crate) fn note_readmission(result: &Readmitted, graph: &PoseGraph, context: &mut Context) {
-    info!(
-        "{} re-admitted and {} dropped of {}",
-        result.readmitted,
-        result.dropped,
-        counted(result.tested, "landmark edge")
-    );
-    let in_use = |edge: &&posecut_graph::Edge| edge.in_use() && edge.measurement.is_some();
-    if result.tested > 0 && graph.edges_of(EdgeKind::Landmark).filter(in_use).count() == 0 {
-        context.doubt(
-            Doubt::NothingKept,
-            format!(
-                "0 of {} in use after re-admission; check the units of the information, the covariances (--scale) and whether \
-                 there is overlap",
-                counted(result.tested, "landmark edge")
-            ),
-        );
-    }
-    if let Some(estimate) = result.unbounded_scale {
-        warn!(
-            "the landmark edges in use suggest a scale of {estimate:.1}; {} is used, for false edges in use raise it",
-            result.scale
-        );
-    }
-    let statistics = &mut context.statistics;
-    statistics.note("agree_by_chance", result.by_chance);
-    statistics.note("tested", result.tested);
-    statistics.note("readmitted", result.readmitted);
-    statistics.note("dropped", result.dropped);
-    statistics.note("changed", result.readmitted + result.dropped);
-    statistics.note("untestable", result.untestable);
-    statistics.note("unmeasured", result.unmeasured);
-    statistics.note("rejected_by_others", result.rejected_by_others);
-    statistics.note("scale", result.scale);
 }

@@ -117,6 +117,8 @@ pub(super) fn cases() -> Vec<Case> {
         let all = [&[graph.as_str()], options, &["further", "-o", "out", "--stats", "stats.json"]].concat();
         cases.push(Case::new(name, &words(&all), old_outputs).naming(&["further", "out", "stats.json"]));
     }
+    let partition = ["solve", &samples().path("four.mc"), "--certificate", "further", "-o", "out"];
+    cases.push(Case::new("partition", &words(&partition), old_outputs).naming(&["further", "out"]));
     cases.extend(simulations());
     cases.extend(experiments());
     cases.extend(reports());

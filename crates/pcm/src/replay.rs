@@ -3,10 +3,10 @@
 use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Dimension, PoseGraph};
 
-use super::{candidates, scale};
 use crate::clique::BitGraph;
 use crate::pairs::candidate::Group;
 use crate::pairs::consistency::Pairs;
+use crate::preparation::{candidates, scale};
 use crate::{Gate, Options, PcmError, Spatial};
 
 /// A group of candidates and which of them agree, as the stage decides on them.
@@ -28,9 +28,18 @@ impl GroupConsistency {
     }
 }
 
+/// What the stage decides on.
+#[derive(Clone, Debug)]
+pub struct Replay {
+    /// The groups of candidates.
+    pub groups: Vec<GroupConsistency>,
+    /// What the stage warns of, if anything: [`Chains::warning`](crate::chain::Chains::warning).
+    pub warning: Option<String>,
+}
+
 /// The consistency graphs of a graph that has not been through PCM yet, with the covariances, scales and gate of the
 /// options, whatever their scheme. O(candidates^2) time, and as many bits.
-pub fn consistency(options: &Options, graph: &PoseGraph) -> Result<Vec<GroupConsistency>, PcmError> {
+pub fn consistency(options: &Options, graph: &PoseGraph) -> Result<Replay, PcmError> {
     options.check()?;
     match graph.header.dimension {
         Dimension::Two => consistency_of::<SE2, 3>(options, graph),
@@ -41,7 +50,7 @@ pub fn consistency(options: &Options, graph: &PoseGraph) -> Result<Vec<GroupCons
 fn consistency_of<G: Spatial<DOF>, const DOF: usize>(
     options: &Options,
     graph: &PoseGraph,
-) -> Result<Vec<GroupConsistency>, PcmError> {
+) -> Result<Replay, PcmError> {
     let (mut chains, mut grouped) = candidates::<G, DOF>(options, graph)?;
     scale(options, &mut chains, &mut grouped.groups);
     let of_group = |group: &Group<G, DOF>| {
@@ -56,5 +65,6 @@ fn consistency_of<G: Spatial<DOF>, const DOF: usize>(
         }
         Ok(GroupConsistency { places, gate, vertices, graph })
     };
-    grouped.groups.iter().map(of_group).collect()
+    let groups = grouped.groups.iter().map(of_group).collect::<Result<_, PcmError>>()?;
+    Ok(Replay { groups, warning: chains.warning() })
 }

@@ -1,7 +1,10 @@
 //! Random numbers that a seed fixes on every machine.
 
 use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+
+// Who draws needs no dependency of its own.
+pub use rand;
+pub use rand_chacha::ChaCha8Rng;
 
 /// A ChaCha8 generator for one purpose. Each purpose draws from a stream of its own, so that drawing more
 /// for one (a higher rate of false edges, say) does not change what another gets (the noise of the true ones).

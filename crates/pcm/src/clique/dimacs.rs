@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use crate::clique::BitGraph;
 
 /// The graph of one group, with the ids of the edges that its vertices stand for.
+#[derive(Clone, Debug)]
 pub struct NamedGraph {
     /// The graph.
     pub graph: BitGraph,

@@ -1,9 +1,8 @@
 //! What stages have in common that keep a part of the candidates of each pair of chains.
 
 use posecut_graph::PoseGraph;
-use posecut_stage::{Context, Doubt, counted, warn};
 
-use crate::pairs::candidate::{Group, Grouped};
+use crate::{Context, Doubt, counted, warn};
 
 /// How many landmark edges there were, and how many were kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,31 +20,21 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// Nothing is selected yet.
-    pub fn of<G, const DOF: usize>(grouped: &Grouped<G, DOF>) -> Self {
-        Self {
-            groups: grouped.groups.len(),
-            unmeasured: grouped.unmeasured,
-            rejected_before: grouped.rejected_before,
-            ..Self::default()
-        }
-    }
-
-    /// Marks the candidates of a group whose places are not in `kept`, which ascends, as rejected by `stage`.
-    pub fn keep<G, const DOF: usize>(
+    /// Marks the edges of a group whose places among `edges` are not in `kept`, which ascends, as rejected by `stage`.
+    pub fn keep(
         &mut self,
         graph: &mut PoseGraph,
-        group: &Group<G, DOF>,
+        edges: impl ExactSizeIterator<Item = usize>,
         kept: &[usize],
         stage: &str,
     ) {
-        for (place, candidate) in group.candidates.iter().enumerate() {
+        self.candidates += edges.len();
+        self.kept += kept.len();
+        for (place, edge) in edges.enumerate() {
             if kept.binary_search(&place).is_err() {
-                graph.edges[candidate.edge].reject(stage);
+                graph.edges[edge].reject(stage);
             }
         }
-        self.candidates += group.candidates.len();
-        self.kept += kept.len();
     }
 
     /// Notes the counts, warns of edges that could not be tested, and doubts a result that keeps nothing.

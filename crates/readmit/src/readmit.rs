@@ -1,22 +1,24 @@
-//! Re-admission: every landmark edge against the map that the others make.
+//! Every landmark edge against the map that the others make.
 
 use nalgebra::SMatrix;
 use posecut_geometry::covariance::unpack_upper_triangle;
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_graph::{Dimension, Edge, EdgeKind, PoseGraph};
-use statrs::function::gamma::ln_gamma;
+use posecut_pcm::calibration::divide_information;
+use posecut_pcm::chain::{Covariances, covariance};
+use posecut_pcm::chance::acceptable;
+use posecut_pcm::chi_square_quantile;
 
-use crate::PcmError;
-use crate::chance::acceptable;
-use crate::odometry::chain::{Covariances, covariance, squared_mahalanobis};
-use crate::pairs::consistency::elsewhere;
-use crate::pairs::gate::chi_square_quantile;
+use crate::ReadmitError;
+use crate::by_chance::ByChance;
+use crate::innovation::{Innovation, innovation};
 
 /// The field in which the optimiser predicts the pose that a landmark edge measures.
 pub const PREDICTED_COVARIANCE: &str = "predicted_covariance";
 
-/// The stage's name in `rejected_by`; other stages' rejections are theirs to take back.
-const STAGE: &str = "pcm";
+/// The mark in `rejected_by` that this stage takes away and sets: it goes on with PCM's decisions, and round after round with its
+/// own. Other stages' rejections are theirs to take back.
+const MARK: &str = posecut_pcm::STAGE;
 
 /// The share of innovations at which the scale is read off: within the bulk of the edges in use, yet where a tail
 /// heavier than a Gaussian's already shows.
@@ -25,9 +27,6 @@ const SCALE_QUANTILE: f64 = 0.9;
 /// An estimated scale is at most this: three standard deviations of what the information says. Without a bound every false
 /// edge in use raises the scale, a larger scale re-admits more of them, and the rounds end with nearly all.
 const LARGEST_SCALE: f64 = 9.0;
-
-/// Places whose relative poses say how far a false edge is off; more would not change the answer.
-const PLACES: usize = 1000;
 
 /// What to do with the innovations.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +39,7 @@ pub struct Readmission {
     pub scale: Option<f64>,
     /// Whether the information of landmark edges is divided by the scale.
     pub apply_scale: bool,
-    /// How many correct edges a wrong one weighs as much as: bounds what comes back by chance, as [`crate::chance`] does.
+    /// How many correct edges a wrong one weighs as much as: bounds what comes back by chance, as [`posecut_pcm::chance`] does.
     pub cost: f64,
 }
 
@@ -67,38 +66,6 @@ pub struct Readmitted {
     pub unbounded_scale: Option<f64>,
 }
 
-/// The innovation of a landmark edge: how far its measurement is from what all *other* edges in use predict.
-#[derive(Clone, Copy)]
-struct Innovation<const DOF: usize> {
-    /// Squared Mahalanobis distance, before scaling.
-    squared: f64,
-    covariance: SMatrix<f64, DOF, DOF>,
-}
-
-/// With E = Z^-1 X, X the estimated relative pose with covariance P, r = Log(E) and H = J_r^-1(r), a rejected edge has
-///
-/// d^2 = r^T (Sigma_Z + H P H^T)^-1 r.
-///
-/// In P of an edge in use its own measurement is contained; leaving it out turns the sum into the difference
-/// Sigma_Z - H P H^T, the covariance of a residual: both are the same quadratic form of the innovation. Where that
-/// difference is not positive definite, nothing but the edge itself holds its two nodes together, and there is no
-/// innovation: `None`.
-fn innovation<G: LieGroup<DOF>, const DOF: usize>(
-    measurement: &G,
-    covariance: &SMatrix<f64, DOF, DOF>,
-    estimate: &G,
-    predicted: &SMatrix<f64, DOF, DOF>,
-    in_use: bool,
-) -> Option<Innovation<DOF>> {
-    let residual = measurement.between(estimate).log();
-    let jacobian = G::right_jacobian_inverse(&residual);
-    let projected = jacobian * predicted * jacobian.transpose();
-    // The remaining variance of an edge in use must be more than the digits of both.
-    let covariance = if in_use { covariance * (1.0 - 1e-6) - projected } else { covariance + projected };
-    let squared = squared_mahalanobis(&covariance, &residual)?;
-    Some(Innovation { squared, covariance })
-}
-
 /// A landmark edge that is judged.
 struct Judged<const DOF: usize> {
     edge: usize,
@@ -106,45 +73,8 @@ struct Judged<const DOF: usize> {
     innovation: Option<Innovation<DOF>>,
 }
 
-/// How far an edge between random places would be off, and how many such edges there may be.
-struct ByChance<const DOF: usize> {
-    /// Second moment of relative poses of places where landmark edges end.
-    apart: SMatrix<f64, DOF, DOF>,
-    edges: usize,
-    /// ln Gamma(D/2 + 1)
-    log_gamma: f64,
-}
-
-impl<const DOF: usize> ByChance<DOF> {
-    fn of<G: LieGroup<DOF>>(places: &[G]) -> Self {
-        let count = places.len();
-        let sample: Vec<usize> = (0..count).step_by(count.div_ceil(PLACES).max(1)).collect();
-        let mut apart = SMatrix::zeros();
-        for (turn, &one) in sample.iter().enumerate() {
-            let error = places[one].between(&places[elsewhere(count, one, turn + 1)]).log();
-            apart += error * error.transpose() / sample.len() as f64;
-        }
-        Self { apart, edges: count, log_gamma: ln_gamma(0.5 * DOF as f64 + 1.0) }
-    }
-
-    /// How many edges between random places would have as small an innovation: the formula of [`crate::chance`] with the
-    /// map for a witness.
-    fn false_alarms(&self, innovation: &Innovation<DOF>, scale: f64) -> f64 {
-        let near = innovation.covariance * scale;
-        let determinant = |matrix: SMatrix<f64, DOF, DOF>| matrix.cholesky().map(|root| root.determinant());
-        let chance = match (determinant(near), determinant(near + self.apart)) {
-            (Some(near), Some(far)) => {
-                let half_squared = 0.5 * innovation.squared / scale;
-                (0.5 * DOF as f64 * half_squared.ln() - self.log_gamma).exp() * (near / far).sqrt()
-            }
-            _ => 1.0,
-        };
-        self.edges as f64 * chance.min(1.0)
-    }
-}
-
 /// Re-admits and drops landmark edges of a graph that the optimiser has given marginals.
-pub fn readmit(graph: &mut PoseGraph, options: &Readmission) -> Result<Readmitted, PcmError> {
+pub fn readmit(graph: &mut PoseGraph, options: &Readmission) -> Result<Readmitted, ReadmitError> {
     match graph.header.dimension {
         Dimension::Two => judge::<SE2, 3>(graph, options),
         Dimension::Three => judge::<SE3, 6>(graph, options),
@@ -154,7 +84,7 @@ pub fn readmit(graph: &mut PoseGraph, options: &Readmission) -> Result<Readmitte
 fn judge<G: LieGroup<DOF>, const DOF: usize>(
     graph: &mut PoseGraph,
     options: &Readmission,
-) -> Result<Readmitted, PcmError> {
+) -> Result<Readmitted, ReadmitError> {
     let (admit, drop) = (chi_square_quantile(options.admit, DOF)?, chi_square_quantile(options.drop, DOF)?);
     let mut result = Readmitted::default();
     let mut judged: Vec<Judged<DOF>> = Vec::new();
@@ -163,7 +93,7 @@ fn judge<G: LieGroup<DOF>, const DOF: usize>(
         if edge.kind != EdgeKind::Landmark {
             continue;
         }
-        if edge.rejected_by.as_deref().is_some_and(|stage| stage != STAGE) {
+        if edge.rejected_by.as_deref().is_some_and(|stage| stage != MARK) {
             result.rejected_by_others += 1;
             continue;
         }
@@ -206,7 +136,7 @@ fn judge<G: LieGroup<DOF>, const DOF: usize>(
         match (in_use, squared) {
             (true, None) => result.untestable += 1,
             (true, Some(squared)) if squared > drop => {
-                edge.reject(STAGE);
+                edge.reject(MARK);
                 result.dropped += 1;
             }
             (false, Some(squared)) if squared <= admit => {
@@ -228,7 +158,7 @@ fn judge<G: LieGroup<DOF>, const DOF: usize>(
 }
 
 /// The factor that brings the 0.9 quantile of the innovations in use to that of chi-square; 1 with fewer than ten.
-fn estimated_scale<const DOF: usize>(judged: &[Judged<DOF>]) -> Result<f64, PcmError> {
+fn estimated_scale<const DOF: usize>(judged: &[Judged<DOF>]) -> Result<f64, ReadmitError> {
     let used = judged.iter().filter(|edge| edge.in_use);
     let mut used: Vec<f64> =
         used.filter_map(|edge| edge.innovation).map(|innovation| innovation.squared).collect();
@@ -241,24 +171,9 @@ fn estimated_scale<const DOF: usize>(judged: &[Judged<DOF>]) -> Result<f64, PcmE
     Ok(if scale > 0.0 { scale } else { 1.0 })
 }
 
-/// Divides the information of all edges of a kind with a measurement; one that a noise model gave becomes the edge's own.
-pub(crate) fn divide_information(graph: &mut PoseGraph, kind: EdgeKind, scale: f64) {
-    for index in 0..graph.edges.len() {
-        let edge = &graph.edges[index];
-        if edge.kind != kind || edge.measurement.is_none() {
-            continue;
-        }
-        let Some(information) = graph.information(edge) else { continue };
-        let scaled: Vec<f64> = information.iter().map(|term| term / scale).collect();
-        let edge = &mut graph.edges[index];
-        edge.information = Some(scaled);
-        edge.noise = None;
-    }
-}
-
 /// The covariance that the optimiser predicts; `None` where it says that the edges in use determine none.
-fn predicted<const DOF: usize>(edge: &Edge) -> Result<Option<SMatrix<f64, DOF, DOF>>, PcmError> {
-    let missing = |reason: &str| PcmError::Prediction { edge: edge.name(), reason: reason.to_owned() };
+fn predicted<const DOF: usize>(edge: &Edge) -> Result<Option<SMatrix<f64, DOF, DOF>>, ReadmitError> {
+    let missing = |reason: &str| ReadmitError::Prediction { edge: edge.name(), reason: reason.to_owned() };
     let value = edge.extra.get(PREDICTED_COVARIANCE).ok_or_else(|| missing("is missing"))?;
     if value.is_null() {
         return Ok(None);
@@ -271,10 +186,10 @@ fn predicted<const DOF: usize>(edge: &Edge) -> Result<Option<SMatrix<f64, DOF, D
         .map_err(|error| missing(&format!("does not fit ({error})")))
 }
 
-fn pose<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph, id: u64) -> Result<G, PcmError> {
+fn pose<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph, id: u64) -> Result<G, ReadmitError> {
     graph
         .node_index(id)
         .and_then(|index| graph.nodes[index].pose.as_deref())
         .and_then(G::from_components)
-        .ok_or(PcmError::Pose { node: id })
+        .ok_or(ReadmitError::Pose { node: id })
 }

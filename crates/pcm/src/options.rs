@@ -1,18 +1,15 @@
-//! The options of the stage.
+//! The options of PCM.
 
 use std::fmt;
-use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::{Duration, Instant};
 
-use clap::{Args as _, FromArgMatches as _};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::calibration::{ScaleEstimate, Scales};
 use crate::chance::COST;
 use crate::clique::Limits;
-use crate::readmission::Readmission;
 use crate::{Correction, Gate, PcmError, Test, corrected};
 
 /// The most candidates of a group for which all pairs are tested: their matrix takes 50 MB.
@@ -29,7 +26,8 @@ const NODES_OF_ESTIMATES: f64 = 1e3;
 const STALL: f64 = 20.0;
 
 /// How a group is solved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Scheme {
     /// All pairs up to 20000 candidates between two chains, cells beyond
@@ -120,100 +118,95 @@ impl<'de> Deserialize<'de> for Scale {
 }
 
 /// The options of PCM. From the history of a graph they are read back with defaults for what it does not say.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, clap::Args)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
 #[serde(default)]
-#[allow(clippy::struct_excessive_bools, reason = "flags of a command line")]
 pub struct Options {
     /// When two edges are consistent
-    #[arg(long, value_enum, default_value_t = Test::Mahalanobis)]
+    #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t = Options::DEFAULT.test))]
     pub test: Test,
 
     /// Probability with which correct edges pass the test
-    #[arg(long, value_name = "P", default_value_t = 0.99)]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "P", default_value_t = Options::DEFAULT.probability))]
     pub probability: f64,
 
     /// What the probability refers to
-    #[arg(long, value_enum, value_name = "WHAT", default_value_t)]
+    #[cfg_attr(feature = "cli", arg(long, value_enum, value_name = "WHAT", default_value_t = Options::DEFAULT.correction))]
     pub correction: Correction,
 
     /// Largest error of a loop in metres a step (`--test threshold`)
-    #[arg(long, value_name = "METRES", default_value_t = 0.01)]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", default_value_t = Options::DEFAULT.translation_per_step))]
     pub translation_per_step: f64,
 
     /// Largest error of a loop in radians a step (`--test threshold`)
-    #[arg(long, value_name = "RADIANS", default_value_t = 0.001)]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "RADIANS", default_value_t = Options::DEFAULT.rotation_per_step))]
     pub rotation_per_step: f64,
 
     /// Multiply all covariances by FACTOR, or by two: ODOMETRY,LANDMARK; `auto` estimates both from loops
-    #[arg(long, value_name = "FACTOR", default_value_t = Scale::Fixed(Scales::ONE))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FACTOR", default_value_t = Options::DEFAULT.scale))]
     pub scale: Scale,
 
     /// Divide the informations of odometry and landmark edges by their estimated scales, for the optimiser that comes next
-    #[arg(long, conflicts_with = "readmit")]
+    #[cfg_attr(feature = "cli", arg(long))]
     pub calibrate: bool,
 
     /// Do not hold the candidates of one chain against its odometry alone before they are held against each other
-    #[arg(long)]
+    #[cfg_attr(feature = "cli", arg(long))]
     pub no_odometry_test: bool,
 
     /// After the clique, keep candidates too that agree with three of four members near them at this probability
-    #[arg(long, value_name = "P")]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
     pub grow: Option<f64>,
 
-    /// Drop edges that agree by chance alone, where a wrong edge costs as much as COST correct ones; always applied to grown and re-admitted edges and to `--scheme cells` [default there: 3]
-    #[arg(long, value_name = "COST")]
+    /// Drop edges that agree by chance alone, where a wrong edge costs as much as COST correct ones; always applied to grown edges and to `--scheme cells` [default there: 3]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "COST"))]
     pub chance: Option<f64>,
 
     /// How a group of candidates is solved
-    #[arg(long, value_enum, default_value_t, help_heading = "Search")]
+    #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t = Options::DEFAULT.scheme, help_heading = "Search"))]
     pub scheme: Scheme,
 
     /// Side of a cell in metres travelled (`--scheme cells`)
-    #[arg(long, value_name = "METRES", default_value_t = 10.0, help_heading = "Search")]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", default_value_t = Options::DEFAULT.cell_size, help_heading = "Search"))]
     pub cell_size: f64,
 
     /// Stop the proof after this many branch-and-bound nodes in all groups together and keep the largest cliques found [default: 2e7, times (1000/N)^2 above 1000 candidates; 1e3 (1000/N)^2 with --scale auto]
     ///
     /// Groups share the limit by the squares of their candidates, and what one does not need goes to the next ones. Without this
     /// option a search also ends when its bound stalls: when a twentieth of the nodes brings no progress.
-    #[arg(long, value_name = "NODES", help_heading = "Search")]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NODES", help_heading = "Search"))]
     pub work_limit: Option<u64>,
 
     /// Seconds after which all searches end; what is kept then depends on the machine
-    #[arg(long, value_name = "SECONDS", help_heading = "Search")]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SECONDS", help_heading = "Search"))]
     pub time_limit: Option<f64>,
-
-    /// Judge every landmark edge by the optimiser's marginals instead: re-admit rejected ones, drop ones in use
-    #[arg(long, help_heading = "Re-admission")]
-    pub readmit: bool,
-
-    /// Probability within which the innovation of a rejected edge re-admits it
-    #[arg(long, value_name = "P", default_value_t = 0.99, help_heading = "Re-admission")]
-    pub admit: f64,
-
-    /// Probability beyond which the innovation of an edge in use drops it
-    #[arg(long, value_name = "P", default_value_t = 0.9999, help_heading = "Re-admission")]
-    pub drop: f64,
-
-    /// Divide the information of landmark edges by the scale, for the optimiser that comes next
-    #[arg(long, requires = "readmit", help_heading = "Re-admission")]
-    pub apply_scale: bool,
-
-    /// Write the consistency graph in DIMACS format, for other clique solvers
-    #[arg(long, value_name = "FILE", help_heading = "Output")]
-    #[serde(skip)]
-    pub consistency_graph: Option<PathBuf>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        let command = Self::augment_args(clap::Command::new("pcm").no_binary_name(true));
-        let matches = command.get_matches_from([""; 0]);
-        Self::from_arg_matches(&matches).expect("no option is needed, so defaults are enough")
+        Self::DEFAULT
     }
 }
 
 impl Options {
+    /// The paper's.
+    pub const DEFAULT: Self = Self {
+        test: Test::Mahalanobis,
+        probability: 0.99,
+        correction: Correction::Pair,
+        translation_per_step: 0.01,
+        rotation_per_step: 0.001,
+        scale: Scale::Fixed(Scales::ONE),
+        calibrate: false,
+        no_odometry_test: false,
+        grow: None,
+        chance: None,
+        scheme: Scheme::Auto,
+        cell_size: 10.0,
+        work_limit: None,
+        time_limit: None,
+    };
+
     /// Refuses numbers that mean nothing.
     pub(crate) fn check(&self) -> Result<(), PcmError> {
         for (option, value) in [
@@ -227,7 +220,7 @@ impl Options {
                 return Err(PcmError::NotPositive { option, value });
             }
         }
-        if self.test == Test::Threshold && !self.readmit {
+        if self.test == Test::Threshold {
             for (option, used) in [
                 ("--scale", self.scale != Scale::Fixed(Scales::ONE)),
                 ("--calibrate", self.calibrate),
@@ -291,26 +284,22 @@ impl Options {
         let stall = if self.work_limit.is_some() { u64::MAX } else { (nodes / STALL) as u64 };
         Limits { work: self.work_limit.unwrap_or(nodes as u64), stall, deadline }
     }
-
-    pub(crate) fn readmission(&self) -> Result<Readmission, PcmError> {
-        let scale = match self.scale {
-            Scale::Fixed(Scales { odometry, landmark }) if odometry == landmark => Some(landmark),
-            Scale::Fixed(_) => return Err(PcmError::TwoScales),
-            Scale::Auto => None,
-        };
-        Ok(Readmission {
-            admit: self.admit,
-            drop: self.drop,
-            scale,
-            apply_scale: self.apply_scale,
-            cost: self.cost(),
-        })
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn histories_of_earlier_versions_are_read() {
+        let written = serde_json::json!({
+            "test": "root", "probability": 0.95, "scale": [0.5, 2.0], "readmit": false, "admit": 0.99, "drop": 0.9999,
+            "apply_scale": false,
+        });
+        let options: Options = serde_json::from_value(written).unwrap();
+        let scale = Scale::Fixed(Scales { odometry: 0.5, landmark: 2.0 });
+        assert_eq!(options, Options { test: Test::Root, probability: 0.95, scale, ..Options::default() });
+    }
 
     #[test]
     fn the_search_after_an_estimate_is_short_and_the_papers_is_as_it_was() {

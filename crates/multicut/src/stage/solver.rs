@@ -1,0 +1,71 @@
+//! How to solve, as a command line says it, and what is reported of a solution.
+
+use std::time::Duration;
+
+use posecut_stage::{Context, Doubt};
+use serde::Serialize;
+
+use crate::{Options, Solution, Solver};
+
+/// The algorithm and its limits.
+#[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
+pub struct SolverOptions {
+    /// The algorithm for what reductions leave
+    #[arg(long, value_enum, default_value_t = Solver::Exact)]
+    pub solver: Solver,
+
+    /// Seconds after which the best solution so far is taken and its gap told
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
+    pub time_limit: f64,
+
+    /// The same by work, which ends at the same place on every machine
+    #[arg(long, value_name = "UNITS")]
+    pub work_limit: Option<u64>,
+}
+
+impl SolverOptions {
+    /// How to solve, as the command line says it.
+    pub fn options(&self, certificate: bool) -> anyhow::Result<Options> {
+        let time_limit = Duration::try_from_secs_f64(self.time_limit).map_err(|_| {
+            anyhow::anyhow!(
+                "--time-limit is {}, and must be zero or a positive number of seconds",
+                self.time_limit
+            )
+        })?;
+        Ok(Options {
+            solver: self.solver,
+            time_limit: Some(time_limit),
+            work_limit: self.work_limit,
+            certificate,
+            ..Options::default()
+        })
+    }
+}
+
+/// Notes what is known of a solution, and doubts it if the proof is not complete.
+pub fn note(solution: &Solution, solver: Solver, context: &mut Context) {
+    if !solution.optimal {
+        let remedy = match solver {
+            Solver::Exact => "raise --time-limit or --work-limit",
+            _ => "--solver exact searches for a proof",
+        };
+        context.doubt(
+            Doubt::SearchLimit,
+            format!(
+                "not proved optimal: objective {}, lower bound {}, gap {}; {remedy}",
+                solution.objective,
+                solution.lower_bound,
+                solution.gap()
+            ),
+        );
+    }
+    let statistics = &mut context.statistics;
+    statistics.note("objective", solution.objective);
+    statistics.note("lower_bound", solution.lower_bound);
+    statistics.note("gap", solution.gap());
+    statistics.note("optimal", solution.optimal);
+    statistics.note("kernel_nodes", solution.kernel_nodes);
+    statistics.note("kernel_edges", solution.kernel_edges);
+    statistics.note("largest_kernel_edges", solution.largest_kernel.1);
+    statistics.note("work", solution.work);
+}

@@ -1,0 +1,137 @@
+//! PCM on a pose graph: every group of candidates judged by the options, with one budget of work for all.
+
+use std::time::Instant;
+
+use posecut_geometry::{SE2, SE3};
+use posecut_graph::{Dimension, EdgeKind, PoseGraph};
+
+use crate::budget::Budget;
+use crate::calibration::{NoScales, ScaleEstimate, Scales, divide_information};
+use crate::chance::Pool;
+use crate::clique::dimacs::NamedGraph;
+use crate::judgement::figures::Figures;
+use crate::judgement::judge;
+use crate::odometry::chain::Chains;
+use crate::pairs::candidate::Group;
+use crate::preparation::{candidates, scale};
+use crate::{Options, PcmError, Spatial};
+
+/// What PCM did to a graph.
+#[derive(Clone, Debug)]
+pub struct Rejection {
+    /// Pairs of chains that have candidates.
+    pub groups: usize,
+    /// Landmark edges without a measurement: neither tested nor rejected.
+    pub unmeasured: usize,
+    /// Landmark edges that an earlier stage has rejected.
+    pub rejected_before: usize,
+    /// Figures over all groups.
+    pub judged: Figures,
+    /// What calibration found.
+    pub calibration: Calibration,
+    /// The consistency graphs, where they are kept.
+    pub graphs: Vec<NamedGraph>,
+    /// What to warn of: [`Chains::warning`].
+    pub warning: Option<String>,
+}
+
+/// What calibration found.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Calibration {
+    /// Where it was asked for.
+    pub scale: Option<Result<ScaleEstimate, NoScales>>,
+    /// Seconds that it took.
+    pub seconds: f64,
+}
+
+/// How far a run is, in pairs of candidates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Pairs of the groups that are judged.
+    pub done: u64,
+    /// Pairs of all groups.
+    pub all: u64,
+}
+
+/// Rejects the landmark edges of a graph outside the maximum clique of their group, and marks all with the evidence. With
+/// `keep_graphs` the consistency graphs are kept, which takes them all into memory together. `progress` is called before the first
+/// group and after each.
+pub fn reject(
+    options: &Options,
+    graph: &mut PoseGraph,
+    keep_graphs: bool,
+    progress: impl FnMut(Progress),
+) -> Result<Rejection, PcmError> {
+    options.check()?;
+    match graph.header.dimension {
+        Dimension::Two => reject_in::<SE2, 3>(options, graph, keep_graphs, progress),
+        Dimension::Three => reject_in::<SE3, 6>(options, graph, keep_graphs, progress),
+    }
+}
+
+fn reject_in<G: Spatial<DOF>, const DOF: usize>(
+    options: &Options,
+    graph: &mut PoseGraph,
+    keep_graphs: bool,
+    mut progress: impl FnMut(Progress),
+) -> Result<Rejection, PcmError> {
+    let (mut chains, mut grouped) = candidates::<G, DOF>(options, graph)?;
+    let deadline = options.deadline();
+    let calibration = calibrate(options, graph, &mut chains, &mut grouped.groups);
+    let mut rejection = Rejection {
+        unmeasured: grouped.unmeasured,
+        rejected_before: grouped.rejected_before,
+        groups: grouped.groups.len(),
+        judged: Figures::default(),
+        calibration,
+        graphs: Vec::new(),
+        warning: chains.warning(),
+    };
+    // Without --chance every group is judged by itself, as PCM is defined.
+    let pool = options.chance.map(|_| Pool::of(&chains, &grouped.groups));
+    let candidates = || grouped.groups.iter().map(|group| group.candidates.len());
+    let mut budget = Budget::of(candidates());
+    // A group takes time by the pairs of its candidates.
+    let mut reached = Progress { done: 0, all: candidates().map(pairs).sum() };
+    progress(reached);
+    for group in &grouped.groups {
+        let count = group.candidates.len();
+        let alone = options.limits(count, deadline);
+        let judged = judge(options, &chains, group, pool, budget.next(count, alone), keep_graphs)?;
+        budget.spend(count, alone, judged.figures.work);
+        reached.done += pairs(count);
+        progress(reached);
+        judged.mark(graph, group);
+        if let Some((consistency, vertices)) = judged.graph {
+            let id = |&vertex: &usize| graph.edges[group.candidates[vertex].edge].id;
+            rejection
+                .graphs
+                .push(NamedGraph { edges: vertices.iter().map(id).collect(), graph: consistency });
+        }
+        rejection.judged += judged.figures;
+    }
+    Ok(rejection)
+}
+
+/// How many pairs so many candidates have, and one for themselves.
+fn pairs(candidates: usize) -> u64 {
+    let count = candidates as u64;
+    count * count.saturating_sub(1) / 2 + 1
+}
+
+/// [`scale`], and with `--calibrate` the same for the informations of the graph.
+fn calibrate<G: Spatial<DOF>, const DOF: usize>(
+    options: &Options,
+    graph: &mut PoseGraph,
+    chains: &mut Chains<G, DOF>,
+    groups: &mut [Group<G, DOF>],
+) -> Calibration {
+    let start = Instant::now();
+    let scale = scale(options, chains, groups);
+    if options.calibrate {
+        let estimated = scale.and_then(Result::ok).map_or(Scales::ONE, |estimate| estimate.scales);
+        divide_information(graph, EdgeKind::Odometry, estimated.odometry);
+        divide_information(graph, EdgeKind::Landmark, estimated.landmark);
+    }
+    Calibration { scale, seconds: start.elapsed().as_secs_f64() }
+}

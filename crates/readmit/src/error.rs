@@ -1,0 +1,27 @@
+//! What re-admission cannot work with.
+
+use posecut_pcm::PcmError;
+
+/// A graph or option that re-admission refuses.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadmitError {
+    /// A covariance, a probability or a cost that PCM refuses, too.
+    #[error(transparent)]
+    Pcm(#[from] PcmError),
+    /// A landmark edge without a usable `predicted_covariance`.
+    #[error(
+        "{edge}: its field predicted_covariance {reason}; re-admission needs the optimiser's marginals, as posecut-optimize --marginals landmark writes them"
+    )]
+    Prediction {
+        /// The edge.
+        edge: String,
+        /// What is wrong with the field.
+        reason: String,
+    },
+    /// A node without an estimate.
+    #[error("node {node}: it has no pose; re-admission needs an optimised graph")]
+    Pose {
+        /// The node.
+        node: u64,
+    },
+}

@@ -1,0 +1,119 @@
+//! Re-admission as a stage.
+
+use anyhow::bail;
+use posecut_graph::{EdgeKind, PoseGraph};
+use posecut_pcm::Scale;
+use posecut_pcm::calibration::Scales;
+use posecut_pcm::chance::COST;
+use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, counted, info, warn};
+use serde::Serialize;
+
+use crate::{Readmission, Readmitted, readmit};
+
+/// The options of re-admission.
+#[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
+pub struct Options {
+    /// Probability within which the innovation of a rejected edge re-admits it
+    #[arg(long, value_name = "P", default_value_t = 0.99)]
+    pub admit: f64,
+
+    /// Probability beyond which the innovation of an edge in use drops it
+    #[arg(long, value_name = "P", default_value_t = 0.9999)]
+    pub drop: f64,
+
+    /// Multiply all covariances by FACTOR; `auto` estimates it from the edges in use
+    #[arg(long, value_name = "FACTOR", default_value_t = Scale::Fixed(Scales::ONE), value_parser = one_factor)]
+    pub scale: Scale,
+
+    /// Divide the information of landmark edges by the scale, for the optimiser that comes next
+    #[arg(long)]
+    pub apply_scale: bool,
+
+    /// Leave edges rejected that agree by chance alone, where a wrong edge costs as much as COST correct ones
+    #[arg(long, value_name = "COST", default_value_t = COST)]
+    pub chance: f64,
+}
+
+/// A marginal covariance does not divide into odometry's share and that of landmark edges, which PCM scales one by one.
+fn one_factor(text: &str) -> Result<Scale, &'static str> {
+    match text.parse() {
+        Ok(Scale::Fixed(Scales { odometry, landmark })) if odometry != landmark => {
+            Err("re-admission takes one scale; expected `auto` or a positive number")
+        }
+        Ok(scale) => Ok(scale),
+        Err(_) => Err("expected `auto` or a positive number"),
+    }
+}
+
+impl Options {
+    fn readmission(&self) -> Readmission {
+        let scale = match self.scale {
+            Scale::Fixed(Scales { landmark, .. }) => Some(landmark),
+            Scale::Auto => None,
+        };
+        Readmission {
+            admit: self.admit,
+            drop: self.drop,
+            scale,
+            apply_scale: self.apply_scale,
+            cost: self.chance,
+        }
+    }
+}
+
+impl GraphStage for Options {
+    const NAME: &'static str = "readmit";
+    const ABOUT: &'static str = "Judge every landmark edge by the optimiser's marginals: re-admit rejected edges that agree with the map, drop edges in use that do not";
+    const PLACE: Place = Place(Phase::Judgement, 15);
+    const DOUBTS: &'static [Doubt] = &[Doubt::NothingKept];
+
+    fn check(&self) -> anyhow::Result<()> {
+        if !(self.chance > 0.0 && self.chance.is_finite()) {
+            bail!("--chance is {}, and must be a positive number", self.chance);
+        }
+        Ok(())
+    }
+
+    fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
+        let result = readmit(graph, &self.readmission())?;
+        note(&result, graph, context);
+        Ok(())
+    }
+}
+
+/// Notes what re-admission did.
+fn note(result: &Readmitted, graph: &PoseGraph, context: &mut Context) {
+    info!(
+        "{} re-admitted and {} dropped of {}",
+        result.readmitted,
+        result.dropped,
+        counted(result.tested, "landmark edge")
+    );
+    let in_use = |edge: &&posecut_graph::Edge| edge.in_use() && edge.measurement.is_some();
+    if result.tested > 0 && graph.edges_of(EdgeKind::Landmark).filter(in_use).count() == 0 {
+        context.doubt(
+            Doubt::NothingKept,
+            format!(
+                "0 of {} in use after re-admission; check the units of the information, the covariances (--scale) and whether \
+                 there is overlap",
+                counted(result.tested, "landmark edge")
+            ),
+        );
+    }
+    if let Some(estimate) = result.unbounded_scale {
+        warn!(
+            "the landmark edges in use suggest a scale of {estimate:.1}; {} is used, for false edges in use raise it",
+            result.scale
+        );
+    }
+    let statistics = &mut context.statistics;
+    statistics.note("agree_by_chance", result.by_chance);
+    statistics.note("tested", result.tested);
+    statistics.note("readmitted", result.readmitted);
+    statistics.note("dropped", result.dropped);
+    statistics.note("changed", result.readmitted + result.dropped);
+    statistics.note("untestable", result.untestable);
+    statistics.note("unmeasured", result.unmeasured);
+    statistics.note("rejected_by_others", result.rejected_by_others);
+    statistics.note("scale", result.scale);
+}
