@@ -6,7 +6,7 @@
 //! methods for nonlinear problems", 2004, section 2.1.2), and [`graduated`] makes the cost less convex round by round (Yang,
 //! Antonante, Tzoumas, Carlone, IEEE RA-L 5(2), 2020, equations 12 and 14).
 //!
-//! Depends on [`model`](crate::model), [`linear`](crate::linear) and [`initialisation`](crate::initialisation), and on
+//! Depends on [`model`](crate::model), `normal_equations` and [`initialisation`](crate::initialisation), and on
 //! [`certificate`](crate::certificate) where [`certify`](solve::certify) asks for one.
 
 pub(crate) mod dogleg;

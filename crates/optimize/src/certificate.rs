@@ -8,7 +8,7 @@
 //!
 //! D. M. Rosen, L. Carlone, A. S. Bandeira, J. J. Leonard, "SE-Sync", IJRR 38(2-3), 2019.
 //!
-//! Depends on the model, on [`linear`](crate::linear), and on the descent of `batch`, which refines poses for `F` first.
+//! Depends on the model, on `normal_equations`, and on the descent of `batch`, which refines poses for `F` first.
 
 pub(crate) mod chordal_cost;
 
@@ -18,11 +18,11 @@ use posecut_geometry::LieGroup;
 use crate::batch::levenberg_marquardt::Workspace;
 use crate::batch::options::Options;
 use crate::initialisation::chordal::MatrixPose;
-use crate::linear::normal_equations::Pattern;
-use crate::linear::{Factor, Symbolic};
 use crate::model::magnitude::Magnitude;
 use crate::model::problem::Edge;
+use crate::normal_equations::Pattern;
 use chordal_cost::ChordalEdge;
+use posecut_cholesky::{Factor, Symbolic};
 
 /// Share of the cost that the bound may lie below it for a verdict of 'global'.
 const GAP: f64 = 1e-6;

@@ -8,11 +8,11 @@
 //! 2. [`initialisation`] proposes starts: the given poses, a spanning tree, and the chordal relaxation, which finds all
 //!    rotations first. The cheapest in cost is taken.
 //! 3. [`optimize`] runs Gauss-Newton steps, damped (Levenberg-Marquardt) once one fails, over an own sparse
-//!    Cholesky factorisation ([`linear`]) of 3 x 3 or 6 x 6 blocks.
+//!    Cholesky factorisation ([`posecut_cholesky`]) of 3 x 3 or 6 x 6 blocks.
 //! 4. [`Marginals`] gives covariances of poses and of pairs of them, from the factor.
 //!
-//! A folder of `src` is a piece of theory; the module of its name says which equations it rests on: `model`, [`linear`],
-//! [`initialisation`], `batch`, `certificate`, [`covariance`], [`incremental`], and [`stage`], all of it on a pose graph.
+//! A folder of `src` is a piece of theory; the module of its name says which equations it rests on: `model`, `normal_equations`,
+//! [`initialisation`], `batch`, `certificate`, `covariance`, [`incremental`], and [`stage`], all of it on a pose graph.
 //!
 //! ```
 //! use nalgebra::Matrix3;
@@ -31,11 +31,11 @@
 mod batch;
 mod certificate;
 pub mod command;
-pub mod covariance;
+mod covariance;
 pub mod incremental;
 pub mod initialisation;
-pub mod linear;
 mod model;
+mod normal_equations;
 pub mod stage;
 
 pub use batch::options::{Graduated, Initialisation, Method, Options};

@@ -9,10 +9,10 @@ use posecut_geometry::LieGroup;
 use super::options::{Method, Options};
 use super::outcome::{Outcome, Step, Termination};
 use super::phases::{Phases, timed};
-use crate::linear::Factor;
-use crate::linear::normal_equations::{NormalEquations, Pattern};
 use crate::model::magnitude::{Magnitude, translations};
 use crate::model::residual::Term;
+use crate::normal_equations::{NormalEquations, Pattern};
+use posecut_cholesky::Factor;
 
 /// Damping after the first failure, as a share of the diagonal.
 pub(crate) const FIRST_DAMPING: f64 = 1e-5;

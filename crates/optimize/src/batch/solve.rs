@@ -12,13 +12,13 @@ use super::solution::{ComponentReport, Solution, Start};
 use crate::certificate::{self, Certificate};
 use crate::initialisation::chordal;
 use crate::initialisation::tree::spanning_tree_from;
-use crate::linear::Factor;
-use crate::linear::normal_equations::Pattern;
 use crate::model::components::{Component, connected_components};
 use crate::model::kernel::charge;
 use crate::model::magnitude::Magnitude;
 use crate::model::problem::{Edge, Problem};
 use crate::model::residual::{chi2, cost, squared};
+use crate::normal_equations::Pattern;
+use posecut_cholesky::Factor;
 
 /// A group of poses that can be optimised, with its chordal relaxation.
 pub trait PoseGroup<const DOF: usize>: LieGroup<DOF> {

@@ -5,12 +5,11 @@ use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::between_correlated;
 use rayon::prelude::*;
 
-use super::{SelectedInverse, Workspace};
 use crate::batch::levenberg_marquardt::SINGULAR;
-use crate::linear::normal_equations::{NormalEquations, Pattern};
-use crate::linear::{Factor, Symbolic};
 use crate::model::components::connected_components;
 use crate::model::problem::{Edge, Problem};
+use crate::normal_equations::{NormalEquations, Pattern};
+use posecut_cholesky::{Factor, SelectedInverse, Symbolic, Workspace};
 
 /// Distinct nodes in one request from which inverting at the whole pattern is cheaper than column by column.
 const MANY_NODES: usize = 16;

@@ -10,11 +10,9 @@ use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::{SMatrix, SVector};
 
 use super::tree::{Clique, Tree};
-use crate::linear::fronts::dense;
-use crate::linear::fronts::extend_add::{Run, extend_add, push_rows};
-use crate::linear::fronts::view::FrontView;
 use crate::model::magnitude::translations;
 use crate::model::residual::Linearised;
+use posecut_cholesky::fronts::{FrontView, Run, eliminate, extend_add, push_rows, scratch};
 
 /// Share of a diagonal entry that elimination must leave: below it the direction is undetermined.
 const SINGULAR: f64 = 1e-14;
@@ -64,7 +62,7 @@ impl<const D: usize> Elimination<D> {
             place: Vec::new(),
             clique: Vec::new(),
             stamp: 0,
-            scratch: dense::scratch(0),
+            scratch: scratch(0),
             scratch_columns: 0,
             diagonal: Vec::new(),
             held: Vec::new(),
@@ -105,7 +103,7 @@ impl<const D: usize> Elimination<D> {
         let columns = clique.frontals * D;
         if columns > self.scratch_columns {
             self.scratch_columns = columns.next_power_of_two();
-            self.scratch = dense::scratch(self.scratch_columns);
+            self.scratch = scratch(self.scratch_columns);
         }
         self.held.clear();
         self.held.resize(columns, false);
@@ -178,7 +176,7 @@ impl<const D: usize> Elimination<D> {
         for &child in &clique.children {
             self.add_child(tree.clique(child), front.reborrow());
         }
-        if let Err(column) = dense::eliminate::<D>(front.reborrow(), &mut self.scratch) {
+        if let Err(column) = eliminate::<D>(front.reborrow(), &mut self.scratch) {
             return Some(Failure { column: self.not_held(column), height, broke_down: true });
         }
         let column = (0..columns).find(|&column| self.is_singular(front.panel, height, column))?;

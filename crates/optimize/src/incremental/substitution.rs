@@ -11,7 +11,7 @@ use nalgebra::SVector;
 use super::tree::Clique;
 use super::{IncrementalSolver, UpdateReport};
 use crate::PoseGroup;
-use crate::linear::fronts::dense::products;
+use posecut_cholesky::fronts::products;
 
 /// Lanes of a sum: one vector register.
 const LANES: usize = 4;

@@ -13,7 +13,6 @@ mod replay;
 
 mod benchmark_graphs;
 mod certificate;
-mod cholesky;
 mod false_closures;
 mod held;
 mod ill_conditioned;

@@ -5,7 +5,7 @@ use nalgebra::SMatrix;
 use thiserror::Error;
 
 use super::task::{Matrix, SmallestPivot, Task, Worker, side_by_side};
-use crate::linear::symbolic::{Front, Symbolic};
+use crate::symbolic::{Front, Symbolic};
 
 /// The matrix is not positive definite.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -52,7 +52,7 @@ impl<const D: usize> Factor<D> {
     }
 
     /// Lends the memory to a factor of blocks that are no larger, with the same pattern; the values are lost.
-    pub(crate) fn lend<const E: usize, T>(&mut self, work: impl FnOnce(&mut Factor<E>) -> T) -> T {
+    pub fn lend<const E: usize, T>(&mut self, work: impl FnOnce(&mut Factor<E>) -> T) -> T {
         debug_assert!(E <= D, "memory for smaller blocks is lent");
         let mut other = Factor::<E>::empty();
         self.exchange(&mut other);

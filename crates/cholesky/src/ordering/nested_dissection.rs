@@ -6,7 +6,7 @@
 //! is left to minimum degree.
 
 use super::minimum_degree::approximate_minimum_degree;
-use crate::linear::Adjacency;
+use crate::Adjacency;
 
 /// Vertices below which minimum degree orders a part.
 const SMALL: usize = 120;
@@ -190,7 +190,7 @@ fn search(graph: &Adjacency, vertices: usize, first: usize) -> (Vec<usize>, Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linear::Symbolic;
+    use crate::Symbolic;
 
     fn grid(side: usize) -> Vec<(usize, usize)> {
         let at = |x: usize, y: usize, z: usize| (z * side + y) * side + x;

@@ -2,7 +2,7 @@
 //!
 //! J. W. H. Liu, "The role of elimination trees in sparse factorization", SIAM J. Matrix Anal. Appl. 11, 1990.
 
-use crate::linear::Adjacency;
+use crate::Adjacency;
 
 /// No parent: a root of the elimination forest.
 pub(crate) const ROOT: usize = usize::MAX;

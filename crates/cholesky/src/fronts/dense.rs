@@ -21,13 +21,13 @@ const LARGE_FRONT: usize = 60_000;
 const LARGEST_FRONT: usize = 40_000_000;
 
 /// Working memory of the dense kernels for fronts of up to `columns` eliminated columns.
-pub(crate) fn scratch(columns: usize) -> MemBuffer {
+pub fn scratch(columns: usize) -> MemBuffer {
     MemBuffer::new(cholesky_in_place_scratch::<f64>(columns, Par::Seq, faer::prelude::default()))
 }
 
 /// Eliminates the columns of a front. On failure returns the column whose pivot was not positive.
 #[inline(always)]
-pub(crate) fn eliminate<const D: usize>(front: FrontView<'_>, memory: &mut MemBuffer) -> Result<(), usize> {
+pub fn eliminate<const D: usize>(front: FrontView<'_>, memory: &mut MemBuffer) -> Result<(), usize> {
     let (columns, below) = (front.columns, front.below());
     let operations = columns * (columns * columns / 3 + columns * below + below * below);
     if operations < LARGE_FRONT {
@@ -223,7 +223,7 @@ fn subtract_chunk<const D: usize, const W: usize>(
 
 /// The product of every column with a vector, in `W` partial sums each: one alone would wait for its own last addition.
 #[inline(always)]
-pub(crate) fn products<const D: usize, const W: usize>(columns: &[&[f64]; D], vector: &[f64]) -> [f64; D] {
+pub fn products<const D: usize, const W: usize>(columns: &[&[f64]; D], vector: &[f64]) -> [f64; D] {
     let mut sums = [[0.0_f64; W]; D];
     let whole = vector.len() - vector.len() % W;
     for start in (0..whole).step_by(W) {

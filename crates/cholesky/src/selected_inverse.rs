@@ -9,8 +9,8 @@ use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_uppe
 use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::SMatrix;
 
-use crate::linear::fronts::factor::Factor;
-use crate::linear::symbolic::{Front, Symbolic};
+use crate::fronts::factor::Factor;
+use crate::symbolic::{Front, Symbolic};
 
 /// The blocks of `A^-1` at all places where the factor of `A` has one, the pattern of `A` among them.
 pub struct SelectedInverse<const D: usize> {

@@ -1,14 +1,14 @@
 //! Neighbours of vertices, as lists one after the other.
 
 /// Neighbours of every position with a smaller position (`lower_neighbours`), and with a larger one (`upper_neighbours`).
-pub(crate) struct Adjacency {
+pub struct Adjacency {
     starts: Vec<usize>,
     neighbours: Vec<usize>,
 }
 
 impl Adjacency {
     /// Lists, per vertex, the other ends of the pairs that `select` keeps, as `(vertex, other)`.
-    pub(crate) fn new(vertices: usize, arcs: impl Iterator<Item = (usize, usize)> + Clone) -> Self {
+    pub fn new(vertices: usize, arcs: impl Iterator<Item = (usize, usize)> + Clone) -> Self {
         let mut starts = vec![0; vertices + 1];
         for (vertex, _) in arcs.clone() {
             starts[vertex + 1] += 1;
@@ -26,7 +26,7 @@ impl Adjacency {
     }
 
     /// The other ends at a vertex.
-    pub(crate) fn of(&self, vertex: usize) -> &[usize] {
+    pub fn of(&self, vertex: usize) -> &[usize] {
         &self.neighbours[self.starts[vertex]..self.starts[vertex + 1]]
     }
 }

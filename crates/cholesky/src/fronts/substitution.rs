@@ -10,7 +10,7 @@ use nalgebra::SVector;
 
 use super::dense::{products, subtract_columns};
 use super::factor::Factor;
-use crate::linear::symbolic::{Front, Symbolic};
+use crate::symbolic::{Front, Symbolic};
 
 impl<const D: usize> Factor<D> {
     /// Solves `A x = b`; `values` holds `b` and becomes `x`.

@@ -8,9 +8,9 @@
 use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::SMatrix;
 
-use crate::linear::fronts::factor::Factor;
-use crate::linear::fronts::substitution::{backward, forward};
-use crate::linear::symbolic::Symbolic;
+use crate::fronts::factor::Factor;
+use crate::fronts::substitution::{backward, forward};
+use crate::symbolic::Symbolic;
 
 /// What solves along the elimination tree work on: a right-hand side, and the rows of one front.
 #[derive(Clone)]

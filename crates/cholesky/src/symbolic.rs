@@ -13,7 +13,7 @@ use std::ops::Range;
 
 use super::ordering::minimum_degree::approximate_minimum_degree;
 use super::ordering::nested_dissection::nested_dissection;
-use crate::linear::Adjacency;
+use crate::Adjacency;
 use elimination::{elimination_tree, postorder};
 use supernodes::{amalgamate, maximal};
 

@@ -8,8 +8,8 @@
 use super::view::FrontView;
 
 /// A stretch of a child's rows that lies together in the parent's front, too. Scalars.
-#[derive(Clone, Copy)]
-pub(crate) struct Run {
+#[derive(Clone, Copy, Debug)]
+pub struct Run {
     source: usize,
     target: usize,
     length: usize,
@@ -17,7 +17,7 @@ pub(crate) struct Run {
 
 /// Appends `length` rows of the child from `source` on, which lie at `target` in the parent's front; both ascend.
 #[inline(always)]
-pub(crate) fn push_rows(runs: &mut Vec<Run>, source: usize, target: usize, length: usize) {
+pub fn push_rows(runs: &mut Vec<Run>, source: usize, target: usize, length: usize) {
     match runs.last_mut() {
         Some(run) if run.target + run.length == target => run.length += length,
         _ => runs.push(Run { source, target, length }),
@@ -33,7 +33,7 @@ pub(crate) fn rows_before(runs: &[Run], columns: usize) -> usize {
 /// Adds these columns of the lower triangle of a child's update matrix of that order, column-major, to the parent's front.
 /// `runs` place all rows of the child.
 #[inline(always)]
-pub(crate) fn extend_add(
+pub fn extend_add(
     child: &[f64],
     order: usize,
     sources: std::ops::Range<usize>,

@@ -16,7 +16,7 @@ use super::dense;
 use super::extend_add::{Run, extend_add, push_rows, rows_before};
 use super::factor::Breakdown;
 use super::view::FrontView;
-use crate::linear::symbolic::{Front, Stretch, Symbolic};
+use crate::symbolic::{Front, Stretch, Symbolic};
 
 /// The values to factorise.
 #[derive(Clone, Copy)]

@@ -7,10 +7,14 @@
 //!
 //! Depends on [`symbolic`](super::symbolic).
 
-pub(crate) mod dense;
-pub(crate) mod extend_add;
+mod dense;
+mod extend_add;
 pub(crate) mod factor;
 mod large_front;
 pub(crate) mod substitution;
 mod task;
-pub(crate) mod view;
+mod view;
+
+pub use dense::{eliminate, products, scratch};
+pub use extend_add::{Run, extend_add, push_rows};
+pub use view::FrontView;

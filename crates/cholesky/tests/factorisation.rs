@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
-use posecut_optimize::linear::{Factor, Symbolic};
+use posecut_cholesky::{Factor, Symbolic};
 use proptest::prelude::*;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -9,9 +9,9 @@ use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
-use super::Symbolic;
 use crate::model::problem::Edge;
 use crate::model::residual::Term;
+use posecut_cholesky::Symbolic;
 
 /// Where an edge's blocks go.
 #[derive(Clone, Copy, Debug)]

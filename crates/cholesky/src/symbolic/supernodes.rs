@@ -1,7 +1,7 @@
 //! Supernodes: runs of columns of the factor with (almost) the same structure, eliminated together as one dense front.
 
 use super::elimination::{ROOT, children};
-use crate::linear::Adjacency;
+use crate::Adjacency;
 
 /// A run of columns and the block rows below it.
 pub(crate) struct Supernode {
