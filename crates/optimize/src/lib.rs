@@ -11,8 +11,8 @@
 //!    Cholesky factorisation ([`posecut_cholesky`]) of 3 x 3 or 6 x 6 blocks.
 //! 4. [`Marginals`] gives covariances of poses and of pairs of them, from the factor.
 //!
-//! A folder of `src` is a piece of theory; the module of its name says which equations it rests on: `model`, `normal_equations`,
-//! [`initialisation`], `batch`, `certificate`, `covariance`, [`incremental`], and [`stage`], all of it on a pose graph.
+//! A folder of `src` is a piece of theory; the module of its name says which equations it rests on: [`model`], `normal_equations`,
+//! [`initialisation`], `batch`, `certificate`, `covariance`, and [`stage`], all of it on a pose graph.
 //!
 //! ```
 //! use nalgebra::Matrix3;
@@ -32,9 +32,8 @@ mod batch;
 mod certificate;
 pub mod command;
 mod covariance;
-pub mod incremental;
 pub mod initialisation;
-mod model;
+pub mod model;
 mod normal_equations;
 pub mod stage;
 

@@ -12,3 +12,8 @@ pub(crate) mod kernel_name;
 pub(crate) mod magnitude;
 pub(crate) mod problem;
 pub(crate) mod residual;
+
+pub use kernel::charge;
+pub use magnitude::{Magnitude, distance, size, translations};
+pub use problem::{check_edge, is_finite};
+pub use residual::{Expansion, Gradient, Linearised, Term};

@@ -5,10 +5,10 @@
 
 mod certify;
 mod doubts;
-pub(crate) mod figures;
+mod figures;
 mod marginals;
 mod robust;
-pub(crate) mod unusable;
+mod unusable;
 
 use std::time::Instant;
 
@@ -20,15 +20,15 @@ use posecut_graph::{Dimension, Node, PoseGraph};
 use posecut_stage::{Context, Doubt, GraphStage, counted, info, warn};
 use serde::Serialize;
 
-pub(crate) use doubts::doubt_disconnected;
+pub use doubts::doubt_disconnected;
+pub use figures::significant;
 pub use marginals::MarginalsOf;
-pub use robust::{Graduation, RobustOptions};
+pub use robust::{Graduation, KernelOptions, RobustOptions};
+pub use unusable::refuse_unless_finite;
 
 use crate::{
     Edge, EdgeKind, Initialisation, Method, Options, Phases, PoseGroup, Problem, Solution, certify, optimize,
 };
-use figures::significant;
-use unusable::refuse_unless_finite;
 
 /// Where to start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
@@ -219,7 +219,7 @@ fn fixed_nodes(graph: &PoseGraph) -> anyhow::Result<Vec<usize>> {
 }
 
 /// Whether a node is to stay where it is, which must then be known.
-pub(crate) fn is_fixed(node: &Node) -> anyhow::Result<bool> {
+pub fn is_fixed(node: &Node) -> anyhow::Result<bool> {
     let fixed = node.is_fixed().map_err(|value| {
         anyhow::anyhow!(
             "node {}, field \"fixed\": expected true or false, found {value}; say true to hold the node at its pose",
@@ -263,7 +263,7 @@ pub fn edges<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::R
 }
 
 /// An edge as the library takes it, without kernel, between these places; `None` if it measures nothing.
-pub(crate) fn measured_edge<G: LieGroup<DOF>, const DOF: usize>(
+pub fn measured_edge<G: LieGroup<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     edge: &posecut_graph::Edge,
     from: usize,
@@ -299,7 +299,7 @@ fn tell<G>(solution: &Solution<G>, unmeasured: usize) {
 }
 
 /// Warns of edges that are not used.
-pub(crate) fn warn_of_unmeasured(unmeasured: usize) {
+pub fn warn_of_unmeasured(unmeasured: usize) {
     if unmeasured > 0 {
         warn!("{} in use without a measurement: not optimised over", counted(unmeasured, "edge"));
     }
