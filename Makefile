@@ -117,7 +117,7 @@ table_of       = $(call declared,$(PIPELINES)) $(both) --sessions $(call listed,
 # ---- programs ---------------------------------------------------------------------------------------------
 sources       := $(shell find crates -name '*.rs' -o -name Cargo.toml -o -path '*/assets/*' -type f) Cargo.toml Cargo.lock
 binaries      := $(addprefix $(BIN)/posecut-,simulate ingest construct label oracle pcm multicut islands ransac verify voting densest \
-                 optimize evaluate report convert conform experiment)
+                 optimize isam evaluate report convert conform experiment)
 
 $(BIN)/.posecut-built: $(sources)
 	@echo '  building the stages (the first time takes some minutes)'

@@ -14,7 +14,7 @@ fn files_beside_the_result_may_be_neither_it_nor_the_statistics() {
     let commands: [(&str, &[&str]); 3] = [
         ("pcm", &["--consistency-graph"]),
         ("multicut", &["--certificate"]),
-        ("optimize", &["--solver", "isam2", "--every", "50", "--estimates"]),
+        ("isam", &["--every", "50", "--estimates"]),
     ];
     for (name, options) in commands {
         for other in ["--output", "--stats"] {

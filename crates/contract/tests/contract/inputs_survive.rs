@@ -80,7 +80,7 @@ fn other_files_beside_the_result_that_name_an_input_are_refused() {
     let commands: &[(&str, &[&str])] = &[
         ("pcm", &["--consistency-graph"]),
         ("multicut", &["--certificate"]),
-        ("optimize", &["--solver", "isam2", "--every", "50", "--estimates"]),
+        ("isam", &["--every", "50", "--estimates"]),
     ];
     let folder = tempfile::tempdir().unwrap();
     let (file, content) = (folder.path().join("graph.jsonl"), samples().bytes("graph.jsonl"));

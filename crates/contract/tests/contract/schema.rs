@@ -42,6 +42,7 @@ fn what_programs_write_keeps_to_the_schema() {
         ("construct", vec![session.as_str(), "--radius", "8"]),
         ("pcm", vec![graph.as_str()]),
         ("ransac", vec![graph.as_str()]),
+        ("isam", vec![graph.as_str()]),
         ("islands", vec![graph.as_str()]),
         ("densest", vec![graph.as_str()]),
         ("verify", vec![graph.as_str()]),
