@@ -1,13 +1,13 @@
 //! Neighbours of vertices, as lists one after the other.
 
-/// Neighbours of every position with a smaller position (`lower_neighbours`), and with a larger one (`upper_neighbours`).
+/// For every vertex a list of other ends: of its edges, of its children, or of whatever arcs it was made from.
 pub struct Adjacency {
     starts: Vec<usize>,
     neighbours: Vec<usize>,
 }
 
 impl Adjacency {
-    /// Lists, per vertex, the other ends of the pairs that `select` keeps, as `(vertex, other)`.
+    /// Lists, for each vertex, the other ends of the arcs `(vertex, other)` in their order. Goes through the arcs twice. O(vertices + arcs).
     pub fn new(vertices: usize, arcs: impl Iterator<Item = (usize, usize)> + Clone) -> Self {
         let mut starts = vec![0; vertices + 1];
         for (vertex, _) in arcs.clone() {

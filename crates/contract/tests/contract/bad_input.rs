@@ -218,7 +218,8 @@ fn an_unknown_session_is_refused_with_those_that_are_there() {
 #[test]
 fn graphs_without_nodes_or_edges_have_an_answer() {
     let empty = format!("{HEADER}\n");
-    for name in ["densest", "isam", "islands", "multicut", "optimize", "oracle", "pcm", "ransac", "verify", "voting"]
+    for name in
+        ["densest", "isam", "islands", "multicut", "optimize", "oracle", "pcm", "ransac", "verify", "voting"]
     {
         let output = run(name, &[], empty.as_bytes());
         assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));

@@ -67,7 +67,8 @@ fn what_a_stage_does_not_know_passes_through() {
     let note = r#"{"kind":"note",  "text":"kept as it stands", "number": 1.50}"#;
     text.push_str(note);
     text.push('\n');
-    for name in ["densest", "isam", "islands", "multicut", "optimize", "oracle", "pcm", "ransac", "verify", "voting"]
+    for name in
+        ["densest", "isam", "islands", "multicut", "optimize", "oracle", "pcm", "ransac", "verify", "voting"]
     {
         let output = succeed(name, &[], text.as_bytes());
         let written = String::from_utf8(output.clone()).unwrap();
@@ -83,7 +84,8 @@ fn what_a_stage_does_not_know_passes_through() {
 #[test]
 fn stages_mark_edges_and_never_remove_them() {
     let before = read(&samples().bytes("graph.jsonl"));
-    for name in ["densest", "isam", "islands", "multicut", "optimize", "oracle", "pcm", "ransac", "verify", "voting"]
+    for name in
+        ["densest", "isam", "islands", "multicut", "optimize", "oracle", "pcm", "ransac", "verify", "voting"]
     {
         let after = read(&succeed(name, &[], &samples().bytes("graph.jsonl")));
         let ids = |graph: &PoseGraph| graph.edges.iter().map(|edge| edge.id).collect::<Vec<_>>();
