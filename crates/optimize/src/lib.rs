@@ -24,7 +24,7 @@
 //! edges.push(Edge::new(3, 0, SE2::new(1.1, 0.0, 1.6), Matrix3::identity(), EdgeKind::Landmark));
 //! let problem = Problem::new(vec![SE2::identity(); 4], edges)?;
 //! let solution = optimize(&problem, &Options::default());
-//! assert!(solution.converged && solution.chi2 < 0.01);
+//! assert!(solution.converged && solution.chi_square < 0.01);
 //! # Ok::<(), posecut_optimize::ProblemError>(())
 //! ```
 
@@ -48,4 +48,4 @@ pub use model::components;
 pub use model::kernel::Kernel;
 pub use model::kernel_name::KernelNameError;
 pub use model::problem::{Edge, EdgeKind, Problem, ProblemError};
-pub use model::residual::{chi2, residual};
+pub use model::residual::{chi_square, residual};

@@ -203,7 +203,7 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
         marginals::write(of, &problem, &solution, graph, &mut context.statistics);
     }
     options.robust.write_weights(graph, &places, &solution.weights, context)?;
-    options.robust.note(library_options.graduated, solution.cost, &mut context.statistics);
+    options.robust.note(library_options.graduated, &mut context.statistics);
     Ok(())
 }
 
@@ -309,9 +309,10 @@ fn note<G>(solution: &Solution<G>, edges: usize, unmeasured: usize, context: &mu
     let statistics = &mut context.statistics;
     statistics.note("edges", edges);
     statistics.note("unmeasured", unmeasured);
-    statistics.note("chi2_given", solution.chi2_given);
-    statistics.note("chi2_initial", solution.chi2_initial);
-    statistics.note("chi2", solution.chi2);
+    statistics.note("chi_square_given", solution.chi_square_given);
+    statistics.note("chi_square_initial", solution.chi_square_initial);
+    statistics.note("chi_square", solution.chi_square);
+    statistics.note("cost", solution.cost);
     statistics.note("iterations", solution.iterations);
     statistics.note(
         "factorizations",

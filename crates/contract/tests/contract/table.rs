@@ -362,7 +362,7 @@ fn statistics_are_json_with_the_stages_name() {
         ("isam", &["cost", "converged", "components", "steps"]),
         ("islands", &["islands", "islands_kept", "rejected"]),
         ("multicut", &["objective", "lower_bound", "optimal", "landmarks", "cut_edges"]),
-        ("optimize", &["chi2_initial", "chi2", "iterations", "converged", "components"]),
+        ("optimize", &["chi_square_initial", "chi_square", "cost", "iterations", "converged", "components"]),
         ("oracle", &["rejected"]),
         ("pcm", &["candidates", "consistent_pairs", "clique_size", "clique_upper_bound", "optimal"]),
         ("ransac", &["candidates", "trials", "rejected"]),

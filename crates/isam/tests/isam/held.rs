@@ -30,7 +30,7 @@ fn held_poses_that_come_one_by_one_end_where_the_batch_solver_puts_the_others() 
         }
         solver.finish();
         let (found, cost) = (solver.estimates(), solver.cost());
-        assert!((cost - expected.chi2).abs() < 1e-9 * cost, "{held:?}: {cost} {}", expected.chi2);
+        assert!((cost - expected.chi_square).abs() < 1e-9 * cost, "{held:?}: {cost} {}", expected.chi_square);
         assert!(apart(&found, &expected.poses) < 1e-6, "{held:?}: {}", apart(&found, &expected.poses));
         assert!(held.iter().all(|&node| bits(&found[node]) == bits(&given[node])), "{held:?}");
     }

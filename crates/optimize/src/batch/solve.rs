@@ -16,7 +16,7 @@ use crate::model::components::{Component, connected_components};
 use crate::model::kernel::charge;
 use crate::model::magnitude::Magnitude;
 use crate::model::problem::{Edge, Problem};
-use crate::model::residual::{chi2, cost, squared};
+use crate::model::residual::{chi_square, cost, squared};
 use crate::normal_equations::Pattern;
 use posecut_cholesky::Factor;
 
@@ -132,9 +132,17 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
     // `sum` of nothing is -0.
     let total = |of: fn(&ComponentReport) -> f64| reports.iter().map(of).fold(0.0, |sum, part| sum + part);
     Solution {
-        chi2_given: if robust { chi2(problem, problem.poses()) } else { total(|report| report.cost_given) },
-        chi2_initial: if robust { chi2(problem, &starts) } else { total(|report| report.cost_start) },
-        chi2: if robust { chi2(problem, &poses) } else { total(|report| report.cost) },
+        chi_square_given: if robust {
+            chi_square(problem, problem.poses())
+        } else {
+            total(|report| report.cost_given)
+        },
+        chi_square_initial: if robust {
+            chi_square(problem, &starts)
+        } else {
+            total(|report| report.cost_start)
+        },
+        chi_square: if robust { chi_square(problem, &poses) } else { total(|report| report.cost) },
         cost: total(|report| report.cost),
         iterations: reports.iter().map(|report| report.iterations).sum(),
         converged: reports.iter().all(|report| report.termination.converged()),

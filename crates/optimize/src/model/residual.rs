@@ -17,7 +17,7 @@ pub fn residual<G: LieGroup<DOF>, const DOF: usize>(measurement: &G, from: &G, t
 }
 
 /// The sum of `e^T Omega e` over the edges, without kernels.
-pub fn chi2<G: LieGroup<DOF>, const DOF: usize>(problem: &Problem<G, DOF>, poses: &[G]) -> f64 {
+pub fn chi_square<G: LieGroup<DOF>, const DOF: usize>(problem: &Problem<G, DOF>, poses: &[G]) -> f64 {
     problem.edges().iter().map(|edge| squared(edge, poses)).sum()
 }
 

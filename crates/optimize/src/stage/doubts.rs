@@ -19,7 +19,7 @@ pub(super) fn of_solution<G>(graph: &PoseGraph, solution: &Solution<G>, context:
     );
     undetermined(graph, components, context);
     not_converged(graph, components, context);
-    if !solution.chi2.is_finite() {
+    if !solution.chi_square.is_finite() {
         context.doubt(
             Doubt::NonFiniteCost,
             format!(

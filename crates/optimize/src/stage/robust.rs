@@ -164,8 +164,8 @@ impl RobustOptions {
         Ok(())
     }
 
-    /// Notes which kernels were used and what cost they lead to.
-    pub(super) fn note(&self, graduated: Option<Graduated>, cost: f64, statistics: &mut Statistics) {
+    /// Notes which kernels were used.
+    pub(super) fn note(&self, graduated: Option<Graduated>, statistics: &mut Statistics) {
         if *self == Self::default() {
             return;
         }
@@ -173,6 +173,5 @@ impl RobustOptions {
         statistics.note("kernel_odometry", self.kernels.kernel_odometry.map(|kernel| kernel.to_string()));
         statistics.note("kernel_landmark", landmark.map(|kernel| kernel.to_string()));
         statistics.note("graduated_non_convexity", self.gnc);
-        statistics.note("robust_cost", cost);
     }
 }

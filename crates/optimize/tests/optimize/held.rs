@@ -40,7 +40,12 @@ fn one_held_node_moves_the_solution_rigidly<G: PoseGroup<DOF>, const DOF: usize>
         [Initialisation::Given, Initialisation::SpanningTree, Initialisation::Chordal, Initialisation::Best]
     {
         let held = optimize(&problem, &Options { initialisation, ..Options::default() });
-        assert!((held.chi2 - free.chi2).abs() < 1e-9 * free.chi2, "{} {}", held.chi2, free.chi2);
+        assert!(
+            (held.chi_square - free.chi_square).abs() < 1e-9 * free.chi_square,
+            "{} {}",
+            held.chi_square,
+            free.chi_square
+        );
         assert_eq!(bits(&held.poses[node]), bits(&given[node]));
         let motion = given[node].compose(&free.poses[node].inverse());
         let moved: Vec<G> = free.poses.iter().map(|pose| motion.compose(pose)).collect();
@@ -69,7 +74,7 @@ fn several_held_nodes_stay_and_the_others_settle<G: PoseGroup<DOF>, const DOF: u
     for method in [Method::LevenbergMarquardt, Method::GaussNewton, Method::Dogleg] {
         for initialisation in [Initialisation::Given, Initialisation::SpanningTree, Initialisation::Chordal] {
             let found = optimize(&problem, &Options { method, initialisation, ..Options::default() });
-            assert!(found.converged && found.chi2 > free.chi2, "{method:?} {initialisation:?}");
+            assert!(found.converged && found.chi_square > free.chi_square, "{method:?} {initialisation:?}");
             for &node in fixed {
                 assert_eq!(bits(&found.poses[node]), bits(&given[node]), "{method:?} {initialisation:?}");
             }
@@ -84,7 +89,7 @@ fn several_held_nodes_stay_and_the_others_settle<G: PoseGroup<DOF>, const DOF: u
     let all = Problem::new(given.clone(), edges).unwrap().hold(0..given.len()).unwrap();
     let still = optimize(&all, &Options::default());
     assert_eq!(still.components[0].termination, Termination::NothingToDo);
-    assert_eq!(still.chi2.to_bits(), still.chi2_given.to_bits());
+    assert_eq!(still.chi_square.to_bits(), still.chi_square_given.to_bits());
     assert!(still.poses.iter().zip(&given).all(|(found, given)| bits(found) == bits(given)));
 }
 

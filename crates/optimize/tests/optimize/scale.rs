@@ -40,7 +40,10 @@ fn check<G: PoseGroup<DOF>, const DOF: usize>(noise: f64) {
             assert!(b.termination.converged(), "{case}: {b:?}");
             if noise > 1e-3 {
                 assert_eq!((a.termination, a.iterations), (b.termination, b.iterations), "{case}");
-                assert!((found.chi2 / scale - plain.chi2).abs() < 1e-9 * plain.chi2, "{case}");
+                assert!(
+                    (found.chi_square / scale - plain.chi_square).abs() < 1e-9 * plain.chi_square,
+                    "{case}"
+                );
             }
         }
     }
@@ -69,7 +72,11 @@ fn weak_information_was_taken_for_convergence() {
     for method in [Method::LevenbergMarquardt, Method::Dogleg] {
         let problem = Problem::new(poses.clone(), edges.clone()).unwrap();
         let solution = optimize(&problem, &Options { method, ..Options::default() });
-        assert!((solution.chi2 * 1e12 - 912.191_624_43).abs() < 1e-6, "{method:?}: {}", solution.chi2);
+        assert!(
+            (solution.chi_square * 1e12 - 912.191_624_43).abs() < 1e-6,
+            "{method:?}: {}",
+            solution.chi_square
+        );
         assert!(solution.converged && solution.iterations > 2, "{method:?}: {:?}", solution.components);
     }
 }
