@@ -11,8 +11,9 @@
 //!    Cholesky factorisation ([`posecut_cholesky`]) of 3 x 3 or 6 x 6 blocks.
 //! 4. [`Marginals`] gives covariances of poses and of pairs of them, from the factor.
 //!
-//! A folder of `src` is a piece of theory; the module of its name says which equations it rests on: [`model`], `normal_equations`,
-//! [`initialisation`], `batch`, `certificate`, `covariance`, and [`stage`], all of it on a pose graph.
+//! A folder of `src` is a piece of theory; the module of its name says which equations it rests on. They depend on each other in this
+//! order: [`model`], `normal_equations`, [`initialisation`], `descent`, `certificate`, `pose_group`, `batch`, `covariance`, and
+//! [`stage`], all of it on a pose graph.
 //!
 //! ```
 //! use nalgebra::Matrix3;
@@ -32,20 +33,25 @@ mod batch;
 mod certificate;
 pub mod command;
 mod covariance;
+mod descent;
 pub mod initialisation;
 pub mod model;
 mod normal_equations;
+mod options;
+mod pose_group;
 pub mod stage;
 
-pub use batch::options::{Graduated, Initialisation, Method, Options};
-pub use batch::outcome::Termination;
-pub use batch::phases::Phases;
+pub use batch::certify::certify;
 pub use batch::solution::{ComponentReport, Solution, Start};
-pub use batch::solve::{PoseGroup, certify, optimize};
+pub use batch::solve::optimize;
 pub use certificate::Certificate;
 pub use covariance::marginals::{Joint, Marginals};
+pub use descent::outcome::Termination;
+pub use descent::phases::Phases;
 pub use model::components;
 pub use model::kernel::Kernel;
 pub use model::kernel_name::KernelNameError;
 pub use model::problem::{Edge, EdgeKind, Problem, ProblemError};
 pub use model::residual::{chi_square, residual};
+pub use options::{Graduated, Initialisation, Method, Options};
+pub use pose_group::PoseGroup;

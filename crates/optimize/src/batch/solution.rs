@@ -1,7 +1,7 @@
 //! What came out, and how.
 
-use super::outcome::{Outcome, Termination};
-use super::phases::Phases;
+use crate::descent::outcome::{Outcome, Termination};
+use crate::descent::phases::Phases;
 
 /// Where a part was started from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

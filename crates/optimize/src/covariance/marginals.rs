@@ -5,7 +5,7 @@ use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::between_correlated;
 use rayon::prelude::*;
 
-use crate::batch::levenberg_marquardt::SINGULAR;
+use crate::descent::workspace::SINGULAR;
 use crate::model::components::connected_components;
 use crate::model::problem::{Edge, Problem};
 use crate::normal_equations::{NormalEquations, Pattern};

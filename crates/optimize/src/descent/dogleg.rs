@@ -6,10 +6,11 @@
 use nalgebra::SVector;
 use posecut_geometry::LieGroup;
 
-use super::levenberg_marquardt::{FIRST_DAMPING, LARGEST_DAMPING, Workspace, rounding};
-use super::options::Options;
+use super::damping::{FIRST_DAMPING, LARGEST_DAMPING};
 use super::outcome::{Outcome, Termination};
+use super::workspace::{Workspace, rounding};
 use crate::model::residual::Term;
+use crate::options::Options;
 
 /// Share of its promise below which a step halves the radius, and above which it may grow.
 const POOR: f64 = 0.25;

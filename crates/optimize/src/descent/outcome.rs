@@ -1,6 +1,6 @@
 //! How an iteration ended, and what its last step said.
 
-use super::options::Options;
+use crate::options::Options;
 
 /// Why iteration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,27 +1,15 @@
-//! Gauss-Newton on the manifold, damped after a step that fails.
-//!
-//! K. Madsen, H. B. Nielsen, O. Tingleff, "Methods for non-linear least squares problems", 2004, section 3.2, with the
-//! scaling of Marquardt and a damping that starts at zero.
+//! Memory of the iteration, and what every method of choosing steps is made of: equations, steps, and trials.
 
 use nalgebra::{SMatrix, SVector};
+use posecut_cholesky::Factor;
 use posecut_geometry::LieGroup;
 
-use super::options::{Method, Options};
-use super::outcome::{Outcome, Step, Termination};
+use super::outcome::Step;
 use super::phases::{Phases, timed};
 use crate::model::magnitude::{Magnitude, translations};
 use crate::model::residual::Term;
 use crate::normal_equations::{NormalEquations, Pattern};
-use posecut_cholesky::Factor;
 
-/// Damping after the first failure, as a share of the diagonal.
-pub(crate) const FIRST_DAMPING: f64 = 1e-5;
-/// Damping beyond which a step is no longer than rounding.
-pub(crate) const LARGEST_DAMPING: f64 = 1e16;
-/// Damping below which the next step is undamped again.
-const SMALLEST_DAMPING: f64 = 1e-8;
-/// Damping up to which the tolerances of a full step apply.
-const NEARLY_FULL: f64 = 1e-3;
 /// Share of the largest diagonal entry that damping takes every other one for at least.
 const DAMPING_FLOOR: f64 = 1e-9;
 /// Share of a diagonal entry that elimination must leave: below it the direction is undetermined.
@@ -51,111 +39,6 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
             trial: Vec::new(),
             phases: Phases::default(),
         }
-    }
-
-    /// Minimises the cost of the edges over all poses but those that are held.
-    pub(crate) fn minimise<T: Term<G, DOF>>(
-        &mut self,
-        edges: &[T],
-        poses: &mut [G],
-        options: &Options,
-    ) -> Outcome {
-        match options.method {
-            Method::Dogleg => self.minimise_by_dogleg(edges, poses, options),
-            Method::LevenbergMarquardt => self.minimise_damped(edges, poses, options, LARGEST_DAMPING),
-            Method::GaussNewton => self.minimise_damped(edges, poses, options, 0.0),
-        }
-    }
-
-    fn minimise_damped<T: Term<G, DOF>>(
-        &mut self,
-        edges: &[T],
-        poses: &mut [G],
-        options: &Options,
-        largest_damping: f64,
-    ) -> Outcome {
-        let mut damping = Damping { value: 0.0, growth: 4.0, largest: largest_damping };
-        let mut outcome = Outcome::new(self.assemble(edges, poses));
-        outcome.gradient = self.cosine(outcome.cost);
-        if outcome.gradient <= options.gradient_tolerance {
-            outcome.termination = Termination::Gradient;
-            return outcome;
-        }
-        // The longest component of the last undamped step.
-        let mut undamped_before = f64::INFINITY;
-        while outcome.iterations < options.max_iterations {
-            outcome.iterations += 1;
-            outcome.factorizations += 1;
-            let Some(step) = self.solve(damping.value, &mut outcome.undetermined) else {
-                outcome.rejected += 1;
-                if !damping.raise() {
-                    outcome.termination = Termination::Stalled;
-                    break;
-                }
-                continue;
-            };
-            let undamped = damping.value == 0.0;
-            let shrinks = undamped && step.largest < undamped_before;
-            if undamped {
-                undamped_before = step.largest;
-            }
-            outcome.last = step;
-            self.retract(poses);
-            let met = if damping.value <= NEARLY_FULL {
-                step.met(self.at_least(outcome.cost), shrinks, options)
-            } else {
-                None
-            };
-            // The gradient at the trial is what the next step starts from, if it is taken.
-            let cost =
-                if undamped && met.is_none() { self.trial_gradient(edges) } else { self.trial_cost(edges) };
-            let lower = cost < outcome.cost
-                || (shrinks && options.is_hidden(step.promised, self.at_least(outcome.cost)));
-            if lower || (met.is_some() && cost <= outcome.cost) {
-                poses.copy_from_slice(&self.trial);
-                let gain = (outcome.cost - cost) / step.promised;
-                outcome.cost = cost;
-                if let Some(termination) = met {
-                    outcome.termination = termination;
-                    break;
-                }
-                damping.lower(gain);
-                if undamped && let Some(termination) = self.reuse(edges, poses, options, &step, &mut outcome)
-                {
-                    outcome.termination = termination;
-                    break;
-                }
-                if undamped {
-                    undamped_before = outcome.last.largest;
-                }
-                outcome.cost = self.assemble(edges, poses);
-                outcome.gradient = self.cosine(outcome.cost);
-                if outcome.gradient <= options.gradient_tolerance {
-                    outcome.termination = Termination::Gradient;
-                    break;
-                }
-            } else if let Some(termination) = met {
-                outcome.termination = termination;
-                break;
-            } else if damping.value <= NEARLY_FULL && step.promised <= rounding(edges, poses) {
-                // The cost cannot show whether the step keeps its promise.
-                outcome.termination = Termination::Cost;
-                break;
-            } else {
-                outcome.rejected += 1;
-                if !damping.raise() {
-                    outcome.termination = Termination::Stalled;
-                    break;
-                }
-                if undamped {
-                    let Self { equations, pattern, phases, .. } = self;
-                    timed(&mut phases.linearisation, || {
-                        equations.assemble_gradient(pattern, edges, poses);
-                    });
-                }
-            }
-        }
-        outcome
     }
 
     /// The cost that tolerances are shares of: not below that of a graph without noise.
@@ -264,29 +147,4 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
 /// The cost that rounding alone may make at these poses.
 pub(crate) fn rounding<G, T: Term<G, DOF>, const DOF: usize>(edges: &[T], poses: &[G]) -> f64 {
     edges.iter().map(|edge| edge.rounding(poses)).sum()
-}
-
-/// The damping and how fast it grows.
-struct Damping {
-    value: f64,
-    growth: f64,
-    largest: f64,
-}
-
-impl Damping {
-    /// More damping; false once it is beyond use.
-    fn raise(&mut self) -> bool {
-        self.value = if self.value == 0.0 { FIRST_DAMPING } else { self.value * self.growth };
-        self.growth *= 2.0;
-        self.value <= self.largest
-    }
-
-    /// Less damping after a step that gained this share of what it promised. Nielsen's rule.
-    fn lower(&mut self, gain: f64) {
-        self.value *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(0.1);
-        self.growth = 4.0;
-        if self.value < SMALLEST_DAMPING {
-            self.value = 0.0;
-        }
-    }
 }

@@ -7,10 +7,10 @@
 
 use posecut_geometry::LieGroup;
 
-use super::levenberg_marquardt::Workspace;
-use super::options::Options;
 use super::outcome::{Outcome, Step, Termination};
+use super::workspace::Workspace;
 use crate::model::residual::Term;
+use crate::options::Options;
 
 /// Ratio of successive promises above which the old factor is not believed.
 const SLOW: f64 = 0.2;
