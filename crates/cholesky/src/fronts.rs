@@ -7,6 +7,7 @@
 //!
 //! Depends on [`symbolic`](super::symbolic).
 
+pub(crate) mod breakdown;
 mod dense;
 mod extend_add;
 pub(crate) mod factor;

@@ -69,7 +69,8 @@ mod selected_inverse;
 mod symbolic;
 
 pub use adjacency::Adjacency;
-pub use fronts::factor::{Breakdown, Factor};
+pub use fronts::breakdown::Breakdown;
+pub use fronts::factor::{Factor, SINGULAR};
 pub use inverse_column::Workspace;
 pub use selected_inverse::SelectedInverse;
 pub use symbolic::Symbolic;

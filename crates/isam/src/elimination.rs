@@ -8,13 +8,11 @@
 use faer::dyn_stack::MemBuffer;
 use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::{SMatrix, SVector};
+use posecut_cholesky::SINGULAR;
 use posecut_cholesky::fronts::{FrontView, Run, eliminate, extend_add, push_rows, scratch};
 use posecut_optimize::model::{Linearised, translations};
 
 use crate::tree::{Clique, Tree};
-
-/// Share of a diagonal entry that elimination must leave: below it the direction is undetermined.
-const SINGULAR: f64 = 1e-14;
 
 /// Rounds that hold one direction each.
 const SINGLE_ROUNDS: usize = 8;

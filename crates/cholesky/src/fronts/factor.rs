@@ -2,22 +2,14 @@
 
 use faer::traits::pulp::Arch;
 use nalgebra::SMatrix;
-use thiserror::Error;
 
+use super::breakdown::Breakdown;
 use super::task::{Matrix, SmallestPivot, Task, Worker, side_by_side};
 use crate::symbolic::{Front, Symbolic};
 
-/// The matrix is not positive definite.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[error(
-    "the matrix is not positive definite: nothing positive is left of component {component} of variable {variable}"
-)]
-pub struct Breakdown {
-    /// Variable whose pivot failed.
-    pub variable: usize,
-    /// Component of that variable, from 0.
-    pub component: usize,
-}
+/// Share of a diagonal entry that elimination must leave. Below it what is left is rounding: some fifty units in the last place of the
+/// entry, where sums of that many terms err.
+pub const SINGULAR: f64 = 1e-14;
 
 /// Memory and values of a factor with blocks of order `D`: `P A P^T = L L^T`.
 pub struct Factor<const D: usize> {
@@ -129,5 +121,12 @@ impl<const D: usize> Factor<D> {
     pub fn smallest_pivot(&self) -> (f64, usize, usize) {
         let SmallestPivot { share, variable, component } = self.smallest_pivot;
         (share, variable, component)
+    }
+
+    /// Variable and component whose direction is undetermined to working precision: elimination left at most [`SINGULAR`] of the
+    /// diagonal entry, or no number.
+    pub fn undetermined(&self) -> Option<(usize, usize)> {
+        let SmallestPivot { share, variable, component } = self.smallest_pivot;
+        (share.is_nan() || share <= SINGULAR).then_some((variable, component))
     }
 }

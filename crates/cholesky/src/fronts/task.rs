@@ -12,9 +12,9 @@ use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::SMatrix;
 use rayon::prelude::*;
 
+use super::breakdown::Breakdown;
 use super::dense;
 use super::extend_add::{Run, extend_add, push_rows, rows_before};
-use super::factor::Breakdown;
 use super::view::FrontView;
 use crate::symbolic::{Front, Stretch, Symbolic};
 

@@ -5,7 +5,6 @@ use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::between_correlated;
 use rayon::prelude::*;
 
-use crate::descent::workspace::SINGULAR;
 use crate::model::components::connected_components;
 use crate::model::problem::{Edge, Problem};
 use crate::normal_equations::{NormalEquations, Pattern};
@@ -159,11 +158,11 @@ impl<const DOF: usize> Part<DOF> {
         let mut factor = Factor::new(&symbolic);
         let outcome =
             factor.factorize(&symbolic, &equations.diagonal, &equations.off_diagonal, 0.0, [0.0; DOF]);
-        let (share, variable, component) = factor.smallest_pivot();
         let undetermined = match outcome {
-            Err(breakdown) => Some((held + breakdown.variable, breakdown.component)),
-            Ok(()) => (share.is_nan() || share <= SINGULAR).then_some((held + variable, component)),
+            Err(breakdown) => Some((breakdown.variable, breakdown.component)),
+            Ok(()) => factor.undetermined(),
         };
+        let undetermined = undetermined.map(|(variable, component)| (held + variable, component));
         Self { held, symbolic, factor, inverse: None, undetermined }
     }
 

@@ -12,8 +12,6 @@ use crate::normal_equations::{NormalEquations, Pattern};
 
 /// Share of the largest diagonal entry that damping takes every other one for at least.
 const DAMPING_FLOOR: f64 = 1e-9;
-/// Share of a diagonal entry that elimination must leave: below it the direction is undetermined.
-pub(crate) const SINGULAR: f64 = 1e-14;
 
 /// Memory of the iteration, reserved once.
 pub(crate) struct Workspace<'a, G, const DOF: usize> {
@@ -80,8 +78,7 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
             undetermined.get_or_insert((self.pattern.held + breakdown.variable, breakdown.component));
             return None;
         }
-        let (share, variable, component) = self.factor.smallest_pivot();
-        if share.is_nan() || share <= SINGULAR {
+        if let Some((variable, component)) = self.factor.undetermined() {
             undetermined.get_or_insert((self.pattern.held + variable, component));
             return None;
         }
