@@ -1,7 +1,5 @@
 //! Variables in lists by their degree.
 
-use crate::order::refill;
-
 /// No variable.
 const NONE: usize = usize::MAX;
 
@@ -54,4 +52,10 @@ impl Degrees {
         self.next[variable] = NONE;
         self.previous[variable] = NONE;
     }
+}
+
+/// Empties a list and fills it again; its memory stays.
+pub(crate) fn refill<T: Clone>(values: &mut Vec<T>, count: usize, value: T) {
+    values.clear();
+    values.resize(count, value);
 }

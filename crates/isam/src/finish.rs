@@ -44,7 +44,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
             cost_before,
             cost: cost_before,
         };
-        if self.strained {
+        if self.restarts.strained {
             report.restarted = self.restart();
         }
         self.iterate(&mut report);
@@ -52,7 +52,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
             report.restarted = true;
             self.iterate(&mut report);
         }
-        self.strained = !report.converged;
+        self.restarts.strained = !report.converged;
         report.cost = self.cost();
         report
     }
@@ -96,7 +96,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         let estimates = self.estimates();
         let cost = self.cost_at(&estimates);
         let edges = self.edges.list().map(|(_, edge)| *edge).collect();
-        let problem = Problem::from_checked(estimates, edges, self.fixed.clone());
+        let problem = Problem::from_checked(estimates, edges, self.gauges.fixed.clone());
         let solution =
             optimize(&problem, &Options { initialisation: Initialisation::Best, ..Options::default() });
         let gain = BETTER * cost.max(self.magnitude().noiseless());
@@ -128,7 +128,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
                 equations[node][1] += block.diagonal();
             }
         }
-        let free = equations.iter().zip(&self.fixed).filter(|&(_, &fixed)| !fixed);
+        let free = equations.iter().zip(&self.gauges.fixed).filter(|&(_, &fixed)| !fixed);
         let squares = free.flat_map(|([gradient, diagonal], _)| {
             gradient.iter().zip(diagonal).map(|(g, h)| if *g == 0.0 { 0.0 } else { g * (g / h) })
         });
@@ -145,7 +145,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     pub(crate) fn go_to(&mut self, poses: Vec<G>) {
         for (node, pose) in poses.into_iter().enumerate() {
             self.estimate.reset(node, pose);
-            self.checked[node] = SVector::zeros();
+            self.movement.reset(node);
         }
     }
 }

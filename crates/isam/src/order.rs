@@ -4,7 +4,7 @@
 //! degree ordering algorithm", SIAM J. Matrix Anal. Appl. 17, 1996), with supervariables, and with a group of variables
 //! that come last, as in constrained COLAMD.
 
-use crate::degrees::Degrees;
+use crate::degrees::{Degrees, refill};
 
 const NONE: usize = usize::MAX;
 
@@ -52,11 +52,6 @@ fn renew(lists: &mut Vec<Vec<usize>>, count: usize) {
     if lists.len() < count {
         lists.resize_with(count, Vec::new);
     }
-}
-
-pub(crate) fn refill<T: Clone>(values: &mut Vec<T>, count: usize, value: T) {
-    values.clear();
-    values.resize(count, value);
 }
 
 impl QuotientGraph {

@@ -8,10 +8,12 @@
 use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::SVector;
 use posecut_cholesky::fronts::products;
-use posecut_optimize::PoseGroup;
+use posecut_geometry::LieGroup;
 
-use crate::tree::Clique;
-use crate::{IncrementalSolver, UpdateReport};
+use crate::UpdateReport;
+use crate::estimate::Estimate;
+use crate::movement::Movement;
+use crate::tree::{Clique, Tree};
 
 /// Lanes of a sum: one vector register.
 const LANES: usize = 4;
@@ -44,60 +46,106 @@ fn solve<const D: usize>(clique: &Clique, values: &[SVector<f64, D>], known: &mu
     }
 }
 
-impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
+/// What a solution is about.
+pub(crate) struct Below<'a> {
+    /// New cliques, children before parents: all are solved.
+    pub(crate) made: &'a [usize],
+    /// Roots of the subtrees below them, which are solved as far as their separators change.
+    pub(crate) orphans: Vec<usize>,
+    /// Changes up to this do not count, metres and radians.
+    pub(crate) threshold: f64,
+}
+
+/// What back-substitution keeps from one solution to the next.
+#[derive(Debug, Default)]
+pub(crate) struct Substitution<const DOF: usize> {
+    /// Linear updates that subtrees below were last solved with.
+    propagated: Vec<SVector<f64, DOF>>,
+    /// The last solution that changed a node's linear update by more than the threshold.
+    changed: Vec<usize>,
+    solutions: usize,
+    /// The scalars of a clique while it is solved.
+    known: Vec<f64>,
+}
+
+impl<const DOF: usize> Substitution<DOF> {
+    pub(crate) fn add_node(&mut self) {
+        self.propagated.push(SVector::zeros());
+        self.changed.push(0);
+    }
+
+    /// Notes that a pose is its own point of linearisation.
+    pub(crate) fn reset(&mut self, node: usize) {
+        self.propagated[node] = SVector::zeros();
+    }
+
     /// Solves the new cliques, and the subtrees below them as far as their separators change.
-    pub(crate) fn substitute(
+    pub(crate) fn solve<G: LieGroup<DOF>>(
         &mut self,
-        made: &[usize],
-        orphans: Vec<usize>,
-        threshold: f64,
+        below: Below<'_>,
+        tree: &Tree,
+        estimate: &mut Estimate<G, DOF>,
+        movement: &mut Movement<DOF>,
         report: &mut UpdateReport,
     ) {
         self.solutions += 1;
-        Arch::new().dispatch(Substitute { solver: self, made, orphans, threshold, report });
-    }
-
-    #[inline(always)]
-    fn solve_clique(&mut self, index: usize, threshold: f64, report: &mut UpdateReport) {
-        let mut known = std::mem::take(&mut self.known);
-        let clique = self.tree.clique(index);
-        solve(clique, &self.estimate.deltas, &mut known);
-        let frontals = clique.frontals;
-        report.solved += frontals;
-        for (place, values) in known.chunks_exact(DOF).take(frontals).enumerate() {
-            let node = self.tree.clique(index).variables[place];
-            self.take_value(node, SVector::from_column_slice(values), threshold);
-        }
-        self.known = known;
+        Arch::new().dispatch(Solve { substitution: self, below, tree, estimate, movement, report });
     }
 }
 
 /// Substitution for one set of vector instructions. Not a closure: the call of one is not inlined, and what it calls would
 /// be compiled for the least of all machines.
-struct Substitute<'a, G, const DOF: usize> {
-    solver: &'a mut IncrementalSolver<G, DOF>,
-    made: &'a [usize],
-    orphans: Vec<usize>,
-    threshold: f64,
+struct Solve<'a, G, const DOF: usize> {
+    substitution: &'a mut Substitution<DOF>,
+    below: Below<'a>,
+    tree: &'a Tree,
+    estimate: &'a mut Estimate<G, DOF>,
+    movement: &'a mut Movement<DOF>,
     report: &'a mut UpdateReport,
 }
 
-impl<G: PoseGroup<DOF>, const DOF: usize> WithSimd for Substitute<'_, G, DOF> {
+impl<G: LieGroup<DOF>, const DOF: usize> Solve<'_, G, DOF> {
+    #[inline(always)]
+    fn clique(&mut self, index: usize) {
+        let mut known = std::mem::take(&mut self.substitution.known);
+        let clique = self.tree.clique(index);
+        solve(clique, &self.estimate.deltas, &mut known);
+        self.report.solved += clique.frontals;
+        for (&node, values) in clique.variables.iter().zip(known.chunks_exact(DOF)).take(clique.frontals) {
+            self.take(node, SVector::from_column_slice(values));
+        }
+        self.substitution.known = known;
+    }
+
+    /// Takes a new linear update of a variable: whether subtrees below have to follow, and whether it has moved far.
+    #[inline(always)]
+    fn take(&mut self, node: usize, value: SVector<f64, DOF>) {
+        let Substitution { propagated, changed, solutions, .. } = &mut *self.substitution;
+        self.estimate.deltas[node] = value;
+        if (value - propagated[node]).amax() > self.below.threshold {
+            propagated[node] = value;
+            changed[node] = *solutions;
+        }
+        self.movement.note(node, &value);
+    }
+}
+
+impl<G: LieGroup<DOF>, const DOF: usize> WithSimd for Solve<'_, G, DOF> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { solver, made, orphans, threshold, report } = self;
-        for &index in made.iter().rev() {
-            solver.solve_clique(index, threshold, report);
+    fn with_simd<S: Simd>(mut self, _: S) {
+        for &index in self.below.made.iter().rev() {
+            self.clique(index);
         }
-        let mut pending = orphans;
+        let mut pending = std::mem::take(&mut self.below.orphans);
         while let Some(index) = pending.pop() {
-            let clique = solver.tree.clique(index);
+            let clique = self.tree.clique(index);
+            let Substitution { changed, solutions, .. } = &*self.substitution;
             let mut separator = clique.variables[clique.frontals..].iter();
-            if separator.any(|&node| solver.changed[node] == solver.solutions) {
+            if separator.any(|&node| changed[node] == *solutions) {
                 pending.extend_from_slice(&clique.children);
-                solver.solve_clique(index, threshold, report);
+                self.clique(index);
             }
         }
     }

@@ -30,6 +30,8 @@ pub(crate) struct Clique {
 pub(crate) struct Tree {
     cliques: Vec<Clique>,
     free: Vec<usize>,
+    /// The clique in which each variable is frontal, or [`NONE`].
+    pub(crate) of: Vec<usize>,
 }
 
 /// Scalars of memory above which a clique that is taken away gives it back: small ones are reused, large ones could pile up
@@ -37,6 +39,11 @@ pub(crate) struct Tree {
 const KEPT_SCALARS: usize = 1 << 12;
 
 impl Tree {
+    /// A node that is no variable yet.
+    pub(crate) fn add_node(&mut self) {
+        self.of.push(NONE);
+    }
+
     pub(crate) fn clique(&self, index: usize) -> &Clique {
         &self.cliques[index]
     }
