@@ -27,7 +27,7 @@ use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 use posecut_isam::{EdgeId, IncrementalOptions, IncrementalSolver};
 use posecut_multicut::support::support_counts;
 use posecut_optimize::components::connected_components;
-use posecut_optimize::{Edge, Options, PoseGroup, Problem, optimize, stage};
+use posecut_optimize::{Edge, Options, PoseGroup, Problem, optimize, pose_graph};
 use posecut_pcm::candidate::group;
 use posecut_pcm::chain::Chains;
 use posecut_pcm::clique::{Limits, maximum_clique};
@@ -102,7 +102,7 @@ fn follow<G: PoseGroup<DOF> + Spatial<DOF>, const DOF: usize>(
     for edge in &mut all.edges {
         edge.rejected_by = None;
     }
-    let measured = stage::edges::<G, DOF>(&all)?;
+    let measured = pose_graph::edges::<G, DOF>(&all)?;
     let edges: BTreeMap<usize, Edge<G, DOF>> = measured.places.into_iter().zip(measured.edges).collect();
     let given = all
         .nodes

@@ -66,6 +66,7 @@ mod parts;
 mod report;
 mod restarts;
 mod solver;
+#[cfg(feature = "cli")]
 pub mod stage;
 mod substitution;
 mod supervariables;

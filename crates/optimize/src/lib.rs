@@ -13,7 +13,8 @@
 //!
 //! A folder of `src` is a piece of theory; the module of its name says which equations it rests on. They depend on each other in this
 //! order: [`model`], `normal_equations`, [`initialisation`], `descent`, `certificate`, `pose_group`, `batch`, `covariance`, and
-//! [`stage`], all of it on a pose graph.
+//! `stage`, all of it on a graph that [`pose_graph`] reads. Without the feature `cli`, which is on by default, there are neither stage nor
+//! program, and the crate depends on neither clap nor posecut-stage.
 //!
 //! ```
 //! use nalgebra::Matrix3;
@@ -31,6 +32,7 @@
 
 mod batch;
 mod certificate;
+#[cfg(feature = "cli")]
 pub mod command;
 mod covariance;
 mod descent;
@@ -38,7 +40,9 @@ pub mod initialisation;
 pub mod model;
 mod normal_equations;
 mod options;
+pub mod pose_graph;
 mod pose_group;
+#[cfg(feature = "cli")]
 pub mod stage;
 
 pub use batch::certify::certify;

@@ -4,7 +4,7 @@ use posecut_graph::PoseGraph;
 use posecut_optimize::components::connected_components;
 use posecut_optimize::{
     Edge, EdgeKind, Initialisation, Marginals, Options, PoseGroup, Problem, ProblemError, Solution, optimize,
-    residual, stage,
+    pose_graph, residual,
 };
 
 use crate::chains::{Chain, Condensed, Odometry};
@@ -89,7 +89,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Optimiser for Parts<G, DOF> {
 impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
     /// Takes the edges in use that have a measurement.
     pub fn of(graph: &PoseGraph) -> anyhow::Result<Self> {
-        let measured = stage::edges::<G, DOF>(graph)?;
+        let measured = pose_graph::edges::<G, DOF>(graph)?;
         let poses = graph
             .nodes
             .iter()

@@ -6,7 +6,8 @@ use std::time::Instant;
 use anyhow::{Context as _, bail};
 use posecut_graph::{Edge, Node, PoseGraph};
 use posecut_optimize::PoseGroup;
-use posecut_optimize::stage::{KernelOptions, is_fixed, measured_edge, refuse_unless_finite};
+use posecut_optimize::pose_graph::{is_fixed, measured_edge};
+use posecut_optimize::stage::{KernelOptions, refuse_unless_finite};
 use serde::Serialize;
 
 use crate::{EdgeId, IncrementalOptions, IncrementalSolver};

@@ -91,7 +91,7 @@ fn assert_poses_within(first: &[Vec<f64>], second: &[Vec<f64>], tolerance: f64) 
 /// The poses of a batch solution of these records.
 fn batch(lines: &[String]) -> Vec<Vec<f64>> {
     let graph = PoseGraph::read("lines", lines.join("\n").as_bytes()).unwrap();
-    let edges = posecut_optimize::stage::edges::<SE2, 3>(&graph).unwrap().edges;
+    let edges = posecut_optimize::pose_graph::edges::<SE2, 3>(&graph).unwrap().edges;
     let problem = Problem::new(vec![SE2::identity(); graph.nodes.len()], edges).unwrap();
     optimize(&problem, &Options::default()).poses.iter().map(SE2::components).collect()
 }
