@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Front, NO_PARENT};
+use super::front::{Front, NO_PARENT};
 
 /// Operations of a factorisation from which handing subtrees to threads pays.
 const WORTH_THREADS: f64 = 1e8;
