@@ -34,6 +34,7 @@ impl<const D: usize> SelectedInverse<D> {
         let mut stacks = symbolic.stack_blocks.map(|blocks| vec![0.0; blocks * D * D]);
         let largest = symbolic.fronts.iter().map(|front| front.below() * front.columns).max().unwrap_or(0);
         let mut product = vec![0.0; largest * D * D];
+        // Parents come first: the inverse over a front's rows is part of the inverse over its parent's columns and rows.
         for front in symbolic.fronts.iter().rev() {
             let range = front.panel * D * D..(front.panel + front.columns * front.height()) * D * D;
             let panel = &mut panels[range.clone()];
@@ -79,6 +80,7 @@ fn invert_front(factor: &[f64], inverse: &mut [f64], corner: &[f64], columns: us
     for index in 0..columns {
         top[(index, index)] = 1.0;
     }
+    // L^-T L^-1, which is Z_JJ of a root.
     solve_lower_triangular_in_place(diagonal, top.as_mut(), Par::Seq);
     solve_upper_triangular_in_place(diagonal.transpose(), top.as_mut(), Par::Seq);
     if below == 0 {
@@ -86,6 +88,7 @@ fn invert_front(factor: &[f64], inverse: &mut [f64], corner: &[f64], columns: us
     }
     let corner = MatRef::from_column_major_slice(corner, below, below);
     let mut product = MatMut::from_column_major_slice_mut(&mut product[..below * columns], below, columns);
+    // W = M L^-1, -Z_RR W, and -W^T (-Z_RR W) added to the top.
     bottom.copy_from(rest);
     solve_upper_triangular_in_place(diagonal.transpose(), bottom.as_mut().transpose_mut(), Par::Seq);
     matmul(product.as_mut(), Accum::Replace, corner, bottom.as_ref(), -1.0, Par::Seq);

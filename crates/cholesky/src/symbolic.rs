@@ -17,9 +17,9 @@ use std::collections::BTreeSet;
 use super::ordering::minimum_degree::approximate_minimum_degree;
 use super::ordering::nested_dissection::nested_dissection;
 use crate::Adjacency;
-use elimination::{elimination_tree, postorder};
+use elimination::{ROOT, elimination_tree, postorder};
 use front::{Entry, front_flops};
-use supernodes::{amalgamate, maximal};
+use supernodes::{Supernode, amalgamate, maximal};
 
 pub(crate) use front::{Front, NO_PARENT, Stretch};
 
@@ -67,40 +67,35 @@ impl Symbolic {
 
     /// Analyses with a given order of elimination, `order[position] = variable`.
     pub(crate) fn with_order(pairs: &[(usize, usize)], order: &[usize], block: usize) -> Self {
-        let variables = order.len();
-        let mut position = inverse(order);
-        let place = |position: &[usize], &(a, b): &(usize, usize)| {
-            let (a, b) = (position[a], position[b]);
-            (a.min(b), a.max(b))
-        };
-        let lower =
-            Adjacency::new(variables, pairs.iter().map(|pair| place(&position, pair)).map(|(a, b)| (b, a)));
-        let parent = elimination_tree(variables, &lower);
-        // Fronts need their subtrees to be contiguous; a postorder changes nothing else.
-        let post = postorder(&parent);
-        let order: Vec<usize> = post.iter().map(|&old| order[old]).collect();
-        position = inverse(&order);
-        let renamed = inverse(&post);
-        let parent: Vec<usize> = post
-            .iter()
-            .map(|&old| parent.get(parent[old]).map_or(usize::MAX, |_| renamed[parent[old]]))
-            .collect();
-        let upper = Adjacency::new(variables, pairs.iter().map(|pair| place(&position, pair)));
-        let supernodes = amalgamate(maximal(&parent, &upper), block);
+        let (order, parent) = in_postorder(pairs, order);
+        let position = inverse(&order);
+        let upper = Adjacency::new(order.len(), pairs.iter().map(|&pair| placed(&position, pair)));
+        let mut symbolic = Self::of_supernodes(order, &amalgamate(maximal(&parent, &upper), block));
+        symbolic.link_parents();
+        let work: Vec<f64> = symbolic.fronts.iter().map(|front| front_flops(front, block)).collect();
+        symbolic.flops = work.iter().sum();
+        symbolic.place_updates(&subtrees::independent(&symbolic.fronts, &work));
+        symbolic.place_entries(pairs, &position);
+        symbolic.position = position;
+        symbolic
+    }
 
+    /// A front for each supernode, one panel after the other, so that the factor is one piece of memory in the order in which fronts
+    /// are eliminated. What follows from the fronts' relations is still missing.
+    fn of_supernodes(order: Vec<usize>, supernodes: &[Supernode]) -> Self {
         let mut symbolic = Self {
-            order,
             position: Vec::new(),
             fronts: Vec::with_capacity(supernodes.len()),
             rows: Vec::new(),
             relative: Vec::new(),
             children: Vec::new(),
             entries: Vec::new(),
-            front_of: vec![0; variables],
+            front_of: vec![0; order.len()],
             panel_blocks: 0,
             stack_blocks: [0, 0],
             stretches: Vec::new(),
             flops: 0.0,
+            order,
         };
         for supernode in supernodes {
             let start = symbolic.rows.len();
@@ -121,12 +116,6 @@ impl Symbolic {
             symbolic.panel_blocks += front.columns * front.height();
             symbolic.fronts.push(front);
         }
-        symbolic.link_parents();
-        let work: Vec<f64> = symbolic.fronts.iter().map(|front| front_flops(front, block)).collect();
-        symbolic.flops = work.iter().sum();
-        symbolic.place_updates(&subtrees::independent(&symbolic.fronts, &work));
-        symbolic.place_entries(pairs, &position);
-        symbolic.position = position;
         symbolic
     }
 
@@ -156,6 +145,26 @@ impl Symbolic {
         }
         path.into_iter().collect()
     }
+}
+
+/// An order with the same factor in which every subtree of the elimination tree is contiguous, and the tree by position.
+///
+/// Fronts need that: a supernode is a run of columns, a subtree a range of fronts, and updates can wait on a stack. A postorder
+/// of the tree fills in the same places, renamed (Liu, 1990).
+fn in_postorder(pairs: &[(usize, usize)], order: &[usize]) -> (Vec<usize>, Vec<usize>) {
+    let position = inverse(order);
+    let lower = pairs.iter().map(|&pair| placed(&position, pair)).map(|(a, b)| (b, a));
+    let parent = elimination_tree(order.len(), &Adjacency::new(order.len(), lower));
+    let post = postorder(&parent);
+    let renamed = inverse(&post);
+    let new_parent = |&old: &usize| if parent[old] == ROOT { ROOT } else { renamed[parent[old]] };
+    (post.iter().map(|&old| order[old]).collect(), post.iter().map(new_parent).collect())
+}
+
+/// The positions of a pair, the smaller one first.
+fn placed(position: &[usize], (a, b): (usize, usize)) -> (usize, usize) {
+    let (a, b) = (position[a], position[b]);
+    (a.min(b), a.max(b))
 }
 
 /// `result[values[i]] = i`.

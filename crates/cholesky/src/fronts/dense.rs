@@ -17,7 +17,8 @@ use super::view::FrontView;
 /// Operations from which faer's kernels, which choose vector instructions at run time, pay for their entry cost.
 const LARGE_FRONT: usize = 60_000;
 
-/// Operations from which a front is divided among threads.
+/// Operations from which a front is divided among threads. The front alone decides, not the number of threads, since the two ways round
+/// differently.
 const LARGEST_FRONT: usize = 40_000_000;
 
 /// Working memory of the dense kernels for fronts of up to `columns` eliminated columns.
@@ -66,6 +67,9 @@ pub(super) fn eliminate_large(front: FrontView<'_>, memory: &mut MemBuffer) -> R
 }
 
 /// Left-looking by blocks of `D` columns, without calls.
+///
+/// Left-looking, since a block of columns then is loaded and stored once, whatever comes before it: right-looking would rewrite all later
+/// columns for every block, and small fronts are bound by loads and stores, not by arithmetic.
 #[inline(always)]
 fn eliminate_small<const D: usize>(front: FrontView<'_>) -> Result<(), usize> {
     let below = front.below();
@@ -106,6 +110,7 @@ fn factor_block<const D: usize>(block: &mut [f64], height: usize, start: usize) 
             return Err(start + column);
         }
         let scale = 1.0 / pivot.sqrt();
+        // One division for the column; the product errs by one more rounding than quotients would.
         for value in current.iter_mut() {
             *value *= scale;
         }
@@ -132,7 +137,8 @@ fn subtract_products<const D: usize>(
     height: usize,
     row: usize,
 ) {
-    // Tiles of a few vector registers each, which stay there over all columns of the source.
+    // Tiles of a few vector registers each, which stay there over all columns of the source: with six columns of eight rows, twelve of
+    // the sixteen registers of AVX2. Larger tiles would spill.
     let length = height - row;
     let mut start = 0;
     while start + 8 <= length {

@@ -8,6 +8,8 @@
 use super::view::FrontView;
 
 /// A stretch of a child's rows that lies together in the parent's front, too. Scalars.
+///
+/// Rows of a child mostly come in a few such stretches, and a stretch is added without an index for each entry.
 #[derive(Clone, Copy, Debug)]
 pub struct Run {
     source: usize,

@@ -94,7 +94,8 @@ impl<const D: usize> Factor<D> {
             // One entry to the pool for all that follows.
             rayon::scope(|_| side_by_side(symbolic, others, matrix, panels, stacks, workers)).err()
         };
-        // After a failure only fronts before it are of interest: one thread would have met theirs first.
+        // After a failure only fronts before it are of interest: one thread would have met theirs first, and the variable that is named
+        // must not depend on the number of threads.
         let end = failed
             .as_ref()
             .map_or(usize::MAX, |failed| symbolic.front_of[symbolic.position[failed.variable]]);

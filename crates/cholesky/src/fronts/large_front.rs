@@ -13,9 +13,11 @@ use rayon::prelude::*;
 
 use super::view::FrontView;
 
-/// Columns eliminated at a time.
+/// Columns eliminated at a time: the diagonal block is factorised by one thread, so that wider ones leave the others idle, while narrower
+/// ones multiply the passes over the rest of the front.
 const BLOCK: usize = 128;
-/// Rows or columns that a thread takes at least.
+/// Rows or columns that a thread takes at least: a strip of this many rows and [`BLOCK`] columns, 200 kB, stays in the cache of a
+/// processor. Fixed, not a share of the front by the number of threads: the same strips give the same sums.
 const STRIP: usize = 192;
 
 /// As `dense::eliminate`; the results differ from those of its other ways by rounding.

@@ -117,6 +117,7 @@ pub(crate) fn backward<const D: usize>(
         let known = &local[start + D..];
         let sources: [&[f64]; D] =
             std::array::from_fn(|column| &block[column * height + start + D..][..known.len()]);
+        // Partial sums hide the latency of an addition; the more columns there are, the fewer each needs.
         let sums = if D < 4 { products::<D, 8>(&sources, known) } else { products::<D, 4>(&sources, known) };
         for column in (0..D).rev() {
             let values = &block[column * height + start..][..D];

@@ -182,7 +182,8 @@ impl<const D: usize> WithSimd for Task<'_, D> {
             let update_start = front.update * D * D - own_base;
             let update = &mut own[update_start..update_start + below * below];
             let columns = front.columns * D;
-            // Elimination comes before the children's part of the update.
+            // The panel takes the children's part first: elimination needs complete columns. The update waits: elimination
+            // then writes it first, as a product, and children are added once.
             let mut view = FrontView { panel, height, columns, update, fresh: true };
             for &child in &symbolic.children[front.children.clone()] {
                 let child = &symbolic.fronts[child];
@@ -195,7 +196,6 @@ impl<const D: usize> WithSimd for Task<'_, D> {
                 variable: symbolic.order[front.first + column / D],
                 component: column % D,
             })?;
-            // The update takes the children's after its own part, so that it is written once less.
             for &child in &symbolic.children[front.children.clone()] {
                 let child = &symbolic.fronts[child];
                 place_rows::<D>(symbolic, child, runs);
@@ -203,7 +203,8 @@ impl<const D: usize> WithSimd for Task<'_, D> {
                 let rest = rows_before(runs, columns)..order;
                 extend_add(child, order, rest, runs, view.reborrow());
             }
-            // The smallest ratio of a pivot to the matrix's diagonal entry.
+            // The smallest ratio of a squared pivot to the matrix's diagonal entry, not to the largest pivot: it does not change with the
+            // units of the variables, and small weights of some variables do not look singular.
             for column in 0..columns {
                 let (variable, component) = (symbolic.order[front.first + column / D], column % D);
                 let entry = diagonal[variable][(component, component)];

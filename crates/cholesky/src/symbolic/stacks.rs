@@ -16,6 +16,7 @@ impl Symbolic {
             let parent = self.fronts[index].parent;
             self.fronts[index].stack = self.fronts.get(parent).map_or(0, |parent| 1 - parent.stack);
         }
+        // Parity by depth: a front and its children never share a stack, and its grandchildren are gone when it is assembled.
         // 0 is the rest.
         let mut regions = vec![0; self.fronts.len()];
         let mut base = [0, 0];
@@ -36,6 +37,8 @@ impl Symbolic {
             let front = &self.fronts[index];
             let (own, others) = (front.stack, 1 - front.stack);
             let size = front.below() * front.below();
+            // In postorder the children's updates are the last on their stack. Those of another region lie on that region's stretch,
+            // and nothing is released there.
             let released: usize = self.children[front.children.clone()]
                 .iter()
                 .filter(|&&child| regions[child] == regions[index])

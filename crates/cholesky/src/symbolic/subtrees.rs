@@ -4,9 +4,10 @@ use std::ops::Range;
 
 use super::front::{Front, NO_PARENT};
 
-/// Operations of a factorisation from which handing subtrees to threads pays.
+/// Operations of a factorisation from which handing subtrees to threads pays: each stretch has stacks of its own, which cost memory.
 const WORTH_THREADS: f64 = 1e8;
-/// Share of all operations that a subtree may have: more than that is divided.
+/// Share of all operations that a subtree may have: more than that is divided. Ten or more pieces keep some threads busy whatever their
+/// sizes; many more would move the top, which one thread eliminates, down the tree.
 const LARGEST_SHARE: f64 = 0.1;
 
 /// Stretches of fronts, each of whole subtrees, whose factorisations need nothing of each other. What is left, the top of the

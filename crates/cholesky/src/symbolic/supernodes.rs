@@ -31,6 +31,8 @@ pub(crate) fn maximal(parent: &[usize], upper: &Adjacency) -> Vec<Supernode> {
     let mut structure: Vec<Vec<usize>> = vec![Vec::new(); vertices];
     let mut supernodes: Vec<Supernode> = Vec::new();
     for column in 0..vertices {
+        // The structure of a column is that of the matrix and of its children, less the children themselves: what a child has
+        // further down, its parent has, too.
         marked[column] = column;
         let mut rows = Vec::new();
         let mut collect = |candidates: &[usize]| {
@@ -45,8 +47,11 @@ pub(crate) fn maximal(parent: &[usize], upper: &Adjacency) -> Vec<Supernode> {
         for &child in children.of(column) {
             collect(&structure[child]);
         }
+        // A column goes on with the run of the last one if it is its parent and has the same rows but itself. Then the two fronts are
+        // one, without a zero more.
         let continues =
             column > 0 && parent[column - 1] == column && structure[column - 1].len() == rows.len() + 1;
+        // Nobody asks a child again: memory stays that of the tree's front line.
         for &child in children.of(column) {
             structure[child] = Vec::new();
         }
@@ -99,5 +104,6 @@ fn joins(child: &Supernode, parent: &Supernode, block: usize) -> bool {
     let size = columns * (columns + 1) / 2 + columns * parent.rows.len();
     let share = zeros as f64 / size as f64;
     let scalars = columns * block;
+    // The smaller the front, the more of its time is bookkeeping, and the more zeros pay.
     zeros == 0 || share < 0.1 || (scalars <= 64 && share < 0.2) || (scalars <= 24 && share < 0.5)
 }
