@@ -2,7 +2,8 @@
 //!
 //! K. Madsen, H. B. Nielsen, O. Tingleff, "Methods for non-linear least squares problems", 2004, section 3.2.
 
-/// Damping after the first failure, as a share of the diagonal.
+/// Damping after the first failure, as a share of the diagonal. Small, since most failures near a minimum need little, and growth doubles
+/// with every further one.
 pub(crate) const FIRST_DAMPING: f64 = 1e-5;
 /// Damping beyond which a step is no longer than rounding.
 pub(crate) const LARGEST_DAMPING: f64 = 1e16;

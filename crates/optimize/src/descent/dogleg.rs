@@ -7,7 +7,7 @@ use nalgebra::SVector;
 use posecut_geometry::LieGroup;
 
 use super::damping::{FIRST_DAMPING, LARGEST_DAMPING};
-use super::outcome::{Outcome, Termination};
+use super::outcome::{Outcome, Step, Termination};
 use super::workspace::{Workspace, rounding};
 use crate::model::residual::Term;
 use crate::options::Options;
@@ -20,6 +20,24 @@ const SMALLEST_RADIUS: f64 = 1e-14;
 
 type Steps<const DOF: usize> = Vec<SVector<f64, DOF>>;
 
+/// The ends of the dogleg, which starts at no step at all.
+struct Legs<const DOF: usize> {
+    /// The minimum along the direction of steepest descent.
+    cauchy: Steps<DOF>,
+    /// The Gauss-Newton step, and what it says of itself.
+    newton: Steps<DOF>,
+    full: Step,
+    /// The tolerance that the Gauss-Newton step meets: it is then tried whatever the radius.
+    met: Option<Termination>,
+}
+
+/// The region in which the model is trusted.
+struct Region {
+    radius: f64,
+    /// Below this the radius is rounding.
+    smallest: f64,
+}
+
 impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
     /// Minimises the cost of the edges over all poses but those that are held. A step that fails costs no factorisation.
     pub(crate) fn minimise_by_dogleg<T: Term<G, DOF>>(
@@ -29,8 +47,9 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         options: &Options,
     ) -> Outcome {
         let mut outcome = Outcome::new(self.assemble(edges, poses));
-        let mut radius = f64::INFINITY;
-        let smallest_radius = SMALLEST_RADIUS * self.magnitude.cost.sqrt();
+        // The first radius is the length of the first Gauss-Newton step: nothing is known that speaks against it.
+        let mut region =
+            Region { radius: f64::INFINITY, smallest: SMALLEST_RADIUS * self.magnitude.cost.sqrt() };
         let mut damping = 0.0;
         while outcome.iterations < options.max_iterations {
             outcome.gradient = self.cosine(outcome.cost);
@@ -40,7 +59,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             }
             outcome.factorizations += 1;
             // Only a singular matrix is damped; the radius does the rest.
-            let Some(newton_step) = self.solve(damping, &mut outcome.undetermined) else {
+            let Some(full) = self.solve(damping, &mut outcome.undetermined) else {
                 outcome.iterations += 1;
                 outcome.rejected += 1;
                 damping = if damping == 0.0 { FIRST_DAMPING } else { damping * 10.0 };
@@ -51,56 +70,67 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
                 continue;
             };
             damping = 0.0;
-            outcome.last = newton_step;
-            let met = newton_step.met(self.at_least(outcome.cost), false, options);
-            let newton = self.step.clone();
-            let cauchy = self.cauchy_step();
-            if radius.is_infinite() {
-                radius = self.scaled_norm(&newton);
+            outcome.last = full;
+            let met = full.met(self.at_least(outcome.cost), false, options);
+            let legs = Legs { cauchy: self.cauchy_step(), newton: self.step.clone(), full, met };
+            if region.radius.is_infinite() {
+                region.radius = self.scaled_norm(&legs.newton);
             }
-            loop {
-                outcome.iterations += 1;
-                self.blend(&newton, &cauchy, if met.is_some() { f64::INFINITY } else { radius });
-                let promised = self.promise();
-                let length = self.scaled_norm(&self.step);
-                self.retract(poses);
-                let cost = self.trial_cost(edges);
-                if cost < outcome.cost || (met.is_some() && cost <= outcome.cost) {
-                    let gain = (outcome.cost - cost) / promised;
-                    if gain > GOOD {
-                        radius = radius.max(3.0 * length);
-                    } else if gain < POOR {
-                        radius *= 0.5;
-                    }
-                    poses.copy_from_slice(&self.trial);
-                    outcome.cost = cost;
-                    break;
-                }
-                if met.is_some() {
-                    break;
-                }
-                if newton_step.promised <= rounding(edges, poses) {
-                    outcome.termination = Termination::Cost;
-                    return outcome;
-                }
-                outcome.rejected += 1;
-                radius = 0.5 * radius.min(length);
-                if !(radius > smallest_radius) || outcome.iterations >= options.max_iterations {
-                    outcome.termination = if radius > smallest_radius {
-                        Termination::IterationLimit
-                    } else {
-                        Termination::Stalled
-                    };
-                    return outcome;
-                }
-            }
-            if let Some(termination) = met {
+            if let Some(termination) = self.search(edges, poses, options, &legs, &mut region, &mut outcome) {
                 outcome.termination = termination;
                 return outcome;
             }
             self.assemble(edges, poses);
         }
         outcome
+    }
+
+    /// Tries points of the dogleg at smaller and smaller radii until one lowers the cost. Says why the iteration ends, if it does.
+    fn search<T: Term<G, DOF>>(
+        &mut self,
+        edges: &[T],
+        poses: &mut [G],
+        options: &Options,
+        legs: &Legs<DOF>,
+        region: &mut Region,
+        outcome: &mut Outcome,
+    ) -> Option<Termination> {
+        let Legs { cauchy, newton, full, met } = legs;
+        loop {
+            outcome.iterations += 1;
+            self.blend(newton, cauchy, if met.is_some() { f64::INFINITY } else { region.radius });
+            let promised = self.promise();
+            let length = self.scaled_norm(&self.step);
+            self.retract(poses);
+            let cost = self.trial_cost(edges);
+            if cost < outcome.cost || (met.is_some() && cost <= outcome.cost) {
+                let gain = (outcome.cost - cost) / promised;
+                if gain > GOOD {
+                    region.radius = region.radius.max(3.0 * length);
+                } else if gain < POOR {
+                    region.radius *= 0.5;
+                }
+                poses.copy_from_slice(&self.trial);
+                outcome.cost = cost;
+                return *met;
+            }
+            if met.is_some() {
+                return *met;
+            }
+            if full.promised <= rounding(edges, poses) {
+                // Even the full step promises less than the cost can show.
+                return Some(Termination::Cost);
+            }
+            outcome.rejected += 1;
+            // From the length of what was tried: a radius beyond the Gauss-Newton step would give the same step again.
+            region.radius = 0.5 * region.radius.min(length);
+            if !(region.radius > region.smallest) {
+                return Some(Termination::Stalled);
+            }
+            if outcome.iterations >= options.max_iterations {
+                return Some(Termination::IterationLimit);
+            }
+        }
     }
 
     /// The minimum of the model along `-diag(H)^-1 g`.
@@ -113,6 +143,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             .map(|(gradient, block)| {
                 SVector::from_fn(|row, _| {
                     let entry = block[(row, row)];
+                    // A direction that no edge measures has no gradient, either: rounding must not make a step of it.
                     if entry > 0.0 { -gradient[row] / entry } else { 0.0 }
                 })
             })

@@ -10,7 +10,8 @@ use crate::model::magnitude::{Magnitude, translations};
 use crate::model::residual::Term;
 use crate::normal_equations::{NormalEquations, Pattern};
 
-/// Share of the largest diagonal entry that damping takes every other one for at least.
+/// Share of the largest diagonal entry that damping takes every other one for at least: Marquardt's scaling alone would not damp a
+/// direction at all that hardly an edge measures, and its steps would know no bounds.
 const DAMPING_FLOOR: f64 = 1e-9;
 
 /// Memory of the iteration, reserved once.
