@@ -5,7 +5,7 @@
 ONLINE_EVERY ?= 20
 ONLINE       ?= $(BIN)/examples/online_rejection
 
-$(BIN)/examples/online_rejection: $(sources) $(wildcard crates/optimize/examples/*.rs)
+$(BIN)/examples/online_rejection: $(sources) $(wildcard crates/isam/examples/*.rs)
 	@cargo build --release --locked --quiet --workspace --example online_rejection
 	@touch $@
 

@@ -104,7 +104,7 @@ def main():
     program = options.bench
     if not program:
         built = subprocess.run(
-            ["cargo", "bench", "-p", "posecut-optimize", "--bench", "incremental", "--no-run", "--message-format=json"],
+            ["cargo", "bench", "-p", "posecut-isam", "--bench", "incremental", "--no-run", "--message-format=json"],
             check=True, capture_output=True, text=True, cwd=ROOT).stdout
         names = [json.loads(line) for line in built.splitlines() if line.startswith("{")]
         program = [n["executable"] for n in names if n.get("executable") and n["target"]["name"] == "incremental"][-1]

@@ -103,7 +103,7 @@ work = sys.argv[1]
 graph, ours = gtsam.readG2o(f"{work}/ours.g2o", False)
 first = ours.keys()[0]
 graph.add(gtsam.PriorFactorPose2(first, ours.atPose2(first), gtsam.noiseModel.Isotropic.Sigma(3, 1e-3)))
-chi2 = json.load(open(f"{work}/stats.json"))["chi2"]
+chi_square = json.load(open(f"{work}/stats.json"))["chi_square"]
 theirs = 2.0 * graph.error(ours)  # gtsam's error is half the sum of squares
 parameters = gtsam.LevenbergMarquardtParams()
 parameters.setRelativeErrorTol(1e-14)
@@ -111,10 +111,10 @@ parameters.setAbsoluteErrorTol(1e-14)
 best = gtsam.LevenbergMarquardtOptimizer(graph, ours, parameters).optimize()
 improved = 2.0 * graph.error(best)
 moved = max((ours.atPose2(key).translation() - best.atPose2(key).translation()).__abs__().max() for key in ours.keys())
-print(f"chi2: posecut {chi2!r}, gtsam at our poses {theirs!r}, gtsam optimised from there {improved!r}; poses moved {moved:.1e} m")
-if abs(theirs - chi2) > 1e-9 * chi2:
+print(f"chi_square: posecut {chi_square!r}, gtsam at our poses {theirs!r}, gtsam optimised from there {improved!r}; poses moved {moved:.1e} m")
+if abs(theirs - chi_square) > 1e-9 * chi_square:
     sys.exit("posecut and gtsam disagree on the cost of the same poses")
-if chi2 - improved > 1e-8 * chi2 or moved > 1e-3:
+if chi_square - improved > 1e-8 * chi_square or moved > 1e-3:
     sys.exit("gtsam found a better optimum")
 
 import numpy as np

@@ -121,7 +121,7 @@ def cost_of(path):
         return None
     result = run([PROGRAMS / "posecut-optimize", "-q", "--initialisation", "given", "--max-iterations", 0, graph,
                   "-o", WORK / "cost.out.jsonl", "--stats", stats])
-    return None if "failed" in result else json.loads(stats.read_text())["chi2_given"]
+    return None if "failed" in result else json.loads(stats.read_text())["chi_square_given"]
 
 
 def starts(name):
@@ -181,7 +181,7 @@ def whole_process(name, results):
                 sys.exit(f"{name}: {result['failed']}")
             best = min(best, result, key=lambda run: run["wall"])
         said = json.loads(stats.read_text())
-        entry[word] = {"seconds": best["wall"], "megabytes": best["megabytes"], "certificate": said.get("certificate"), "cost": said["chi2"],
+        entry[word] = {"seconds": best["wall"], "megabytes": best["megabytes"], "certificate": said.get("certificate"), "cost": said["chi_square"],
                        "blocks": said["factor_blocks"], "flops": said["factor_flops"],
                        **{key: said[key] for key in said if key.endswith("_seconds")},
                        "iterations": said["iterations"], "factorizations": said["factorizations"],
@@ -316,7 +316,7 @@ def tables(results):
                     f"{plain['termination']} | {plain['seconds']:.3f} ({plain['megabytes']:.0f}) | {certify['seconds']:.3f} | "
                     f"{certify['certificate']} | {marginals['seconds']:.3f} |")
     out["process"] = rows
-    rows = ["| graph | poses | edges | s | with two threads, s | peak MB | factor, blocks per pose | factor, MB | steps (factorisations) | start | chi2 per freedom |",
+    rows = ["| graph | poses | edges | s | with two threads, s | peak MB | factor, blocks per pose | factor, MB | steps (factorisations) | start | chi-square per freedom |",
             "|---|---|---|---|---|---|---|---|---|---|---|"]
     for kind, sizes in results.get("growth", {}).items():
         for size, e in sizes.items():
@@ -326,7 +326,7 @@ def tables(results):
             rows.append(f"| {kind} | {e['poses']:,} | {e['edges']:,} | {e['seconds']:.3f} | "
                         f"{'' if 'with_two' not in e else format(e['with_two'], '.3f')} | {e['peak_megabytes']:.0f} | "
                         f"{e['factor_blocks'] / e['poses']:.1f} | {e['factor_megabytes']:.1f} | {e['iterations']} ({e['factorizations']}) | "
-                        f"{e['start']} | {e['chi2_per_freedom']:.3f} |")
+                        f"{e['start']} | {e['chi_square_per_freedom']:.3f} |")
     out["growth"] = rows
     rows = ["| graph | " + " | ".join(MODES) + " |", "|---|" + "---|" * len(MODES)]
     for name, row in results.get("robust", {}).items():

@@ -118,14 +118,14 @@ fn measure<G: PoseGroup<DOF>, const DOF: usize>(kind: &str, (truth, edges): Grap
     println!(
         "{{\"kind\":\"{kind}\",\"poses\":{poses},\"edges\":{count},\"seconds\":{seconds:.4},\"iterations\":{},\
          \"factorizations\":{},\"factor_blocks\":{},\"factor_megabytes\":{:.1},\"peak_megabytes\":{:.0},\"start\":\"{}\",\
-         \"chi2_per_freedom\":{:.4},\"error_metres\":{error:.3},\"converged\":{}}}",
+         \"chi_square_per_freedom\":{:.4},\"error_metres\":{error:.3},\"converged\":{}}}",
         solution.iterations,
         report.factorizations,
         report.factor_blocks,
         (report.factor_blocks * DOF * DOF * 8) as f64 / 1e6,
         peak_megabytes(),
         report.start.name(),
-        solution.chi2 / (DOF * (count + 1 - poses)) as f64,
+        solution.chi_square / (DOF * (count + 1 - poses)) as f64,
         solution.converged,
     );
 }

@@ -51,8 +51,8 @@ fn measure<G: PoseGroup<DOF>, const DOF: usize>(name: &str, best: f64, graph: (V
                 solution.iterations,
                 report.rejected,
                 report.factorizations,
-                solution.chi2,
-                (solution.chi2 - best) / best,
+                solution.chi_square,
+                (solution.chi_square - best) / best,
                 report.termination.name(),
                 report.undetermined,
             );

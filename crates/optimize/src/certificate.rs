@@ -8,21 +8,21 @@
 //!
 //! D. M. Rosen, L. Carlone, A. S. Bandeira, J. J. Leonard, "SE-Sync", IJRR 38(2-3), 2019.
 //!
-//! Depends on the model, on [`linear`](crate::linear), and on the descent of `batch`, which refines poses for `F` first.
+//! Depends on the model, on `normal_equations`, and on `descent`, which refines poses for `F` first.
 
 pub(crate) mod chordal_cost;
 
 use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
-use crate::batch::levenberg_marquardt::Workspace;
-use crate::batch::options::Options;
+use crate::descent::workspace::Workspace;
 use crate::initialisation::chordal::MatrixPose;
-use crate::linear::normal_equations::Pattern;
-use crate::linear::{Factor, Symbolic};
 use crate::model::magnitude::Magnitude;
 use crate::model::problem::Edge;
+use crate::normal_equations::Pattern;
+use crate::options::Options;
 use chordal_cost::ChordalEdge;
+use posecut_cholesky::{Factor, Symbolic};
 
 /// Share of the cost that the bound may lie below it for a verdict of 'global'.
 const GAP: f64 = 1e-6;

@@ -1,109 +1,60 @@
-//! The program: batch or incremental.
+//! The program: a stage from graph to graph, and better answers to two kinds of arguments than the parser has.
 
 use std::io::Write as _;
 use std::process::ExitCode;
 
-use clap::{Parser, ValueEnum as _};
-use posecut_stage::{CommonArguments, Context, GraphStage as _, Identity, Outcome, Source};
+use clap::ValueEnum as _;
+use posecut_stage::{GraphStage as _, run_graph_stage};
 
-use crate::incremental::IncrementalStageOptions;
-use crate::stage::{Graduation, RobustOptions, StageOptions};
+use crate::stage::{Graduation, StageOptions};
 
-/// How the graph is solved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Solver {
-    /// All at once
-    Batch,
-    /// As it comes: pose by pose, edges taken back by `retract` records
-    Isam2,
-}
-
-#[derive(Parser)]
-struct Command {
-    /// The pose graph to read (JSON Lines, may be compressed); `-` is standard input
-    #[arg(value_name = "INPUT", default_value = "-")]
-    input: Source,
-
-    /// How the graph is solved
-    #[arg(long, value_enum, default_value_t = Solver::Batch)]
-    solver: Solver,
-
-    #[command(flatten)]
-    stage: StageOptions,
-
-    #[command(flatten)]
-    incremental: IncrementalStageOptions,
-
-    /// Leave rejected edges out of the output instead of marking them
-    #[arg(long, help_heading = "Output")]
-    drop_rejected: bool,
-
-    #[command(flatten)]
-    common: CommonArguments,
-}
+/// Options of the incremental solver, which was a mode of this program.
+const OF_ISAM: [&str; 9] = [
+    "--relinearise-translation",
+    "--relinearise-rotation",
+    "--relinearise-every",
+    "--propagate",
+    "--linearisation-error",
+    "--solutions",
+    "--unfinished",
+    "--every",
+    "--estimates",
+];
 
 /// The program's `main`.
 pub fn main() -> ExitCode {
-    let identity = Identity {
-        name: StageOptions::NAME,
-        version: env!("CARGO_PKG_VERSION"),
-        about: StageOptions::ABOUT,
-        place: StageOptions::PLACE,
-    };
-    if let Some(cost) = separate_cost(std::env::args_os()) {
-        // To the parser the cost would be the input file, and the file one argument too many.
-        let _ = writeln!(
-            std::io::stderr(),
-            "posecut-{}: error: --gnc takes its cost with an equals sign: write --gnc={cost} (a file of this name: ./{cost})",
-            identity.name
-        );
+    let words: Vec<String> = std::env::args_os()
+        .skip(1)
+        .map(|word| word.to_string_lossy().into_owned())
+        .take_while(|word| word != "--")
+        .collect();
+    if let Some(sentence) = separate_cost(&words).or_else(|| moved_option(&words)) {
+        let _ = writeln!(std::io::stderr(), "posecut-{}: error: {sentence}", StageOptions::NAME);
         return ExitCode::from(2);
     }
-    posecut_stage::run_with_doubts::<Command>(
-        identity,
-        StageOptions::DOUBTS,
-        |command| &command.common,
-        |command, context| {
-            let mut graph = command.optimise(context)?;
-            if command.drop_rejected {
-                graph.drop_rejected();
-            }
-            context.write_graph(&graph)?;
-            Ok(Outcome::Done)
-        },
-    )
+    run_graph_stage::<StageOptions>(env!("CARGO_PKG_VERSION"))
 }
 
-/// The name of a cost that follows `--gnc` as an argument of its own.
-fn separate_cost(arguments: impl Iterator<Item = std::ffi::OsString>) -> Option<String> {
-    let words: Vec<String> =
-        arguments.map(|word| word.to_string_lossy().into_owned()).take_while(|word| word != "--").collect();
-    words
-        .windows(2)
-        .find(|pair| pair[0] == "--gnc" && Graduation::from_str(&pair[1], false).is_ok())
-        .map(|pair| pair[1].clone())
+/// What to say where a cost follows `--gnc` as an argument of its own: to the parser the cost would be the input file, and the file
+/// one argument too many.
+fn separate_cost(words: &[String]) -> Option<String> {
+    let pair =
+        words.windows(2).find(|pair| pair[0] == "--gnc" && Graduation::from_str(&pair[1], false).is_ok())?;
+    let cost = &pair[1];
+    Some(format!(
+        "--gnc takes its cost with an equals sign: write --gnc={cost} (a file of this name: ./{cost})"
+    ))
 }
 
-impl Command {
-    fn optimise(&self, context: &mut Context) -> anyhow::Result<posecut_graph::PoseGraph> {
-        let Self { stage, incremental, .. } = self;
-        let defaults = Self::try_parse_from([StageOptions::NAME])?;
-        if self.solver == Solver::Isam2 {
-            let RobustOptions { kernel_odometry, kernel_landmark, .. } = stage.robust;
-            let kernels = RobustOptions { kernel_odometry, kernel_landmark, ..defaults.stage.robust };
-            anyhow::ensure!(
-                *stage == StageOptions { robust: kernels, ..defaults.stage },
-                "of the options of the batch solver, --solver isam2 takes --kernel-odometry and --kernel-landmark only; leave the others out"
-            );
-            return incremental.run(&self.input, stage, context);
-        }
-        anyhow::ensure!(
-            *incremental == defaults.incremental,
-            "options of the incremental solver were given without it; add --solver isam2"
-        );
-        let mut graph = context.read_graph(&self.input, "graph")?;
-        stage.run(&mut graph, context)?;
-        context.record_provenance(&mut graph, stage, stage.seed())?;
-        Ok(graph)
-    }
+/// What to say of an option that went to posecut-isam.
+fn moved_option(words: &[String]) -> Option<String> {
+    let options = words.iter().map(|word| word.split_once('=').map_or(word.as_str(), |(option, _)| option));
+    let option = options.into_iter().find(|option| *option == "--solver" || OF_ISAM.contains(option))?;
+    Some(if option == "--solver" {
+        "--solver is no option any more: posecut-optimize is the batch solver, and posecut-isam the incremental one; run \
+         posecut-isam instead of --solver isam2, or leave --solver out"
+            .to_owned()
+    } else {
+        format!("{option} is an option of the incremental solver; run posecut-isam, or leave {option} out")
+    })
 }

@@ -2,7 +2,7 @@
 //!
 //! `chordal` finds all rotations by one linear least-squares problem, then all translations by another (Carlone, Tron,
 //! Daniilidis, Dellaert, ICRA 2015, section III.B); `tree` composes poses along a spanning tree. Depends on the model and
-//! on [`linear`](crate::linear).
+//! on `normal_equations`.
 
 pub(crate) mod chordal;
 pub(crate) mod tree;

@@ -8,11 +8,13 @@
 //! 2. [`initialisation`] proposes starts: the given poses, a spanning tree, and the chordal relaxation, which finds all
 //!    rotations first. The cheapest in cost is taken.
 //! 3. [`optimize`] runs Gauss-Newton steps, damped (Levenberg-Marquardt) once one fails, over an own sparse
-//!    Cholesky factorisation ([`linear`]) of 3 x 3 or 6 x 6 blocks.
+//!    Cholesky factorisation ([`posecut_cholesky`]) of 3 x 3 or 6 x 6 blocks.
 //! 4. [`Marginals`] gives covariances of poses and of pairs of them, from the factor.
 //!
-//! A folder of `src` is a piece of theory; the module of its name says which equations it rests on: `model`, [`linear`],
-//! [`initialisation`], `batch`, `certificate`, [`covariance`], [`incremental`], and [`stage`], all of it on a pose graph.
+//! A folder of `src` is a piece of theory; the module of its name says which equations it rests on. They depend on each other in this
+//! order: [`model`], `normal_equations`, [`initialisation`], `descent`, `certificate`, `pose_group`, `batch`, `covariance`, and
+//! `stage`, all of it on a graph that [`pose_graph`] reads. Without the feature `cli`, which is on by default, there are neither stage nor
+//! program, and the crate depends on neither clap nor posecut-stage.
 //!
 //! ```
 //! use nalgebra::Matrix3;
@@ -24,29 +26,36 @@
 //! edges.push(Edge::new(3, 0, SE2::new(1.1, 0.0, 1.6), Matrix3::identity(), EdgeKind::Landmark));
 //! let problem = Problem::new(vec![SE2::identity(); 4], edges)?;
 //! let solution = optimize(&problem, &Options::default());
-//! assert!(solution.converged && solution.chi2 < 0.01);
+//! assert!(solution.converged && solution.chi_square < 0.01);
 //! # Ok::<(), posecut_optimize::ProblemError>(())
 //! ```
 
 mod batch;
 mod certificate;
+#[cfg(feature = "cli")]
 pub mod command;
-pub mod covariance;
-pub mod incremental;
+mod covariance;
+mod descent;
 pub mod initialisation;
-pub mod linear;
-mod model;
+pub mod model;
+mod normal_equations;
+mod options;
+pub mod pose_graph;
+mod pose_group;
+#[cfg(feature = "cli")]
 pub mod stage;
 
-pub use batch::options::{Graduated, Initialisation, Method, Options};
-pub use batch::outcome::Termination;
-pub use batch::phases::Phases;
+pub use batch::certify::certify;
 pub use batch::solution::{ComponentReport, Solution, Start};
-pub use batch::solve::{PoseGroup, certify, optimize};
+pub use batch::solve::optimize;
 pub use certificate::Certificate;
 pub use covariance::marginals::{Joint, Marginals};
+pub use descent::outcome::Termination;
+pub use descent::phases::Phases;
 pub use model::components;
 pub use model::kernel::Kernel;
 pub use model::kernel_name::KernelNameError;
 pub use model::problem::{Edge, EdgeKind, Problem, ProblemError};
-pub use model::residual::{chi2, residual};
+pub use model::residual::{chi_square, residual};
+pub use options::{Graduated, Initialisation, Method, Options};
+pub use pose_group::PoseGroup;

@@ -2,7 +2,7 @@
 //!
 //! The cost is `sum of rho(e^T Omega e)` with `e = Log(Z^-1 X_from^-1 X_to)`, where an edge measures `Z` with information matrix
 //! `Omega`. [`problem`] checks a graph, [`residual`] gives `e` and its Jacobians, [`kernel`] gives `rho` and [`kernel_name`]
-//! its words, [`components`] the connected parts, and [`magnitude`] what tolerances are shares of.
+//! its words, [`components`] the connected parts, [`part`] one of them as a graph, and [`magnitude`] what tolerances are shares of.
 //!
 //! Depends on no other module of this crate.
 
@@ -10,5 +10,11 @@ pub mod components;
 pub(crate) mod kernel;
 pub(crate) mod kernel_name;
 pub(crate) mod magnitude;
+pub(crate) mod part;
 pub(crate) mod problem;
 pub(crate) mod residual;
+
+pub use kernel::charge;
+pub use magnitude::{Magnitude, distance, size, translations};
+pub use problem::{check_edge, is_finite};
+pub use residual::{Expansion, Gradient, Linearised, Term};

@@ -1,34 +1,31 @@
 //! Optimisation as a stage: writes the optimised poses of a pose graph.
 //!
-//! Options, warnings and statistics; `marginals` writes covariances, `robust` weights of edges. Depends on the theory, which
-//! knows no pose graphs.
+//! Options, warnings and statistics; `marginals` writes covariances, `robust` weights of edges. Depends on the theory, and
+//! on [`pose_graph`](crate::pose_graph), which reads a graph for it.
 
 mod certify;
 mod doubts;
-pub(crate) mod figures;
+mod figures;
 mod marginals;
 mod robust;
-pub(crate) mod unusable;
+mod unusable;
 
 use std::time::Instant;
 
 use anyhow::Context as _;
-use nalgebra::SMatrix;
-use posecut_geometry::covariance::unpack_upper_triangle;
-use posecut_geometry::{LieGroup, SE2, SE3};
-use posecut_graph::{Dimension, Node, PoseGraph};
+use posecut_geometry::{SE2, SE3};
+use posecut_graph::{Dimension, PoseGraph};
 use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, counted, info, warn};
 use serde::Serialize;
 
-pub(crate) use doubts::doubt_disconnected;
+pub use doubts::doubt_disconnected;
+pub use figures::significant;
 pub use marginals::MarginalsOf;
-pub use robust::{Graduation, RobustOptions};
+pub use robust::{Graduation, KernelOptions, RobustOptions};
+pub use unusable::refuse_unless_finite;
 
-use crate::{
-    Edge, EdgeKind, Initialisation, Method, Options, Phases, PoseGroup, Problem, Solution, certify, optimize,
-};
-use figures::significant;
-use unusable::refuse_unless_finite;
+use crate::pose_graph::{Measured, edges, fixed_nodes};
+use crate::{Initialisation, Method, Options, Phases, PoseGroup, Problem, Solution, certify, optimize};
 
 /// Where to start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
@@ -204,84 +201,8 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
         marginals::write(of, &problem, &solution, graph, &mut context.statistics);
     }
     options.robust.write_weights(graph, &places, &solution.weights, context)?;
-    options.robust.note(library_options.graduated, solution.cost, &mut context.statistics);
+    options.robust.note(library_options.graduated, &mut context.statistics);
     Ok(())
-}
-
-/// The places of the nodes that are to stay where they are.
-fn fixed_nodes(graph: &PoseGraph) -> anyhow::Result<Vec<usize>> {
-    let mut fixed = Vec::new();
-    for (place, node) in graph.nodes.iter().enumerate() {
-        if is_fixed(node)? {
-            fixed.push(place);
-        }
-    }
-    Ok(fixed)
-}
-
-/// Whether a node is to stay where it is, which must then be known.
-pub(crate) fn is_fixed(node: &Node) -> anyhow::Result<bool> {
-    let fixed = node.is_fixed().map_err(|value| {
-        anyhow::anyhow!(
-            "node {}, field \"fixed\": expected true or false, found {value}; say true to hold the node at its pose",
-            node.id
-        )
-    })?;
-    anyhow::ensure!(
-        !fixed || node.pose.is_some(),
-        "node {} is fixed and has no pose to stay at; give it one, or take the field \"fixed\" away",
-        node.id
-    );
-    Ok(fixed)
-}
-
-/// The edges in use that measure something.
-#[derive(Clone, Debug)]
-pub struct Measured<G, const DOF: usize> {
-    /// As the library takes them, without kernels; their ends are places among the graph's nodes.
-    pub edges: Vec<Edge<G, DOF>>,
-    /// Their places among the graph's edges.
-    pub places: Vec<usize>,
-    /// How many edges in use measure nothing.
-    pub unmeasured: usize,
-}
-
-/// Reads the edges in use of a pose graph. O(edges).
-pub fn edges<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Result<Measured<G, DOF>> {
-    let mut found = Measured { edges: Vec::new(), places: Vec::new(), unmeasured: 0 };
-    for (place, edge) in graph.edges.iter().enumerate().filter(|(_, edge)| edge.in_use()) {
-        let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to)) else {
-            continue;
-        };
-        let Some(measured) = measured_edge(graph, edge, from, to)? else {
-            found.unmeasured += 1;
-            continue;
-        };
-        found.edges.push(measured);
-        found.places.push(place);
-    }
-    Ok(found)
-}
-
-/// An edge as the library takes it, without kernel, between these places; `None` if it measures nothing.
-pub(crate) fn measured_edge<G: LieGroup<DOF>, const DOF: usize>(
-    graph: &PoseGraph,
-    edge: &posecut_graph::Edge,
-    from: usize,
-    to: usize,
-) -> anyhow::Result<Option<Edge<G, DOF>>> {
-    let (Some(measurement), Some(packed)) = (&edge.measurement, graph.information(edge)) else {
-        return Ok(None);
-    };
-    let measurement = G::from_components(measurement)
-        .with_context(|| format!("{}: its measurement cannot be used", edge.name()))?;
-    let information: SMatrix<f64, DOF, DOF> = unpack_upper_triangle(packed)
-        .with_context(|| format!("{}: its information cannot be used", edge.name()))?;
-    let kind = match edge.kind {
-        posecut_graph::EdgeKind::Odometry => EdgeKind::Odometry,
-        posecut_graph::EdgeKind::Landmark => EdgeKind::Landmark,
-    };
-    Ok(Some(Edge::new(from, to, measurement, information, kind)))
 }
 
 fn tell<G>(solution: &Solution<G>, unmeasured: usize) {
@@ -300,7 +221,7 @@ fn tell<G>(solution: &Solution<G>, unmeasured: usize) {
 }
 
 /// Warns of edges that are not used.
-pub(crate) fn warn_of_unmeasured(unmeasured: usize) {
+pub fn warn_of_unmeasured(unmeasured: usize) {
     if unmeasured > 0 {
         warn!("{} in use without a measurement: not optimised over", counted(unmeasured, "edge"));
     }
@@ -310,9 +231,10 @@ fn note<G>(solution: &Solution<G>, edges: usize, unmeasured: usize, context: &mu
     let statistics = &mut context.statistics;
     statistics.note("edges", edges);
     statistics.note("unmeasured", unmeasured);
-    statistics.note("chi2_given", solution.chi2_given);
-    statistics.note("chi2_initial", solution.chi2_initial);
-    statistics.note("chi2", solution.chi2);
+    statistics.note("chi_square_given", solution.chi_square_given);
+    statistics.note("chi_square_initial", solution.chi_square_initial);
+    statistics.note("chi_square", solution.chi_square);
+    statistics.note("cost", solution.cost);
     statistics.note("iterations", solution.iterations);
     statistics.note(
         "factorizations",

@@ -53,7 +53,7 @@ struct Innovation<const DOF: usize> {
 
 impl<G: Motion<DOF>, const DOF: usize> Drawing<G, DOF> {
     pub(crate) fn of(graph: &PoseGraph, model: &Model<G, DOF>) -> anyhow::Result<Self> {
-        let measured = posecut_optimize::stage::edges::<G, DOF>(graph)?;
+        let measured = posecut_optimize::pose_graph::edges::<G, DOF>(graph)?;
         let mut landmark_of = vec![None; graph.edges.len()];
         let mut odometry = Vec::new();
         for (edge, &place) in measured.edges.iter().zip(&measured.places) {

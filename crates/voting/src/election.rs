@@ -94,7 +94,7 @@ impl<O: Optimiser> Ballot<'_, O> {
         let mut waiting = VecDeque::from(order);
         let mut accepted = BTreeSet::new();
         let mut state = self.optimiser.state(&self.edges(&waiting));
-        let mut optimum = Fit { chi2: 0.0, redundancy: 0, residuals: Vec::new() };
+        let mut optimum = Fit { chi_square: 0.0, redundancy: 0, residuals: Vec::new() };
         let mut forecasts = BTreeMap::new();
         let (mut streak, mut refusals) = (0, 0);
         while !waiting.is_empty() {
@@ -142,7 +142,7 @@ impl<O: Optimiser> Ballot<'_, O> {
         waiting.into_iter().zip(forecasts).filter_map(|(edge, forecast)| Some((edge, forecast?))).collect()
     }
 
-    /// Whether one edge of a cluster alone would take chi2 far beyond its quantile, or is a cluster alone and would be left with a
+    /// Whether one edge of a cluster alone would take chi-square far beyond its quantile, or is a cluster alone and would be left with a
     /// residual far beyond its own.
     fn hopeless(&self, cluster: usize, optimum: &Fit, forecasts: &BTreeMap<usize, Forecast>) -> bool {
         let edges = &self.clusters[cluster];

@@ -4,7 +4,7 @@ use posecut_graph::PoseGraph;
 use posecut_optimize::components::connected_components;
 use posecut_optimize::{
     Edge, EdgeKind, Initialisation, Marginals, Options, PoseGroup, Problem, ProblemError, Solution, optimize,
-    residual, stage,
+    pose_graph, residual,
 };
 
 use crate::chains::{Chain, Condensed, Odometry};
@@ -17,7 +17,7 @@ const COST_TOLERANCE: f64 = 1e-4;
 /// [`Parts::steps`] of the published code.
 const STEPS: usize = 4;
 
-/// Change of chi2, as a share of it, below which chains are not linearised again.
+/// Change of chi-square, as a share of it, below which chains are not linearised again.
 const CHAIN_TOLERANCE: f64 = 1e-3;
 
 /// Most linearisations of the chains.
@@ -89,7 +89,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Optimiser for Parts<G, DOF> {
 impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
     /// Takes the edges in use that have a measurement.
     pub fn of(graph: &PoseGraph) -> anyhow::Result<Self> {
-        let measured = stage::edges::<G, DOF>(graph)?;
+        let measured = pose_graph::edges::<G, DOF>(graph)?;
         let poses = graph
             .nodes
             .iter()
@@ -130,7 +130,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
     ///
     /// Its redundancy is DOF (edges - nodes + connected parts): each part has one node that nothing fixes. Nodes that no chosen
     /// edge touches are eliminated first: the time grows with the chosen edges, and little with the graph. With steps
-    /// enough the result is that of [`Self::fit_whole`] up to a thousandth of chi2.
+    /// enough the result is that of [`Self::fit_whole`] up to a thousandth of chi-square.
     pub fn fit(&self, landmarks: &[usize]) -> Fit {
         let settled = self.state(landmarks).and_then(|mut state| self.settle(&mut state, landmarks));
         settled.unwrap_or_else(|| self.fit_whole(landmarks))
@@ -175,7 +175,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
         Some((Problem::new(state.poses.clone(), edges.collect()), condensed))
     }
 
-    /// Optimises the ends of chains and then linearises the chains again, until chi2 stays. `None` if it does not.
+    /// Optimises the ends of chains and then linearises the chains again, until chi-square stays. `None` if it does not.
     ///
     /// Starts from where the state is, unless a landmark edge joins what was apart.
     fn settle(&self, state: &mut State<G>, landmarks: &[usize]) -> Option<Fit> {
@@ -203,8 +203,8 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
                 let [from, to] = [chain.from, chain.to].map(|node| solution.poses[state.numbers[node]]);
                 chain.bend(odometry, condensed, &from.between(&to));
             }
-            let moved = (solution.chi2 - before).abs();
-            let settled = moved <= CHAIN_TOLERANCE * solution.chi2.max(CHAIN_TOLERANCE);
+            let moved = (solution.chi_square - before).abs();
+            let settled = moved <= CHAIN_TOLERANCE * solution.chi_square.max(CHAIN_TOLERANCE);
             if settled || solution.converged && state.chains.iter().all(Chain::is_edge) {
                 let fit = self.result(landmarks, &solution, &state.numbers);
                 let mut components = vec![0; solution.poses.len()];
@@ -217,7 +217,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
                 return Some(fit);
             }
             start = Initialisation::Given;
-            before = solution.chi2;
+            before = solution.chi_square;
             state.poses = solution.poses;
         }
         None
@@ -233,7 +233,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
             let error = residual(&edge.measurement, from, to);
             error.dot(&(edge.information * error))
         });
-        Fit { chi2: solution.chi2, redundancy, residuals: residuals.collect() }
+        Fit { chi_square: solution.chi_square, redundancy, residuals: residuals.collect() }
     }
 
     fn options(&self, initialisation: Initialisation) -> Options {

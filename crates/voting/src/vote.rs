@@ -10,7 +10,7 @@ use crate::forecast::Forecast;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
     /// Sum of squared Mahalanobis residuals of all edges.
-    pub chi2: f64,
+    pub chi_square: f64,
     /// Degrees of freedom of that sum: components of residuals less those of poses.
     pub redundancy: usize,
     /// Squared Mahalanobis residual of each landmark edge asked for, in that order.
@@ -79,12 +79,12 @@ impl Quantiles {
     }
 
     pub(crate) fn passes(self, fit: &Fit) -> bool {
-        fit.redundancy == 0 || fit.chi2 < self.at(fit.redundancy)
+        fit.redundancy == 0 || fit.chi_square < self.at(fit.redundancy)
     }
 
-    /// By how much chi2 may grow with so many more edges.
+    /// By how much chi-square may grow with so many more edges.
     pub(crate) fn slack(self, fit: &Fit, edges: usize) -> f64 {
-        self.at(fit.redundancy + edges * self.edge_degrees) - fit.chi2
+        self.at(fit.redundancy + edges * self.edge_degrees) - fit.chi_square
     }
 }
 
@@ -105,7 +105,7 @@ pub struct Verdict {
 
 /// Votes on clusters of landmark edges.
 ///
-/// First each cluster alone (algorithm 1 of the paper): while chi2 of its optimum fails, the edge of the largest residual is
+/// First each cluster alone (algorithm 1 of the paper): while chi-square of its optimum fails, the edge of the largest residual is
 /// removed, until none remains; then those edges whose own residual fails. Then the [`Election`] of the remaining clusters.
 ///
 /// Two things differ from the published code. The test of the whole takes the redundancy of the graph as degrees of freedom,

@@ -14,7 +14,7 @@ fn fit_of_means(values: &[f64]) -> impl Fn(&[usize]) -> Fit + Sync + '_ {
     move |edges| {
         let mean = edges.iter().map(|&edge| values[edge]).sum::<f64>() / edges.len().max(1) as f64;
         let residuals: Vec<f64> = edges.iter().map(|&edge| 3.0 * (values[edge] - mean).powi(2)).collect();
-        Fit { chi2: residuals.iter().sum(), redundancy: 3 * edges.len().saturating_sub(1), residuals }
+        Fit { chi_square: residuals.iter().sum(), redundancy: 3 * edges.len().saturating_sub(1), residuals }
     }
 }
 
@@ -76,9 +76,9 @@ fn a_bad_edge_leaves_a_good_cluster_and_one_that_contradicts_itself_shrinks_unti
     let kept = |values: &[f64]| {
         vote(&[(0..values.len()).collect()], quantiles(), Election::Joint, &fit_of_means(values)).kept
     };
-    // Of five edges one is off by 7: chi2 of the five is 118, above 26.2, and without it zero.
+    // Of five edges one is off by 7: chi-square of the five is 118, above 26.2, and without it zero.
     assert_eq!(kept(&[0.0, 0.0, 7.0, 0.0, 0.0]), [0, 1, 3, 4]);
-    // Off by 2.4: chi2 13.8 passes as a whole, and 11.06 of its own is below 11.34; off by 2.6: 12.98 fails alone.
+    // Off by 2.4: chi-square 13.8 passes as a whole, and 11.06 of its own is below 11.34; off by 2.6: 12.98 fails alone.
     assert_eq!(kept(&[0.0, 0.0, 0.0, 0.0, 2.4]).len(), 5);
     assert_eq!(kept(&[0.0, 0.0, 0.0, 0.0, 2.6]).len(), 4);
     assert_eq!(kept(&[0.0, 50.0, 100.0, 200.0]).len(), 1);
@@ -103,7 +103,7 @@ proptest! {
         let verdict = vote(&clusters, quantiles(), election, &fit);
         let joint = fit(&verdict.kept);
         // The quantile of chi-square at 0.99 is below three times the degrees plus nine.
-        prop_assert!(joint.chi2 <= 3.0 * joint.redundancy as f64 + 9.0, "{joint:?}");
+        prop_assert!(joint.chi_square <= 3.0 * joint.redundancy as f64 + 9.0, "{joint:?}");
         // Clusters are kept or rejected by the order they stand in, never by chance.
         prop_assert_eq!(verdict, vote(&clusters, quantiles(), election, &fit));
     }
@@ -134,10 +134,10 @@ fn redundancy_counts_what_the_edges_say_beyond_the_poses() {
     let parts = Parts::<SE2, 3>::of(&square()).unwrap();
     let chain = parts.fit(&[]);
     assert_eq!(chain.redundancy, 0);
-    assert!(chain.chi2 < 1e-12, "a chain can be satisfied: {}", chain.chi2);
+    assert!(chain.chi_square < 1e-12, "a chain can be satisfied: {}", chain.chi_square);
     assert_eq!(parts.fit(&[0, 1]).redundancy, 6);
     let one = parts.fit(&[3]);
-    assert!(one.chi2 > 100.0 && one.residuals.len() == 1, "{one:?}");
+    assert!(one.chi_square > 100.0 && one.residuals.len() == 1, "{one:?}");
 }
 
 /// A noisy walk of some steps that turns by `turn`, with odometry edges across it too, some of them written backwards.
@@ -200,11 +200,11 @@ proptest! {
         let all: Vec<usize> = (0..parts.places.len()).collect();
         let (fast, whole) = (parts.fit(&all), parts.fit_whole(&all));
         prop_assert_eq!(fast.redundancy, whole.redundancy);
-        let slack = 1e-2 * (1.0 + fast.chi2.max(whole.chi2));
-        prop_assert!((fast.chi2 - whole.chi2).abs() <= slack, "chi2 {} and {}", fast.chi2, whole.chi2);
+        let slack = 1e-2 * (1.0 + fast.chi_square.max(whole.chi_square));
+        prop_assert!((fast.chi_square - whole.chi_square).abs() <= slack, "chi_square {} and {}", fast.chi_square, whole.chi_square);
         // Poses that cost the promised thousandth more than the optimum move no residual, in standard deviations, by more than
         // the root of that.
-        let moved = (1e-3 * (1.0 + fast.chi2.max(whole.chi2))).sqrt();
+        let moved = (1e-3 * (1.0 + fast.chi_square.max(whole.chi_square))).sqrt();
         for (a, b) in fast.residuals.iter().zip(&whole.residuals) {
             prop_assert!((a.sqrt() - b.sqrt()).abs() <= moved, "{:?} and {:?}", fast.residuals, whole.residuals);
         }
@@ -228,14 +228,14 @@ proptest! {
         let (after, _) = Optimiser::refit(&parts, &state, &all);
         let cold = parts.fit(&all);
         prop_assert_eq!(after.redundancy, cold.redundancy);
-        let slack = 1e-2 * (1.0 + cold.chi2);
-        prop_assert!((after.chi2 - cold.chi2).abs() <= slack, "chi2 {} and {}", after.chi2, cold.chi2);
+        let slack = 1e-2 * (1.0 + cold.chi_square);
+        prop_assert!((after.chi_square - cold.chi_square).abs() <= slack, "chi_square {} and {}", after.chi_square, cold.chi_square);
         let forecast = Optimiser::forecast(&parts, &state, accepted, &[*last])[0].unwrap();
-        let increase = after.chi2 - before.chi2;
+        let increase = after.chi_square - before.chi_square;
         // To first order: errors here are small, and what remains is their square.
         prop_assert!(
             (forecast.increase - increase).abs() <= slack + 0.1 * increase,
-            "chi2 grows by {} and not by {}", increase, forecast.increase
+            "chi_square grows by {} and not by {}", increase, forecast.increase
         );
         let residual = after.residuals[accepted.len()];
         prop_assert!(

@@ -12,6 +12,7 @@ const READERS: &[&str] = &[
     "evaluate",
     "inspect filter",
     "inspect info",
+    "isam",
     "islands",
     "multicut",
     "optimize",
@@ -220,7 +221,7 @@ fn an_unknown_session_is_refused_with_those_that_are_there() {
 fn graphs_without_nodes_or_edges_have_an_answer() {
     let empty = format!("{HEADER}\n");
     for name in [
-        "densest", "islands", "multicut", "optimize", "oracle", "pcm", "ransac", "readmit", "verify",
+        "densest", "isam", "islands", "multicut", "optimize", "oracle", "pcm", "ransac", "readmit", "verify",
         "voting",
     ] {
         let output = run(name, &[], empty.as_bytes());

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 /// Stages that decide something about edges or poses.
 const ESTIMATING: &[&str] =
-    &["densest", "islands", "multicut", "optimize", "pcm", "ransac", "readmit", "verify", "voting"];
+    &["densest", "isam", "islands", "multicut", "optimize", "pcm", "ransac", "readmit", "verify", "voting"];
 
 /// All stages from graph to graph.
 fn stages() -> impl Iterator<Item = &'static str> {

@@ -14,7 +14,7 @@ fn files_beside_the_result_may_be_neither_it_nor_the_statistics() {
     let commands: [(&str, &[&str], &[&str]); 4] = [
         ("pcm", &[&graph], &["--consistency-graph"]),
         ("multicut", &[&graph], &["--certificate"]),
-        ("optimize", &[&graph], &["--solver", "isam2", "--every", "50", "--estimates"]),
+        ("isam", &[&graph], &["--every", "50", "--estimates"]),
         ("partition", &["solve", &instance], &["--certificate"]),
     ];
     for (name, input, options) in commands {

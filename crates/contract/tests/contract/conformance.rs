@@ -6,7 +6,8 @@ use std::thread;
 
 use posecut_contract::{program, run};
 
-const STAGES: &[&str] = &["densest", "islands", "multicut", "optimize", "pcm", "ransac", "verify", "voting"];
+const STAGES: &[&str] =
+    &["densest", "isam", "islands", "multicut", "optimize", "pcm", "ransac", "verify", "voting"];
 
 #[test]
 fn every_stage_from_graph_to_graph_conforms() {

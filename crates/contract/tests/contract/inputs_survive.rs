@@ -79,7 +79,7 @@ fn other_files_beside_the_result_that_name_an_input_are_refused() {
     let commands: &[(&str, &str, &[&str], &[&str])] = &[
         ("pcm", "graph.jsonl", &[], &["--consistency-graph"]),
         ("multicut", "graph.jsonl", &[], &["--certificate"]),
-        ("optimize", "graph.jsonl", &[], &["--solver", "isam2", "--every", "50", "--estimates"]),
+        ("isam", "graph.jsonl", &[], &["--every", "50", "--estimates"]),
         ("partition", "four.mc", &["solve"], &["--certificate"]),
         // Its own certificate is an input, too.
         ("partition", "four.proof", &["verify"], &[&samples().path("four.mc"), "--output"]),

@@ -15,6 +15,7 @@ const COMMANDS: &[&[&str]] = &[
     &["oracle"],
     &["pcm"],
     &["ransac"],
+    &["isam"],
     &["islands"],
     &["densest"],
     &["verify"],

@@ -44,6 +44,7 @@ fn what_programs_write_keeps_to_the_schema() {
         ("pcm", vec![graph.as_str()]),
         ("ransac", vec![graph.as_str()]),
         ("readmit", vec![marginals.as_str()]),
+        ("isam", vec![graph.as_str()]),
         ("islands", vec![graph.as_str()]),
         ("densest", vec![graph.as_str()]),
         ("verify", vec![graph.as_str()]),

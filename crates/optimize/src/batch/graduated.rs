@@ -8,12 +8,12 @@
 
 use posecut_geometry::LieGroup;
 
-use super::levenberg_marquardt::Workspace;
-use super::options::{Graduated, Options};
-use super::outcome::Outcome;
+use crate::descent::outcome::Outcome;
+use crate::descent::workspace::Workspace;
 use crate::model::kernel::Kernel;
 use crate::model::problem::{Edge, EdgeKind};
 use crate::model::residual::squared;
+use crate::options::{Graduated, Options};
 
 /// Factor between one round's convexity and the next; remark 5 of the paper.
 const RATE: f64 = 1.4;

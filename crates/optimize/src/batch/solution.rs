@@ -1,7 +1,7 @@
 //! What came out, and how.
 
-use super::outcome::{Outcome, Termination};
-use super::phases::Phases;
+use crate::descent::outcome::{Outcome, Termination};
+use crate::descent::phases::Phases;
 
 /// Where a part was started from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,12 +114,12 @@ pub struct Solution<G> {
     /// Optimised poses, in the order of the nodes.
     pub poses: Vec<G>,
     /// Sum of `e^T Omega e` at the given poses.
-    pub chi2_given: f64,
+    pub chi_square_given: f64,
     /// Sum of `e^T Omega e` at the starts that were chosen.
-    pub chi2_initial: f64,
+    pub chi_square_initial: f64,
     /// Sum of `e^T Omega e` at the result.
-    pub chi2: f64,
-    /// Sum of `rho(e^T Omega e)` at the result; equals `chi2` without kernels.
+    pub chi_square: f64,
+    /// Sum of `rho(e^T Omega e)` at the result; equals `chi_square` without kernels.
     pub cost: f64,
     /// Steps tried, summed over the parts.
     pub iterations: usize,

@@ -2,77 +2,20 @@
 
 use std::cmp::Ordering;
 
-use posecut_geometry::{LieGroup, SE2, SE3};
-
 use super::graduated::set_landmark_kernels;
-use super::levenberg_marquardt::Workspace;
-use super::options::{Graduated, Initialisation, Options};
-use super::phases::{Phases, timed};
 use super::solution::{ComponentReport, Solution, Start};
-use crate::certificate::{self, Certificate};
-use crate::initialisation::chordal;
+use crate::descent::phases::{Phases, timed};
+use crate::descent::workspace::Workspace;
 use crate::initialisation::tree::spanning_tree_from;
-use crate::linear::Factor;
-use crate::linear::normal_equations::Pattern;
-use crate::model::components::{Component, connected_components};
+use crate::model::components::connected_components;
 use crate::model::kernel::charge;
 use crate::model::magnitude::Magnitude;
-use crate::model::problem::{Edge, Problem};
-use crate::model::residual::{chi2, cost, squared};
-
-/// A group of poses that can be optimised, with its chordal relaxation.
-pub trait PoseGroup<const DOF: usize>: LieGroup<DOF> {
-    /// Poses by rotations first, for a connected graph with its first poses given; `None` if the edges do not determine
-    /// them.
-    #[doc(hidden)]
-    fn chordal_poses(
-        memory: &mut Relaxation<'_, DOF>,
-        edges: &[Edge<Self, DOF>],
-        held: &[Self],
-    ) -> Option<Vec<Self>>;
-
-    /// The certificate of a connected graph.
-    #[doc(hidden)]
-    fn certificate(edges: &[Edge<Self, DOF>], poses: &[Self]) -> Certificate;
-}
-
-/// What the relaxation needs of the normal equations: their pattern, and the memory of their factor.
-#[doc(hidden)]
-#[derive(Debug)]
-pub struct Relaxation<'a, const DOF: usize> {
-    pattern: &'a Pattern,
-    factor: &'a mut Factor<DOF>,
-}
-
-impl PoseGroup<3> for SE2 {
-    fn chordal_poses(
-        memory: &mut Relaxation<'_, 3>,
-        edges: &[Edge<Self, 3>],
-        held: &[Self],
-    ) -> Option<Vec<Self>> {
-        let pattern = memory.pattern;
-        memory.factor.lend(|factor| chordal::poses::<Self, 3, 2>(pattern, edges, held, factor))
-    }
-
-    fn certificate(edges: &[Edge<Self, 3>], poses: &[Self]) -> Certificate {
-        certificate::certify::<Self, 3, 2, 3>(edges, poses)
-    }
-}
-
-impl PoseGroup<6> for SE3 {
-    fn chordal_poses(
-        memory: &mut Relaxation<'_, 6>,
-        edges: &[Edge<Self, 6>],
-        held: &[Self],
-    ) -> Option<Vec<Self>> {
-        let pattern = memory.pattern;
-        memory.factor.lend(|factor| chordal::poses::<Self, 6, 3>(pattern, edges, held, factor))
-    }
-
-    fn certificate(edges: &[Edge<Self, 6>], poses: &[Self]) -> Certificate {
-        certificate::certify::<Self, 6, 3, 4>(edges, poses)
-    }
-}
+use crate::model::part::extract;
+use crate::model::problem::Problem;
+use crate::model::residual::{chi_square, cost, squared};
+use crate::normal_equations::Pattern;
+use crate::options::{Graduated, Initialisation, Options};
+use crate::pose_group::{PoseGroup, Relaxation};
 
 /// Minimises the cost of a graph over its poses.
 ///
@@ -132,9 +75,17 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
     // `sum` of nothing is -0.
     let total = |of: fn(&ComponentReport) -> f64| reports.iter().map(of).fold(0.0, |sum, part| sum + part);
     Solution {
-        chi2_given: if robust { chi2(problem, problem.poses()) } else { total(|report| report.cost_given) },
-        chi2_initial: if robust { chi2(problem, &starts) } else { total(|report| report.cost_start) },
-        chi2: if robust { chi2(problem, &poses) } else { total(|report| report.cost) },
+        chi_square_given: if robust {
+            chi_square(problem, problem.poses())
+        } else {
+            total(|report| report.cost_given)
+        },
+        chi_square_initial: if robust {
+            chi_square(problem, &starts)
+        } else {
+            total(|report| report.cost_start)
+        },
+        chi_square: if robust { chi_square(problem, &poses) } else { total(|report| report.cost) },
         cost: total(|report| report.cost),
         iterations: reports.iter().map(|report| report.iterations).sum(),
         converged: reports.iter().all(|report| report.termination.converged()),
@@ -146,42 +97,6 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
         components: reports,
         poses,
     }
-}
-
-/// SE-Sync's dual certificate of every connected part, for its cost `F` (chordal, isotropic weights), not for that of
-/// [`optimize`]: the poses are refined for `F` first. Kernels are not looked at. A part with several nodes held is another problem, of
-/// which nothing is known: its figures are not numbers.
-pub fn certify<G: PoseGroup<DOF>, const DOF: usize>(
-    problem: &Problem<G, DOF>,
-    poses: &[G],
-) -> Vec<Certificate> {
-    let ends = problem.edges().iter().map(|edge| (edge.from, edge.to));
-    let solved = Problem::from_checked(poses.to_vec(), problem.edges().to_vec(), problem.held().to_vec());
-    let mut local = vec![0; poses.len()];
-    let certificate = |component: &Component| {
-        if component.held(problem.held()) > 1 {
-            return Certificate::NONE;
-        }
-        for (index, &node) in component.nodes.iter().enumerate() {
-            local[node] = index;
-        }
-        let part = extract(&solved, component, &local);
-        G::certificate(part.edges(), part.poses())
-    };
-    connected_components(poses.len(), ends).iter().map(certificate).collect()
-}
-
-/// The part of the graph with its own numbering.
-fn extract<G: PoseGroup<DOF>, const DOF: usize>(
-    problem: &Problem<G, DOF>,
-    component: &Component,
-    local: &[usize],
-) -> Problem<G, DOF> {
-    let poses = component.nodes.iter().map(|&node| problem.poses()[node]).collect();
-    let held = component.nodes.iter().map(|&node| problem.held()[node]).collect();
-    let renumber = |edge: &Edge<G, DOF>| Edge { from: local[edge.from], to: local[edge.to], ..*edge };
-    let edges = component.edges.iter().map(|&edge| renumber(&problem.edges()[edge])).collect();
-    Problem::from_checked(poses, edges, held)
 }
 
 /// Start, result and report of a connected graph whose first `held` nodes keep their poses.

@@ -5,12 +5,10 @@ use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::between_correlated;
 use rayon::prelude::*;
 
-use super::{SelectedInverse, Workspace};
-use crate::batch::levenberg_marquardt::SINGULAR;
-use crate::linear::normal_equations::{NormalEquations, Pattern};
-use crate::linear::{Factor, Symbolic};
 use crate::model::components::connected_components;
 use crate::model::problem::{Edge, Problem};
+use crate::normal_equations::{NormalEquations, Pattern};
+use posecut_cholesky::{Factor, SelectedInverse, Symbolic, Workspace};
 
 /// Distinct nodes in one request from which inverting at the whole pattern is cheaper than column by column.
 const MANY_NODES: usize = 16;
@@ -160,11 +158,11 @@ impl<const DOF: usize> Part<DOF> {
         let mut factor = Factor::new(&symbolic);
         let outcome =
             factor.factorize(&symbolic, &equations.diagonal, &equations.off_diagonal, 0.0, [0.0; DOF]);
-        let (share, variable, component) = factor.smallest_pivot();
         let undetermined = match outcome {
-            Err(breakdown) => Some((held + breakdown.variable, breakdown.component)),
-            Ok(()) => (share.is_nan() || share <= SINGULAR).then_some((held + variable, component)),
+            Err(breakdown) => Some((breakdown.variable, breakdown.component)),
+            Ok(()) => factor.undetermined(),
         };
+        let undetermined = undetermined.map(|(variable, component)| (held + variable, component));
         Self { held, symbolic, factor, inverse: None, undetermined }
     }
 

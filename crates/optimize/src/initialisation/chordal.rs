@@ -7,9 +7,9 @@
 use nalgebra::{Matrix2, Matrix3, Rotation3, SMatrix, SVector, UnitComplex, UnitQuaternion};
 use posecut_geometry::{LieGroup, SE2, SE3};
 
-use crate::linear::Factor;
-use crate::linear::normal_equations::{NormalEquations, Pattern};
 use crate::model::problem::Edge;
+use crate::normal_equations::{NormalEquations, Pattern};
+use posecut_cholesky::Factor;
 
 /// A pose as rotation matrix and translation in `N` dimensions.
 pub(crate) trait MatrixPose<const N: usize>: Sized {

@@ -9,17 +9,17 @@ const NOISELESS: f64 = 1e-12;
 
 /// The sizes of the measurements of a graph.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Magnitude {
+pub struct Magnitude {
     /// The median of the measured distances that are not zero, in the graph's unit of length; 1 if all are zero.
-    pub(crate) length: f64,
+    pub length: f64,
     /// The cost if the residual of every edge was this length along each axis of the translation and one radian about each axis
     /// of the rotation; 0 if that is not finite.
-    pub(crate) cost: f64,
+    pub cost: f64,
 }
 
 impl Magnitude {
     /// Of these edges. O(edges).
-    pub(crate) fn of<'a, G: LieGroup<DOF> + 'a, const DOF: usize>(
+    pub fn of<'a, G: LieGroup<DOF> + 'a, const DOF: usize>(
         edges: impl Iterator<Item = &'a Edge<G, DOF>> + Clone,
     ) -> Self {
         let mut lengths: Vec<f64> = edges
@@ -35,12 +35,12 @@ impl Magnitude {
     }
 
     /// The cost below which nothing but rounding is left to lower.
-    pub(crate) fn noiseless(&self) -> f64 {
+    pub fn noiseless(&self) -> f64 {
         NOISELESS * self.cost
     }
 
     /// The largest component of a tangent vector: translations as shares of the length, rotations in radians.
-    pub(crate) fn largest<'a>(&self, tangent: impl Iterator<Item = &'a f64>, translations: usize) -> f64 {
+    pub fn largest<'a>(&self, tangent: impl Iterator<Item = &'a f64>, translations: usize) -> f64 {
         let scaled = |(axis, value): (usize, &f64)| {
             if axis < translations { value.abs() / self.length } else { value.abs() }
         };
@@ -49,18 +49,18 @@ impl Magnitude {
 }
 
 /// The cost of an edge whose residual is `length` along each axis of the translation and one radian about each of the rotation's.
-pub(crate) fn size<G, const DOF: usize>(edge: &Edge<G, DOF>, length: f64) -> f64 {
+pub fn size<G, const DOF: usize>(edge: &Edge<G, DOF>, length: f64) -> f64 {
     let diagonal = edge.information.diagonal();
     let (along, about) = diagonal.as_slice().split_at(translations(DOF));
     length * length * along.iter().sum::<f64>() + about.iter().sum::<f64>()
 }
 
 /// How far apart a measurement puts the two poses.
-pub(crate) fn distance<G: LieGroup<DOF>, const DOF: usize>(measurement: &G) -> f64 {
+pub fn distance<G: LieGroup<DOF>, const DOF: usize>(measurement: &G) -> f64 {
     measurement.components()[..translations(DOF)].iter().map(|value| value * value).sum::<f64>().sqrt()
 }
 
 /// Components of the translation in a tangent vector of so many degrees of freedom: they come first.
-pub(crate) fn translations(degrees_of_freedom: usize) -> usize {
+pub fn translations(degrees_of_freedom: usize) -> usize {
     if degrees_of_freedom == 6 { 3 } else { 2 }
 }

@@ -196,17 +196,18 @@ impl<G: LieGroup<DOF>, const DOF: usize> Problem<G, DOF> {
     }
 
     /// A graph made of parts of a checked one.
-    pub(crate) fn from_checked(poses: Vec<G>, edges: Vec<Edge<G, DOF>>, held: Vec<bool>) -> Self {
+    pub fn from_checked(poses: Vec<G>, edges: Vec<Edge<G, DOF>>, held: Vec<bool>) -> Self {
         Self { poses, edges, held, semidefinite: Vec::new() }
     }
 }
 
-pub(crate) fn is_finite<G: LieGroup<DOF>, const DOF: usize>(pose: &G) -> bool {
+/// Whether all components of a pose are finite.
+pub fn is_finite<G: LieGroup<DOF>, const DOF: usize>(pose: &G) -> bool {
     pose.components().iter().all(|component| component.is_finite())
 }
 
 /// Whether the information matrix is only semidefinite, or what is wrong with the edge.
-pub(crate) fn check_edge<G: LieGroup<DOF>, const DOF: usize>(
+pub fn check_edge<G: LieGroup<DOF>, const DOF: usize>(
     index: usize,
     edge: &Edge<G, DOF>,
     nodes: usize,

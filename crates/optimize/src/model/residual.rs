@@ -17,7 +17,7 @@ pub fn residual<G: LieGroup<DOF>, const DOF: usize>(measurement: &G, from: &G, t
 }
 
 /// The sum of `e^T Omega e` over the edges, without kernels.
-pub fn chi2<G: LieGroup<DOF>, const DOF: usize>(problem: &Problem<G, DOF>, poses: &[G]) -> f64 {
+pub fn chi_square<G: LieGroup<DOF>, const DOF: usize>(problem: &Problem<G, DOF>, poses: &[G]) -> f64 {
     problem.edges().iter().map(|edge| squared(edge, poses)).sum()
 }
 
@@ -33,41 +33,41 @@ pub(crate) fn squared<G: LieGroup<DOF>, const DOF: usize>(edge: &Edge<G, DOF>, p
 }
 
 /// Quadratic model of one edge's cost around the current poses, in right perturbations of its two poses.
-pub(crate) struct Linearised<const DOF: usize> {
+pub struct Linearised<const DOF: usize> {
     /// Block of the normal equations at (from, from).
-    pub(crate) from_from: SMatrix<f64, DOF, DOF>,
+    pub from_from: SMatrix<f64, DOF, DOF>,
     /// Block at (from, to).
-    pub(crate) from_to: SMatrix<f64, DOF, DOF>,
+    pub from_to: SMatrix<f64, DOF, DOF>,
     /// Block at (to, to).
-    pub(crate) to_to: SMatrix<f64, DOF, DOF>,
+    pub to_to: SMatrix<f64, DOF, DOF>,
     /// Half the gradient at from.
-    pub(crate) from_gradient: SVector<f64, DOF>,
+    pub from_gradient: SVector<f64, DOF>,
     /// Half the gradient at to.
-    pub(crate) to_gradient: SVector<f64, DOF>,
+    pub to_gradient: SVector<f64, DOF>,
     /// `rho(e^T Omega e)`.
-    pub(crate) cost: f64,
+    pub cost: f64,
 }
 
 /// Linear model of one edge's cost.
-pub(crate) struct Gradient<const DOF: usize> {
+pub struct Gradient<const DOF: usize> {
     /// Half the gradient at from.
-    pub(crate) from: SVector<f64, DOF>,
+    pub from: SVector<f64, DOF>,
     /// Half the gradient at to.
-    pub(crate) to: SVector<f64, DOF>,
+    pub to: SVector<f64, DOF>,
     /// `rho(e^T Omega e)`.
-    pub(crate) cost: f64,
+    pub cost: f64,
 }
 
 impl<const DOF: usize> Gradient<DOF> {
     /// From the half gradient in a right perturbation of `X_ij`, which equals one of `X_j`.
     #[inline(always)]
-    pub(crate) fn new<G: LieGroup<DOF>>(relative: &G, to: SVector<f64, DOF>, cost: f64) -> Self {
+    pub fn new<G: LieGroup<DOF>>(relative: &G, to: SVector<f64, DOF>, cost: f64) -> Self {
         Self { from: -relative.inverse().adjoint().tr_mul(&to), to, cost }
     }
 }
 
 /// One summand of a cost over poses.
-pub(crate) trait Term<G, const DOF: usize> {
+pub trait Term<G, const DOF: usize> {
     /// Its value.
     fn cost(&self, poses: &[G]) -> f64;
     /// Its quadratic model.
@@ -113,7 +113,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Term<G, DOF> for Edge<G, DOF> {
 impl<const DOF: usize> Linearised<DOF> {
     /// From block and half gradient in a right perturbation of `X_ij`, which equals one of `X_j`.
     #[inline(always)]
-    pub(crate) fn new<G: LieGroup<DOF>>(
+    pub fn new<G: LieGroup<DOF>>(
         relative: &G,
         to_to: SMatrix<f64, DOF, DOF>,
         to_gradient: SVector<f64, DOF>,
@@ -131,18 +131,18 @@ impl<const DOF: usize> Linearised<DOF> {
 ///
 /// With `X_ij = X_i^-1 X_j` and `E = Z^-1 X_ij`: `J_j = J_r^-1(Log E)`, and since `Exp(-d) X_ij = X_ij Exp(-Ad(X_ij^-1) d)`,
 /// `J_i = -J_j Ad(X_ij^-1)`.
-pub(crate) struct Expansion<G, const DOF: usize> {
+pub struct Expansion<G, const DOF: usize> {
     relative: G,
     /// `Log E`.
-    pub(crate) error: SVector<f64, DOF>,
+    pub error: SVector<f64, DOF>,
     /// `J_j`.
-    pub(crate) to: SMatrix<f64, DOF, DOF>,
+    pub to: SMatrix<f64, DOF, DOF>,
 }
 
 impl<G: LieGroup<DOF>, const DOF: usize> Expansion<G, DOF> {
     /// At these poses of the edge's ends.
     #[inline(always)]
-    pub(crate) fn new(edge: &Edge<G, DOF>, from: &G, to: &G) -> Self {
+    pub fn new(edge: &Edge<G, DOF>, from: &G, to: &G) -> Self {
         let relative = from.between(to);
         let error = edge.measurement.between(&relative).log();
         Self { relative, error, to: G::right_jacobian_inverse(&error) }
@@ -150,13 +150,13 @@ impl<G: LieGroup<DOF>, const DOF: usize> Expansion<G, DOF> {
 
     /// `J_i`.
     #[inline(always)]
-    pub(crate) fn from(&self) -> SMatrix<f64, DOF, DOF> {
+    pub fn from(&self) -> SMatrix<f64, DOF, DOF> {
         -self.to * self.relative.inverse().adjoint()
     }
 
     /// The quadratic model and the kernel's weight. All blocks follow from `A = J_j^T w Omega J_j` by the adjoint alone.
     #[inline(always)]
-    pub(crate) fn model(&self, edge: &Edge<G, DOF>) -> (Linearised<DOF>, f64) {
+    pub fn model(&self, edge: &Edge<G, DOF>) -> (Linearised<DOF>, f64) {
         let weighted = edge.information * self.error;
         let (cost, weight) = charge(edge.kernel, self.error.dot(&weighted));
         let to_to = triangular_congruence(&self.to, &edge.information).1 * weight;

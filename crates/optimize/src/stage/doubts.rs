@@ -19,7 +19,7 @@ pub(super) fn of_solution<G>(graph: &PoseGraph, solution: &Solution<G>, context:
     );
     undetermined(graph, components, context);
     not_converged(graph, components, context);
-    if !solution.chi2.is_finite() {
+    if !solution.chi_square.is_finite() {
         context.doubt(
             Doubt::NonFiniteCost,
             format!(
@@ -51,7 +51,7 @@ pub(super) fn of_solution<G>(graph: &PoseGraph, solution: &Solution<G>, context:
 }
 
 /// Doubts the relative poses of components, where so many of them hold no fixed node.
-pub(crate) fn doubt_disconnected(components: usize, floating: usize, context: &mut Context) {
+pub fn doubt_disconnected(components: usize, floating: usize, context: &mut Context) {
     if components > 1 && floating > 0 {
         context.doubt(
             Doubt::PartsNotConnected,

@@ -4,7 +4,7 @@
 const DIGITS: i32 = 6;
 
 /// A cost in six significant digits, without trailing zeros: `912.192`, `9.12192e-10`, `0`.
-pub(crate) fn significant(value: f64) -> String {
+pub fn significant(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return if value == 0.0 { "0".to_owned() } else { value.to_string() };
     }

@@ -17,9 +17,9 @@ pub enum Graduation {
     GemanMcclure,
 }
 
-/// Robust kernels.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, clap::Args)]
-pub struct RobustOptions {
+/// Robust kernels by kind of edge.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, clap::Args)]
+pub struct KernelOptions {
     /// Kernel of odometry edges: huber, cauchy, geman-mcclure or dcs, and its width after a colon, in standard deviations
     /// (dcs: phi, a squared residual)
     #[arg(long, value_name = "NAME[:WIDTH]", help_heading = "Robust kernels")]
@@ -30,6 +30,25 @@ pub struct RobustOptions {
     #[arg(long, value_name = "NAME[:WIDTH]", help_heading = "Robust kernels")]
     #[serde(serialize_with = "kernel_word")]
     pub kernel_landmark: Option<Kernel>,
+}
+
+impl KernelOptions {
+    /// The kernel of edges of a kind.
+    pub fn of(&self, kind: EdgeKind) -> Option<Kernel> {
+        match kind {
+            EdgeKind::Odometry => self.kernel_odometry,
+            EdgeKind::Landmark => self.kernel_landmark,
+        }
+    }
+}
+
+/// What tempers the influence of outliers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, clap::Args)]
+pub struct RobustOptions {
+    /// Robust kernels.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub kernels: KernelOptions,
 
     /// Graduate non-convexity over the landmark edges, which finds outliers without a good start; with an equals sign before the cost [default with --gnc alone: truncated-least-squares]
     #[arg(
@@ -75,7 +94,7 @@ impl RobustOptions {
                 "--reject-below is {weight}, and must be above 0 and at most 1"
             );
             anyhow::ensure!(
-                self.gnc.is_some() || self.kernel_landmark.is_some(),
+                self.gnc.is_some() || self.kernels.kernel_landmark.is_some(),
                 "--reject-below goes by the weights of landmark edges, which only --gnc or --kernel-landmark give; say one of them"
             );
         }
@@ -85,17 +104,10 @@ impl RobustOptions {
         }))
     }
 
-    fn kernel(&self, kind: EdgeKind) -> Option<Kernel> {
-        match kind {
-            EdgeKind::Odometry => self.kernel_odometry,
-            EdgeKind::Landmark => self.kernel_landmark,
-        }
-    }
-
     /// Gives the edges their kernels.
     pub(super) fn set_kernels<G, const DOF: usize>(&self, edges: &mut [Edge<G, DOF>]) {
         for edge in edges {
-            edge.kernel = self.kernel(edge.kind);
+            edge.kernel = self.kernels.of(edge.kind);
         }
     }
 
@@ -112,8 +124,10 @@ impl RobustOptions {
         for (&place, &weight) in places.iter().zip(weights) {
             let edge = &mut graph.edges[place];
             let under_kernel = match edge.kind {
-                posecut_graph::EdgeKind::Odometry => self.kernel_odometry.is_some(),
-                posecut_graph::EdgeKind::Landmark => self.kernel_landmark.is_some() || self.gnc.is_some(),
+                posecut_graph::EdgeKind::Odometry => self.kernels.kernel_odometry.is_some(),
+                posecut_graph::EdgeKind::Landmark => {
+                    self.kernels.kernel_landmark.is_some() || self.gnc.is_some()
+                }
             };
             if under_kernel {
                 anyhow::ensure!(
@@ -150,15 +164,14 @@ impl RobustOptions {
         Ok(())
     }
 
-    /// Notes which kernels were used and what cost they lead to.
-    pub(super) fn note(&self, graduated: Option<Graduated>, cost: f64, statistics: &mut Statistics) {
+    /// Notes which kernels were used.
+    pub(super) fn note(&self, graduated: Option<Graduated>, statistics: &mut Statistics) {
         if *self == Self::default() {
             return;
         }
-        let landmark = graduated.map(Graduated::kernel).or(self.kernel_landmark);
-        statistics.note("kernel_odometry", self.kernel_odometry.map(|kernel| kernel.to_string()));
+        let landmark = graduated.map(Graduated::kernel).or(self.kernels.kernel_landmark);
+        statistics.note("kernel_odometry", self.kernels.kernel_odometry.map(|kernel| kernel.to_string()));
         statistics.note("kernel_landmark", landmark.map(|kernel| kernel.to_string()));
         statistics.note("graduated_non_convexity", self.gnc);
-        statistics.note("robust_cost", cost);
     }
 }

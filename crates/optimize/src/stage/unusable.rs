@@ -7,7 +7,7 @@ use crate::model::problem::Edge;
 
 /// Refuses a solution whose cost is not finite: it would be written as no number at all. `name` gives the name of the edge at a
 /// place of the list.
-pub(crate) fn refuse_unless_finite<G: LieGroup<DOF>, const DOF: usize>(
+pub fn refuse_unless_finite<G: LieGroup<DOF>, const DOF: usize>(
     cost: f64,
     edges: &[Edge<G, DOF>],
     name: impl Fn(usize) -> String,

@@ -1,6 +1,7 @@
 //! A noisy walk with landmark edges.
 
 use nalgebra::{SMatrix, SVector};
+use posecut_geometry::LieGroup;
 use posecut_optimize::{Edge, EdgeKind, PoseGroup};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -35,4 +36,27 @@ pub(crate) fn noisy_walk<G: PoseGroup<DOF>, const DOF: usize>(
         }
     }
     (poses, edges)
+}
+
+/// A noisy walk with errors up to 0.03; the given poses are the truth, a little disturbed.
+pub(crate) fn disturbed_walk<G: PoseGroup<DOF>, const DOF: usize>(
+    nodes: usize,
+    landmarks: usize,
+    seed: u64,
+) -> (Vec<G>, Vec<Edge<G, DOF>>) {
+    let (truth, edges) = noisy_walk::<G, DOF>(nodes, landmarks, 0.03, seed);
+    let mut random = ChaCha8Rng::seed_from_u64(seed + 3);
+    let mut disturbed =
+        |pose: &G| pose.compose(&G::exp(&SVector::from_fn(|_, _| random.random_range(-0.05..0.05))));
+    (truth.iter().map(&mut disturbed).collect(), edges)
+}
+
+/// Largest distance between two lists of poses, in the tangent space.
+pub(crate) fn apart<G: LieGroup<DOF>, const DOF: usize>(first: &[G], second: &[G]) -> f64 {
+    first.iter().zip(second).map(|(a, b)| a.between(b).log().amax()).fold(0.0, f64::max)
+}
+
+/// The components, to the bit.
+pub(crate) fn bits<G: LieGroup<DOF>, const DOF: usize>(pose: &G) -> Vec<u64> {
+    pose.components().iter().map(|component| component.to_bits()).collect()
 }

@@ -12,10 +12,10 @@ fn check<G: PoseGroup<DOF>, const DOF: usize>(name: &str, best: f64, graph: (Vec
     for poses in [poses, odometry] {
         let problem = Problem::new(poses, edges.clone()).unwrap();
         let solution = optimize(&problem, &Options::default());
-        let gap = (solution.chi2 - best) / best;
+        let gap = (solution.chi_square - best) / best;
         assert!(solution.converged, "{name}: {:?}", solution.components);
         // The published figures have twelve digits.
-        assert!((-1e-10..1e-6).contains(&gap), "{name}: {} is {gap:e} above {best}", solution.chi2);
+        assert!((-1e-10..1e-6).contains(&gap), "{name}: {} is {gap:e} above {best}", solution.chi_square);
     }
 }
 

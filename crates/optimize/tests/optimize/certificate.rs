@@ -23,7 +23,7 @@ fn a_planted_local_minimum_is_never_called_global() {
         let options = Options { initialisation: Initialisation::Given, ..Options::default() };
         let solution = optimize(&problem, &options);
         let certificate = &certify(&problem, &solution.poses)[0];
-        assert_eq!(certificate.global, turns == 0, "{turns} {} {certificate:?}", solution.chi2);
+        assert_eq!(certificate.global, turns == 0, "{turns} {} {certificate:?}", solution.chi_square);
         assert!(certificate.lower_bound <= 1e-6, "the least cost is zero: {certificate:?}");
         assert_eq!(certificate.eigenvalue < -certificate.tolerance, turns != 0, "{certificate:?}");
     }

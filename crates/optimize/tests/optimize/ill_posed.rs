@@ -37,7 +37,7 @@ fn two_sessions(length: usize, joins: &[(usize, usize, Matrix3<f64>)]) -> Proble
 
 fn assert_sound(solution: &Solution<SE2>, problem: &Problem<SE2, 3>) {
     assert!(solution.converged, "{:?}", solution.components);
-    assert!(solution.chi2 < 1e-8, "{}", solution.chi2);
+    assert!(solution.chi_square < 1e-8, "{}", solution.chi_square);
     assert!(solution.poses.iter().flat_map(LieGroup::components).all(f64::is_finite));
     // Damping moves poses no further than measurements and the given poses reach.
     let reach = problem.poses().iter().map(|pose| pose.translation.norm()).fold(0.0, f64::max);

@@ -4,11 +4,10 @@
 
 use nalgebra::SMatrix;
 use posecut_geometry::{SE2, SE3};
-use posecut_optimize::incremental::{IncrementalOptions, IncrementalSolver};
 use posecut_optimize::{Edge, Initialisation, Method, Options, PoseGroup, Problem, Solution, optimize};
 
+use crate::changes::{in_units, largest_gap, with_information_times};
 use crate::g2o;
-use crate::metamorphic::{in_units, largest_gap, with_information_times};
 use crate::noisy_walk::noisy_walk;
 
 fn solve<G: PoseGroup<DOF>, const DOF: usize>(
@@ -41,7 +40,10 @@ fn check<G: PoseGroup<DOF>, const DOF: usize>(noise: f64) {
             assert!(b.termination.converged(), "{case}: {b:?}");
             if noise > 1e-3 {
                 assert_eq!((a.termination, a.iterations), (b.termination, b.iterations), "{case}");
-                assert!((found.chi2 / scale - plain.chi2).abs() < 1e-9 * plain.chi2, "{case}");
+                assert!(
+                    (found.chi_square / scale - plain.chi_square).abs() < 1e-9 * plain.chi_square,
+                    "{case}"
+                );
             }
         }
     }
@@ -70,37 +72,12 @@ fn weak_information_was_taken_for_convergence() {
     for method in [Method::LevenbergMarquardt, Method::Dogleg] {
         let problem = Problem::new(poses.clone(), edges.clone()).unwrap();
         let solution = optimize(&problem, &Options { method, ..Options::default() });
-        assert!((solution.chi2 * 1e12 - 912.191_624_43).abs() < 1e-6, "{method:?}: {}", solution.chi2);
-        assert!(solution.converged && solution.iterations > 2, "{method:?}: {:?}", solution.components);
-    }
-}
-
-/// Linearisation errors were compared with a cost of 1e-6 an edge, so that weak edges were never linearised again.
-#[test]
-fn weak_information_was_never_linearised_again() {
-    let (_, edges) = noisy_walk::<SE2, 3>(200, 100, 0.05, 5);
-    let relinearised = |scale: f64| {
-        let mut solver = IncrementalSolver::<SE2, 3>::new(IncrementalOptions::default()).unwrap();
-        let mut count = 0;
-        for node in 0..200 {
-            solver.add_pose(<SE2 as posecut_geometry::LieGroup<3>>::identity()).unwrap();
-            for edge in edges.iter().filter(|edge| edge.from.max(edge.to) == node) {
-                solver.add_edge(Edge { information: edge.information * scale, ..*edge }).unwrap();
-            }
-            count += solver.update().relinearised;
-        }
-        let report = solver.finish();
-        assert!(report.converged, "{scale:e}: {report:?}");
-        (count, report.cost / scale)
-    };
-    let (count, cost) = relinearised(1.0);
-    for scale in [1e-15, 1e-9, 1e9, 1e15] {
-        let (scaled_count, scaled_cost) = relinearised(scale);
         assert!(
-            count > 100 && scaled_count.abs_diff(count) < count / 20,
-            "{scale:e}: {scaled_count} {count}"
+            (solution.chi_square * 1e12 - 912.191_624_43).abs() < 1e-6,
+            "{method:?}: {}",
+            solution.chi_square
         );
-        assert!((scaled_cost - cost).abs() < 1e-9 * cost, "{scale:e}: {scaled_cost} {cost}");
+        assert!(solution.converged && solution.iterations > 2, "{method:?}: {:?}", solution.components);
     }
 }
 
@@ -140,14 +117,4 @@ fn a_cost_that_is_not_finite_is_no_convergence() {
         let solution = solve(method, &(poses.clone(), edges.clone()));
         assert!(!solution.cost.is_finite() && !solution.converged, "{method:?}: {:?}", solution.components);
     }
-    let mut solver = IncrementalSolver::<SE2, 3>::new(IncrementalOptions::default()).unwrap();
-    for pose in poses {
-        solver.add_pose(pose).unwrap();
-    }
-    for edge in edges {
-        solver.add_edge(edge).unwrap();
-    }
-    solver.update();
-    let report = solver.finish();
-    assert!(!report.cost.is_finite() && !report.converged, "{report:?}");
 }

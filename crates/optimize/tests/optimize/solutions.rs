@@ -64,7 +64,7 @@ proptest! {
         for initialisation in [Initialisation::Given, Initialisation::SpanningTree, Initialisation::Chordal, Initialisation::Best] {
             let problem = Problem::new(disturbed(&truth, 0.05, seed), edges.clone()).unwrap();
             let solution = optimize(&problem, &Options { initialisation, ..Options::default() });
-            prop_assert!(solution.converged && solution.chi2 < 1e-12, "{:?} {:?}", initialisation, solution.components);
+            prop_assert!(solution.converged && solution.chi_square < 1e-12, "{:?} {:?}", initialisation, solution.components);
             for (pose, truth) in solution.poses.iter().zip(&truth) {
                 prop_assert!(pose.between(truth).log().norm() < 1e-6);
             }
@@ -73,7 +73,7 @@ proptest! {
         for initialisation in [Initialisation::Given, Initialisation::SpanningTree, Initialisation::Chordal, Initialisation::Best] {
             let problem = Problem::new(disturbed(&truth, 0.05, seed), edges.clone()).unwrap();
             let solution = optimize(&problem, &Options { initialisation, ..Options::default() });
-            prop_assert!(solution.converged && solution.chi2 < 1e-12, "{:?} {:?}", initialisation, solution.components);
+            prop_assert!(solution.converged && solution.chi_square < 1e-12, "{:?} {:?}", initialisation, solution.components);
             for (pose, truth) in solution.poses.iter().zip(&truth) {
                 prop_assert!(pose.between(truth).log().norm() < 1e-6);
             }
@@ -100,13 +100,20 @@ fn all_methods_find_the_same_minimum() {
         optimize(&Problem::new(start.to_vec(), edges.clone()).unwrap(), &options)
     };
     let reference = solve(&truth, Method::LevenbergMarquardt);
-    assert!(reference.converged && reference.chi2 > 1e-3, "{}", reference.chi2);
+    assert!(reference.converged && reference.chi_square > 1e-3, "{}", reference.chi_square);
     for method in [Method::GaussNewton, Method::Dogleg] {
         let solution = solve(&disturbed(&truth, 0.05, 33), method);
         assert!(solution.converged, "{method:?} {:?}", solution.components);
-        assert!((solution.chi2 / reference.chi2 - 1.0).abs() < 1e-9, "{method:?} {}", solution.chi2);
+        assert!(
+            (solution.chi_square / reference.chi_square - 1.0).abs() < 1e-9,
+            "{method:?} {}",
+            solution.chi_square
+        );
         let report = &solution.components[0];
-        assert!(report.last_promise <= 1e-10 * solution.chi2 || report.last_step <= 1e-10, "{report:?}");
+        assert!(
+            report.last_promise <= 1e-10 * solution.chi_square || report.last_step <= 1e-10,
+            "{report:?}"
+        );
         assert!(report.factorizations < report.iterations || method == Method::Dogleg, "{report:?}");
     }
     // From afar full steps fail: only Gauss-Newton gives up, and no method ends above its start.
@@ -117,11 +124,16 @@ fn all_methods_find_the_same_minimum() {
     );
     for method in [Method::LevenbergMarquardt, Method::GaussNewton, Method::Dogleg] {
         let solution = solve(&far, method);
-        assert!(solution.chi2 <= start.chi2, "{method:?} {} {}", solution.chi2, start.chi2);
         assert!(
-            solution.chi2 < 0.5 * start.chi2 || method == Method::GaussNewton,
+            solution.chi_square <= start.chi_square,
+            "{method:?} {} {}",
+            solution.chi_square,
+            start.chi_square
+        );
+        assert!(
+            solution.chi_square < 0.5 * start.chi_square || method == Method::GaussNewton,
             "{method:?} {}",
-            solution.chi2
+            solution.chi_square
         );
     }
     assert_eq!(solve(&far, Method::GaussNewton).components[0].termination, Termination::Stalled);
@@ -161,8 +173,13 @@ fn without_a_tolerance_of_the_cost_every_start_ends_at_the_same_poses() {
 #[test]
 fn graphs_with_nothing_to_do_are_solved() {
     let empty = optimize(&Problem::<SE2, 3>::new(vec![], vec![]).unwrap(), &Options::default());
-    assert!(empty.converged && empty.poses.is_empty() && empty.components.is_empty() && empty.chi2 == 0.0);
-    assert!(empty.chi2.is_sign_positive() && empty.cost.is_sign_positive(), "no \"chi2 -0.000000\"");
+    assert!(
+        empty.converged && empty.poses.is_empty() && empty.components.is_empty() && empty.chi_square == 0.0
+    );
+    assert!(
+        empty.chi_square.is_sign_positive() && empty.cost.is_sign_positive(),
+        "no \"chi_square -0.000000\""
+    );
     let poses = vec![SE3::from_euler(1.0, 2.0, 3.0, 0.1, 0.2, 0.3), SE3::identity()];
     let edgeless = optimize(&Problem::<SE3, 6>::new(poses.clone(), vec![]).unwrap(), &Options::default());
     assert_eq!(edgeless.poses, poses);
@@ -189,7 +206,7 @@ fn unconnected_parts_are_solved_apart_and_reported() {
         .map(|(i, p)| if i == 1 { poses[1] } else { p })
         .collect();
     let solution = optimize(&Problem::new(start, both).unwrap(), &Options::default());
-    assert!(solution.converged && solution.chi2 < 1e-12);
+    assert!(solution.converged && solution.chi_square < 1e-12);
     let parts: Vec<_> = solution.components.iter().map(|c| (c.gauge, c.nodes, c.edges)).collect();
     assert_eq!(parts, [(0, 12, count), (1, 12, count)]);
     for (pose, truth) in solution.poses.iter().zip(&poses) {
@@ -211,7 +228,7 @@ fn directions_that_no_edge_measures_are_damped_and_named() {
     for initialisation in [Initialisation::Given, Initialisation::Best, Initialisation::Chordal] {
         let solution = optimize(&problem, &Options { initialisation, ..Options::default() });
         assert!(solution.converged, "{:?}", solution.components);
-        assert!(solution.chi2 < 1e-9, "{}", solution.chi2);
+        assert!(solution.chi_square < 1e-9, "{}", solution.chi_square);
         assert!(solution.poses.iter().all(|pose| pose.components().iter().all(|c| c.is_finite())));
     }
     let given = optimize(&problem, &Options { initialisation: Initialisation::Given, ..Options::default() });
@@ -230,7 +247,7 @@ fn the_first_node_stays_where_it_is() {
             &Options { initialisation, ..Options::default() },
         );
         assert_eq!(solution.poses[0], first);
-        assert!(solution.chi2 < 1e-12);
+        assert!(solution.chi_square < 1e-12);
     }
 }
 
@@ -261,7 +278,7 @@ fn robust_kernels_set_an_outlier_aside() {
         assert!(solution.converged, "{kernel:?} {:?}", solution.components);
         assert!(error(&solution.poses) < 0.1, "{kernel:?} {}", error(&solution.poses));
         assert!(solution.weights[outlier] < 0.01, "{kernel:?} {}", solution.weights[outlier]);
-        assert!(solution.cost < solution.chi2);
+        assert!(solution.cost < solution.chi_square);
     }
 }
 
@@ -273,7 +290,7 @@ fn results_are_the_same_to_the_bit() {
     let second =
         std::thread::scope(|scope| scope.spawn(|| optimize(&problem, &Options::default())).join().unwrap());
     assert_eq!(first.poses, second.poses);
-    assert_eq!(first.chi2.to_bits(), second.chi2.to_bits());
+    assert_eq!(first.chi_square.to_bits(), second.chi_square.to_bits());
 }
 
 #[test]
@@ -286,7 +303,7 @@ fn rotations_first_find_what_a_bad_guess_hides() {
         .collect();
     let given: Vec<_> = (0..nodes).map(|i| SE2::new(i as f64, 0.0, -0.5 * i as f64)).collect();
     let solution = optimize(&Problem::new(given, edges).unwrap(), &Options::default());
-    assert!(solution.chi2 < 1e-9 && solution.components[0].start != Start::Given);
+    assert!(solution.chi_square < 1e-9 && solution.components[0].start != Start::Given);
 }
 
 #[test]
@@ -356,7 +373,7 @@ fn pivots_that_are_only_rounding_do_not_throw_a_pose_away() {
         let solution =
             optimize(&problem, &Options { initialisation: Initialisation::Given, ..Options::default() });
         assert_eq!(solution.components[0].undetermined.map(|(node, _)| node), Some(2), "{index}");
-        assert!(solution.converged && solution.chi2 < 1e-6, "{index}: {:?}", solution.components);
+        assert!(solution.converged && solution.chi_square < 1e-6, "{index}: {:?}", solution.components);
         assert!(solution.poses[2].translation.norm() < 10.0, "{index}: {:?}", solution.poses[2]);
     }
 }

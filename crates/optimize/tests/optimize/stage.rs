@@ -111,9 +111,7 @@ fn an_infinite_cost_was_called_converged() {
         "[1e160,9,0],\"information\":[1e10,0,0,100,0,400]",
     );
     assert_ne!(infinite, GRAPH);
-    for arguments in
-        [&[][..], &["--solver", "isam2"], &["--solver", "isam2", "--unfinished"], &["--method", "dogleg"]]
-    {
+    for arguments in [&[][..], &["--method", "dogleg"]] {
         let output = run_on(arguments, &infinite);
         let error = String::from_utf8(output.stderr).unwrap();
         assert!(output.status.code() == Some(2) && output.stdout.is_empty(), "{arguments:?}: {error}");
@@ -128,13 +126,9 @@ fn an_infinite_cost_was_called_converged() {
 #[test]
 fn small_costs_were_printed_as_zero() {
     let weak = GRAPH.replace("[100,0,0,100,0,400]", "[1e-10,0,0,1e-10,0,4e-10]");
-    for (arguments, words) in
-        [(&[][..], " iterations, 1 component"), (&["--solver", "isam2"], "4 steps, 1 component")]
-    {
-        let error = String::from_utf8(run_on(arguments, &weak).stderr).unwrap();
-        let line = error.lines().find(|line| line.contains("optimize: cost ")).unwrap();
-        assert!(line.contains("e-") && line.contains(words), "{error}");
-    }
+    let error = String::from_utf8(run_on(&[], &weak).stderr).unwrap();
+    let line = error.lines().find(|line| line.contains("optimize: cost ")).unwrap();
+    assert!(line.contains("e-") && line.contains(" iterations, 1 component"), "{error}");
 }
 
 #[test]
@@ -151,7 +145,7 @@ fn names_of_sessions_change_no_pose() {
         let text = String::from_utf8(output.stdout).unwrap().replace(&format!("\"session\":\"{name}\""), "");
         text.lines().skip(1).map(str::to_owned).collect::<Vec<_>>()
     };
-    for arguments in [&[][..], &["--method", "dogleg"], &["--gnc"], &["--solver", "isam2"]] {
+    for arguments in [&[][..], &["--method", "dogleg"], &["--gnc"]] {
         assert_eq!(poses(arguments, "a"), poses(arguments, "zürich"), "{arguments:?}");
     }
 }
@@ -250,38 +244,57 @@ fn an_edge_between_two_parts_has_a_marginal_of_null() {
 }
 
 #[test]
-fn fixed_nodes_stay_where_they_are_in_both_solvers() {
+fn fixed_nodes_stay_where_they_are() {
     let fixed = GRAPH
         .replace("\"id\":1,\"pose\":[1,0,1.5]", "\"id\":1,\"fixed\":true,\"pose\":[1,0,1.5]")
         .replace("\"id\":3,\"pose\":[0,1,-1.5]", "\"id\":3,\"fixed\":true,\"pose\":[0,1,-1.5]");
-    for arguments in [&[][..], &["--solver", "isam2"]] {
-        let output = run_on(arguments, &fixed);
-        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-        let graph = String::from_utf8(output.stdout).unwrap();
-        for (id, pose) in [(1, "[1,0,1.5]"), (3, "[0,1,-1.5]")] {
-            let line = format!("{{\"kind\":\"node\",\"id\":{id},\"pose\":{pose},\"fixed\":true}}");
-            assert!(graph.contains(&line), "{arguments:?}: {graph}");
-        }
-        // What is fixed is no gauge only: the first node has moved.
-        assert!(!graph.contains("{\"kind\":\"node\",\"id\":0,\"pose\":[0,0,0]"), "{arguments:?}: {graph}");
+    let graph = String::from_utf8(run_on(&[], &fixed).stdout).unwrap();
+    for (id, pose) in [(1, "[1,0,1.5]"), (3, "[0,1,-1.5]")] {
+        let line = format!("{{\"kind\":\"node\",\"id\":{id},\"pose\":{pose},\"fixed\":true}}");
+        assert!(graph.contains(&line), "{graph}");
     }
+    // What is fixed is no gauge only: the first node has moved.
+    assert!(!graph.contains("{\"kind\":\"node\",\"id\":0,\"pose\":[0,0,0]"), "{graph}");
     for (mark, words) in [
         ("\"fixed\":\"yes\",\"pose\":[1,0,1.5]", "expected true or false, found \"yes\""),
         ("\"fixed\":true", "is fixed and has no pose to stay at"),
     ] {
-        for arguments in [&[][..], &["--solver", "isam2"]] {
-            let bad = GRAPH.replace("\"id\":1,\"pose\":[1,0,1.5]", &format!("\"id\":1,{mark}"));
-            let output = run_on(arguments, &bad);
-            let error = String::from_utf8(output.stderr).unwrap();
-            assert!(
-                output.status.code() == Some(2) && error.contains(words) && error.contains("node 1"),
-                "{error}"
-            );
-        }
+        let bad = GRAPH.replace("\"id\":1,\"pose\":[1,0,1.5]", &format!("\"id\":1,{mark}"));
+        let output = run_on(&[], &bad);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert!(
+            output.status.code() == Some(2) && error.contains(words) && error.contains("node 1"),
+            "{error}"
+        );
     }
     let certified = run_on(&["--certify"], &fixed);
     assert!(
         String::from_utf8(certified.stderr).unwrap().contains("does not apply to 1 component"),
         "several fixed nodes are no graph of edges alone"
     );
+}
+
+/// The incremental solver was a mode of this program.
+#[test]
+fn options_of_the_incremental_solver_name_its_program() {
+    for arguments in [
+        &["--solver", "isam2"][..],
+        &["--solver=isam2"],
+        &["--solver", "batch"],
+        &["--unfinished"],
+        &["--propagate=1e-3"],
+        &["--every", "3", "--estimates", "x"],
+    ] {
+        let error = fail(arguments);
+        assert!(error.contains("posecut-isam") && error.contains("leave --"), "{arguments:?}: {error}");
+        assert_eq!(error.lines().count(), 1, "{error}");
+    }
+}
+
+/// Records of posecut-isam are of unknown kind to all other stages.
+#[test]
+fn retract_records_pass_through() {
+    let record = r#"{"kind":"retract","edge":6,"why":"the front end thought better of it"}"#;
+    let output = run_on(&[], &format!("{GRAPH}{record}\n"));
+    assert!(String::from_utf8(output.stdout).unwrap().ends_with(&format!("{record}\n")));
 }

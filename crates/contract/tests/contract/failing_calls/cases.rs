@@ -112,7 +112,7 @@ pub(super) fn cases() -> Vec<Case> {
     for (name, options) in [
         ("pcm", &["--consistency-graph"][..]),
         ("multicut", &["--certificate"]),
-        ("optimize", &["--solver", "isam2", "--every", "50", "--estimates"]),
+        ("isam", &["--every", "50", "--estimates"]),
     ] {
         let all = [&[graph.as_str()], options, &["further", "-o", "out", "--stats", "stats.json"]].concat();
         cases.push(Case::new(name, &words(&all), old_outputs).naming(&["further", "out", "stats.json"]));

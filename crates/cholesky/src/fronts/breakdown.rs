@@ -1,0 +1,15 @@
+//! Where a factorisation ends early.
+
+use thiserror::Error;
+
+/// The matrix is not positive definite.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error(
+    "the matrix is not positive definite: nothing positive is left of component {component} of variable {variable}"
+)]
+pub struct Breakdown {
+    /// Variable whose pivot failed.
+    pub variable: usize,
+    /// Component of that variable, from 0.
+    pub component: usize,
+}

@@ -1,0 +1,133 @@
+//! The numeric phase: multifrontal factorisation and triangular solves.
+
+use faer::traits::pulp::Arch;
+use nalgebra::SMatrix;
+
+use super::breakdown::Breakdown;
+use super::task::{Matrix, SmallestPivot, Task, Worker, side_by_side};
+use crate::symbolic::{Front, Symbolic};
+
+/// Share of a diagonal entry that elimination must leave. Below it what is left is rounding: some fifty units in the last place of the
+/// entry, where sums of that many terms err.
+pub const SINGULAR: f64 = 1e-14;
+
+/// Memory and values of a factor with blocks of order `D`: `P A P^T = L L^T`.
+pub struct Factor<const D: usize> {
+    pub(crate) panels: Vec<f64>,
+    stacks: [Vec<f64>; 2],
+    /// One for each stretch of fronts.
+    workers: Vec<Worker>,
+    pub(crate) permuted: Vec<f64>,
+    /// A front's part of a vector.
+    pub(crate) local: Vec<f64>,
+    smallest_pivot: SmallestPivot,
+}
+
+impl<const D: usize> std::fmt::Debug for Factor<D> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("Factor").field("scalars", &self.panels.len()).finish_non_exhaustive()
+    }
+}
+
+impl<const D: usize> Factor<D> {
+    /// Reserves all memory that factorising and solving with this pattern need.
+    pub fn new(symbolic: &Symbolic) -> Self {
+        let height = symbolic.fronts.iter().map(Front::height).max().unwrap_or(0);
+        Self {
+            panels: vec![0.0; symbolic.panel_blocks * D * D],
+            stacks: symbolic.stack_blocks.map(|blocks| vec![0.0; blocks * D * D]),
+            workers: symbolic.stretches.iter().map(|stretch| Worker::new::<D>(symbolic, stretch)).collect(),
+            permuted: vec![0.0; symbolic.variables() * D],
+            local: vec![0.0; height * D],
+            smallest_pivot: SmallestPivot::default(),
+        }
+    }
+
+    /// Lends the memory to a factor of blocks that are no larger, with the same pattern; the values are lost.
+    pub fn lend<const E: usize, T>(&mut self, work: impl FnOnce(&mut Factor<E>) -> T) -> T {
+        debug_assert!(E <= D, "memory for smaller blocks is lent");
+        let mut other = Factor::<E>::empty();
+        self.exchange(&mut other);
+        let result = work(&mut other);
+        self.exchange(&mut other);
+        result
+    }
+
+    fn exchange<const E: usize>(&mut self, other: &mut Factor<E>) {
+        std::mem::swap(&mut self.panels, &mut other.panels);
+        std::mem::swap(&mut self.stacks, &mut other.stacks);
+        std::mem::swap(&mut self.workers, &mut other.workers);
+        std::mem::swap(&mut self.permuted, &mut other.permuted);
+        std::mem::swap(&mut self.local, &mut other.local);
+    }
+
+    fn empty() -> Self {
+        Self {
+            panels: Vec::new(),
+            stacks: [Vec::new(), Vec::new()],
+            workers: Vec::new(),
+            permuted: Vec::new(),
+            local: Vec::new(),
+            smallest_pivot: SmallestPivot::default(),
+        }
+    }
+
+    /// Factorises the matrix with these diagonal blocks and off-diagonal blocks (row: first of its pair).
+    ///
+    /// `damping` is added to every diagonal entry as a multiple of that entry, after it was raised to at least the
+    /// `floor` of its component: `A + damping * max(diag A, floor)`.
+    pub fn factorize(
+        &mut self,
+        symbolic: &Symbolic,
+        diagonal: &[SMatrix<f64, D, D>],
+        off_diagonal: &[SMatrix<f64, D, D>],
+        damping: f64,
+        floor: [f64; D],
+    ) -> Result<(), Breakdown> {
+        let matrix = Matrix { diagonal, off_diagonal, damping, floor };
+        let Self { panels, stacks, workers, smallest_pivot, .. } = self;
+        *smallest_pivot = SmallestPivot::default();
+        let Some((rest, others)) = symbolic.stretches.split_last() else { return Ok(()) };
+        let failed = if others.is_empty() {
+            None
+        } else {
+            // One entry to the pool for all that follows.
+            rayon::scope(|_| side_by_side(symbolic, others, matrix, panels, stacks, workers)).err()
+        };
+        // After a failure only fronts before it are of interest: one thread would have met theirs first, and the variable that is named
+        // must not depend on the number of threads.
+        let end = failed
+            .as_ref()
+            .map_or(usize::MAX, |failed| symbolic.front_of[symbolic.position[failed.variable]]);
+        let fronts = &rest.fronts[..rest.fronts.partition_point(|&front| front < end)];
+        if let Some(worker) = workers.last_mut() {
+            let [even, odd] = stacks;
+            let stacks = [even.as_mut_slice(), odd.as_mut_slice()];
+            let task =
+                Task { symbolic, matrix, fronts, panels, panel_base: 0, stacks, stack_bases: [0; 2], worker };
+            Arch::new().dispatch(task)?;
+        }
+        if let Some(failed) = failed {
+            return Err(failed);
+        }
+        for worker in workers {
+            smallest_pivot.note(worker.smallest_pivot);
+        }
+        Ok(())
+    }
+
+    /// The smallest share `L_kk^2 / A_kk` that elimination left of a diagonal entry, with its variable and component.
+    ///
+    /// Near the unit round-off the matrix is singular to working precision.
+    pub fn smallest_pivot(&self) -> (f64, usize, usize) {
+        let SmallestPivot { share, variable, component } = self.smallest_pivot;
+        (share, variable, component)
+    }
+
+    /// Variable and component whose direction is undetermined to working precision: elimination left at most [`SINGULAR`] of the
+    /// diagonal entry, or no number.
+    pub fn undetermined(&self) -> Option<(usize, usize)> {
+        let SmallestPivot { share, variable, component } = self.smallest_pivot;
+        (share.is_nan() || share <= SINGULAR).then_some((variable, component))
+    }
+}

@@ -1,0 +1,150 @@
+//! Partial Cholesky factorisation of one very large dense front, by all threads.
+//!
+//! Right-looking by blocks of columns. What a thread takes is a strip of fixed size, so that every number is the same sum in the
+//! same order at any number of threads.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place};
+use faer::linalg::matmul::matmul;
+use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::{Accum, MatMut, MatRef, Par};
+use rayon::prelude::*;
+
+use super::view::FrontView;
+
+/// Columns eliminated at a time: the diagonal block is factorised by one thread, so that wider ones leave the others idle, while narrower
+/// ones multiply the passes over the rest of the front.
+const BLOCK: usize = 128;
+/// Rows or columns that a thread takes at least: a strip of this many rows and [`BLOCK`] columns, 200 kB, stays in the cache of a
+/// processor. Fixed, not a share of the front by the number of threads: the same strips give the same sums.
+const STRIP: usize = 192;
+
+/// As `dense::eliminate`; the results differ from those of its other ways by rounding.
+pub(super) fn eliminate(front: FrontView<'_>, memory: &mut MemBuffer) -> Result<(), usize> {
+    let below = front.below();
+    let FrontView { panel, height, columns, update, fresh } = front;
+    for start in (0..columns).step_by(BLOCK) {
+        let width = BLOCK.min(columns - start);
+        let (done, later) = panel.split_at_mut((start + width) * height);
+        let block = MatMut::from_column_major_slice_mut(&mut done[start * height..], height, width);
+        let (mut diagonal, rest) = block.split_at_row_mut(start).1.split_at_row_mut(width);
+        let stack = MemStack::new(memory);
+        cholesky_in_place(
+            diagonal.as_mut(),
+            faer::prelude::default(),
+            Par::Seq,
+            stack,
+            faer::prelude::default(),
+        )
+        .map_err(|LltError::NonPositivePivot { index }| start + index)?;
+        solve_by_strips(diagonal.as_ref(), rest);
+        let block = MatRef::from_column_major_slice(&done[start * height..], height, width);
+        subtract_products(later, height, start + width, block, Accum::Add);
+    }
+    let panel = MatRef::from_column_major_slice(panel, height, columns);
+    let accumulate = if fresh { Accum::Replace } else { Accum::Add };
+    subtract_products(update, below, 0, panel.split_at_row(columns).1, accumulate);
+    Ok(())
+}
+
+/// `rest = rest L^-T`.
+fn solve_by_strips(diagonal: MatRef<'_, f64>, rest: MatMut<'_, f64>) {
+    let rows = rest.nrows();
+    if rows <= STRIP {
+        if rows > 0 {
+            solve_lower_triangular_in_place(diagonal, rest.transpose_mut(), Par::Seq);
+        }
+        return;
+    }
+    let half = (rows / STRIP).div_ceil(2) * STRIP;
+    let (first, second) = rest.split_at_row_mut(half);
+    rayon::join(|| solve_by_strips(diagonal, first), || solve_by_strips(diagonal, second));
+}
+
+/// `target[i, j] -= sum over columns k of source[i, k] source[j, k]` on and below the diagonal: the target's first column is
+/// column `first` of a matrix whose rows are those of the source. What it does above the diagonal is not meant.
+fn subtract_products(
+    target: &mut [f64],
+    height: usize,
+    first: usize,
+    source: MatRef<'_, f64>,
+    accumulate: Accum,
+) {
+    if height == 0 {
+        return;
+    }
+    target.par_chunks_mut(STRIP * height).enumerate().for_each(|(index, strip)| {
+        let start = first + index * STRIP;
+        let width = strip.len() / height;
+        let strip = MatMut::from_column_major_slice_mut(strip, height, width).split_at_row_mut(start).1;
+        let (corner, rest) = strip.split_at_row_mut(width);
+        let (own, others) = source.split_at_row(start).1.split_at_row(width);
+        triangular_matmul(
+            corner,
+            BlockStructure::TriangularLower,
+            accumulate,
+            own,
+            BlockStructure::Rectangular,
+            own.transpose(),
+            BlockStructure::Rectangular,
+            -1.0,
+            Par::Seq,
+        );
+        matmul(rest, accumulate, others, own.transpose(), -1.0, Par::Seq);
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::dense;
+    use super::*;
+
+    /// The front of a matrix `B B^T + c I`, by both ways.
+    #[test]
+    fn strips_give_what_one_piece_does_and_the_same_bits_on_any_number_of_threads() {
+        let (height, columns) = (531, 300);
+        let entry = |row: usize, column: usize| ((row * 37 + column * 101 + row * column) as f64 * 0.7).sin();
+        let mut panel = vec![0.0; height * columns];
+        for column in 0..columns {
+            for row in column..height {
+                panel[column * height + row] = entry(row, column) + if row == column { 400.0 } else { 0.0 };
+            }
+        }
+        let below = height - columns;
+        let start: Vec<f64> = (0..below * below).map(|index| (index as f64 * 0.3).cos()).collect();
+        let solve = |threads: usize, fresh: bool| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
+            let (mut panel, mut update) = (panel.clone(), start.clone());
+            let mut memory = dense::scratch(columns);
+            let front = FrontView { panel: &mut panel, height, columns, update: &mut update, fresh };
+            pool.install(|| eliminate(front, &mut memory)).expect("the matrix is dominated by its diagonal");
+            (panel, update)
+        };
+        for fresh in [false, true] {
+            let (mut expected, mut update) = (panel.clone(), start.clone());
+            let mut memory = dense::scratch(columns);
+            let front = FrontView { panel: &mut expected, height, columns, update: &mut update, fresh };
+            dense::eliminate_large(front, &mut memory).expect("the matrix is dominated by its diagonal");
+            let (found, found_update) = solve(1, fresh);
+            let lower = |matrix: &[f64], order: usize, columns: usize| -> Vec<f64> {
+                (0..columns)
+                    .flat_map(|column| matrix[column * order + column..(column + 1) * order].to_vec())
+                    .collect()
+            };
+            let apart =
+                |a: Vec<f64>, b: Vec<f64>| a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart(lower(&expected, height, columns), lower(&found, height, columns)) < 1e-11);
+            assert!(apart(lower(&update, below, below), lower(&found_update, below, below)) < 1e-11);
+            assert_eq!(solve(2, fresh), solve(1, fresh));
+            assert_eq!(solve(3, fresh), solve(1, fresh));
+        }
+        let mut indefinite = panel.clone();
+        indefinite[200 * height + 200] = -1e6;
+        let mut memory = dense::scratch(columns);
+        let front =
+            FrontView { panel: &mut indefinite, height, columns, update: &mut start.clone(), fresh: true };
+        let outcome = eliminate(front, &mut memory);
+        assert_eq!(outcome, Err(200));
+    }
+}

@@ -1,0 +1,249 @@
+//! The factorisation of a stretch of fronts, by one thread.
+
+#![allow(
+    clippy::inline_always,
+    reason = "loops take the vector instructions of the caller they are inlined into"
+)]
+
+use std::ops::Range;
+
+use faer::dyn_stack::MemBuffer;
+use faer::traits::pulp::{Arch, Simd, WithSimd};
+use nalgebra::SMatrix;
+use rayon::prelude::*;
+
+use super::breakdown::Breakdown;
+use super::dense;
+use super::extend_add::{Run, extend_add, push_rows, rows_before};
+use super::view::FrontView;
+use crate::symbolic::{Front, Stretch, Symbolic};
+
+/// The values to factorise.
+#[derive(Clone, Copy)]
+pub(super) struct Matrix<'a, const D: usize> {
+    pub(super) diagonal: &'a [SMatrix<f64, D, D>],
+    pub(super) off_diagonal: &'a [SMatrix<f64, D, D>],
+    pub(super) damping: f64,
+    pub(super) floor: [f64; D],
+}
+
+/// Smallest share that elimination has left of a diagonal entry, and where.
+#[derive(Clone, Copy)]
+pub(super) struct SmallestPivot {
+    pub(super) share: f64,
+    pub(super) variable: usize,
+    pub(super) component: usize,
+}
+
+impl Default for SmallestPivot {
+    fn default() -> Self {
+        Self { share: 1.0, variable: usize::MAX, component: 0 }
+    }
+}
+
+impl SmallestPivot {
+    /// Keeps the smaller one, of equal ones that of the first variable. A share of NaN, from an overflow, counts as the smallest of
+    /// all.
+    #[inline(always)]
+    pub(super) fn note(&mut self, other: Self) {
+        if other.share > self.share {
+            return;
+        }
+        let key = |pivot: &Self| {
+            let share = if pivot.share.is_nan() { f64::NEG_INFINITY } else { pivot.share };
+            (share, pivot.variable, pivot.component)
+        };
+        if key(&other) < key(self) {
+            *self = other;
+        }
+    }
+}
+
+/// Memory of a thread.
+pub(super) struct Worker {
+    memory: MemBuffer,
+    runs: Vec<Run>,
+    pub(super) smallest_pivot: SmallestPivot,
+}
+
+impl Worker {
+    pub(super) fn new<const D: usize>(symbolic: &Symbolic, stretch: &Stretch) -> Self {
+        let fronts = || stretch.fronts.iter().map(|&front| &symbolic.fronts[front]);
+        let columns = fronts().map(|front| front.columns).max().unwrap_or(0);
+        Self {
+            memory: dense::scratch(columns * D),
+            runs: Vec::with_capacity(fronts().map(Front::height).max().unwrap_or(0)),
+            smallest_pivot: SmallestPivot::default(),
+        }
+    }
+}
+
+/// Factorises stretches that need nothing of each other, on all threads. The first that fails in their order is reported.
+pub(super) fn side_by_side<const D: usize>(
+    symbolic: &Symbolic,
+    stretches: &[Stretch],
+    matrix: Matrix<'_, D>,
+    panels: &mut [f64],
+    [even, odd]: &mut [Vec<f64>; 2],
+    workers: &mut [Worker],
+) -> Result<(), Breakdown> {
+    let (mut panels, mut even, mut odd) = (Rest::new(panels), Rest::new(even), Rest::new(odd));
+    let scalars = |blocks: &Range<usize>| blocks.start * D * D..blocks.end * D * D;
+    let tasks: Vec<Task<'_, D>> = stretches
+        .iter()
+        .zip(workers)
+        .map(|(stretch, worker)| {
+            let [of_even, of_odd] = [0, 1].map(|stack| scalars(&stretch.stacks[stack]));
+            let of_panels = scalars(&stretch.panels);
+            Task {
+                symbolic,
+                matrix,
+                fronts: &stretch.fronts,
+                panel_base: of_panels.start,
+                panels: panels.cut(of_panels),
+                stack_bases: [of_even.start, of_odd.start],
+                stacks: [even.cut(of_even), odd.cut(of_odd)],
+                worker,
+            }
+        })
+        .collect();
+    let outcomes: Vec<_> = tasks.into_par_iter().map(|task| Arch::new().dispatch(task)).collect();
+    outcomes.into_iter().collect()
+}
+
+/// What is left of a vector after parts of it, ascending, were cut out.
+struct Rest<'a> {
+    values: &'a mut [f64],
+    gone: usize,
+}
+
+impl<'a> Rest<'a> {
+    fn new(values: &'a mut [f64]) -> Self {
+        Self { values, gone: 0 }
+    }
+
+    fn cut(&mut self, range: Range<usize>) -> &'a mut [f64] {
+        let (part, rest) = std::mem::take(&mut self.values).split_at_mut(range.end - self.gone);
+        let part = &mut part[range.start - self.gone..];
+        (self.values, self.gone) = (rest, range.end);
+        part
+    }
+}
+
+/// A stretch of fronts and the memory it is factorised in, for one set of vector instructions. Not a closure: the call of one is
+/// not inlined, and what it calls would be compiled for the least of all machines.
+pub(super) struct Task<'a, const D: usize> {
+    pub(super) symbolic: &'a Symbolic,
+    pub(super) matrix: Matrix<'a, D>,
+    pub(super) fronts: &'a [usize],
+    /// The factor from the scalar `panel_base` on.
+    pub(super) panels: &'a mut [f64],
+    pub(super) panel_base: usize,
+    /// The stacks, each from a scalar on.
+    pub(super) stacks: [&'a mut [f64]; 2],
+    pub(super) stack_bases: [usize; 2],
+    pub(super) worker: &'a mut Worker,
+}
+
+impl<const D: usize> WithSimd for Task<'_, D> {
+    type Output = Result<(), Breakdown>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let Self { symbolic, matrix, fronts, panels, panel_base, stacks, stack_bases, worker } = self;
+        let Matrix { diagonal, off_diagonal, damping, floor } = matrix;
+        let Worker { memory, runs, smallest_pivot } = worker;
+        *smallest_pivot = SmallestPivot::default();
+        let [even, odd] = stacks;
+        for front in fronts.iter().map(|&front| &symbolic.fronts[front]) {
+            let height = front.height() * D;
+            let panel_start = front.panel * D * D - panel_base;
+            let panel = &mut panels[panel_start..panel_start + front.columns * D * height];
+            panel.fill(0.0);
+            for local in 0..front.columns {
+                let mut block = diagonal[symbolic.order[front.first + local]];
+                for component in 0..D {
+                    block[(component, component)] +=
+                        damping * block[(component, component)].max(floor[component]);
+                }
+                write_block(panel, height, local, local, &block);
+            }
+            for entry in &symbolic.entries[front.entries.clone()] {
+                let block = &off_diagonal[entry.pair];
+                if entry.transposed {
+                    write_block(panel, height, entry.row, entry.column, &block.transpose());
+                } else {
+                    write_block(panel, height, entry.row, entry.column, block);
+                }
+            }
+            let (own, others) = if front.stack == 0 { (&mut *even, &*odd) } else { (&mut *odd, &*even) };
+            let (own_base, other_base) = (stack_bases[front.stack], stack_bases[1 - front.stack]);
+            let below = front.below() * D;
+            let update_start = front.update * D * D - own_base;
+            let update = &mut own[update_start..update_start + below * below];
+            let columns = front.columns * D;
+            // The panel takes the children's part first: elimination needs complete columns. The update waits: elimination
+            // then writes it first, as a product, and children are added once.
+            let mut view = FrontView { panel, height, columns, update, fresh: true };
+            for &child in &symbolic.children[front.children.clone()] {
+                let child = &symbolic.fronts[child];
+                place_rows::<D>(symbolic, child, runs);
+                let eliminated = 0..rows_before(runs, columns);
+                let (child, order) = update_of::<D>(child, others, other_base);
+                extend_add(child, order, eliminated, runs, view.reborrow());
+            }
+            dense::eliminate::<D>(view.reborrow(), memory).map_err(|column| Breakdown {
+                variable: symbolic.order[front.first + column / D],
+                component: column % D,
+            })?;
+            for &child in &symbolic.children[front.children.clone()] {
+                let child = &symbolic.fronts[child];
+                place_rows::<D>(symbolic, child, runs);
+                let (child, order) = update_of::<D>(child, others, other_base);
+                let rest = rows_before(runs, columns)..order;
+                extend_add(child, order, rest, runs, view.reborrow());
+            }
+            // The smallest ratio of a squared pivot to the matrix's diagonal entry, not to the largest pivot: it does not change with the
+            // units of the variables, and small weights of some variables do not look singular.
+            for column in 0..columns {
+                let (variable, component) = (symbolic.order[front.first + column / D], column % D);
+                let entry = diagonal[variable][(component, component)];
+                let pivot = view.panel[column * height + column];
+                let share = pivot * pivot / (entry + damping * entry.max(floor[component]));
+                smallest_pivot.note(SmallestPivot { share, variable, component });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Copies a block to block position `(row, column)` of a column-major panel.
+#[inline(always)]
+fn write_block<const D: usize>(
+    panel: &mut [f64],
+    height: usize,
+    row: usize,
+    column: usize,
+    block: &SMatrix<f64, D, D>,
+) {
+    for (offset, source) in block.as_slice().chunks_exact(D).enumerate() {
+        let start = (column * D + offset) * height + row * D;
+        panel[start..start + D].copy_from_slice(source);
+    }
+}
+
+/// Where a child's rows lie in its parent's front.
+#[inline(always)]
+fn place_rows<const D: usize>(symbolic: &Symbolic, child: &Front, runs: &mut Vec<Run>) {
+    runs.clear();
+    for (index, &place) in symbolic.relative[child.rows.clone()].iter().enumerate() {
+        push_rows(runs, index * D, place * D, D);
+    }
+}
+
+/// A front's update matrix on its stack, and its order.
+#[inline(always)]
+fn update_of<'a, const D: usize>(front: &Front, stack: &'a [f64], base: usize) -> (&'a [f64], usize) {
+    let order = front.below() * D;
+    (&stack[front.update * D * D - base..][..order * order], order)
+}

@@ -1,0 +1,83 @@
+//! Single blocks of the inverse, wherever they lie.
+
+#![allow(
+    clippy::inline_always,
+    reason = "loops take the vector instructions of the caller they are inlined into"
+)]
+
+use faer::traits::pulp::{Arch, Simd, WithSimd};
+use nalgebra::SMatrix;
+
+use crate::fronts::factor::Factor;
+use crate::fronts::substitution::{backward, forward};
+use crate::symbolic::Symbolic;
+
+/// What solves along the elimination tree work on: a right-hand side, and the rows of one front.
+#[derive(Clone)]
+pub struct Workspace {
+    values: Vec<f64>,
+    local: Vec<f64>,
+}
+
+impl<const D: usize> Factor<D> {
+    /// Working memory for [`Self::inverse_column`]: one for each thread.
+    pub fn workspace(&self) -> Workspace {
+        Workspace { values: vec![0.0; self.permuted.len()], local: vec![0.0; self.local.len()] }
+    }
+
+    /// The blocks of `A^-1` in block column `column` and the given block rows.
+    ///
+    /// The triangular solves visit only the fronts on the ways from these variables to the roots of the elimination tree.
+    pub fn inverse_column(
+        &self,
+        symbolic: &Symbolic,
+        column: usize,
+        rows: &[usize],
+        workspace: &mut Workspace,
+    ) -> Vec<SMatrix<f64, D, D>> {
+        let own = symbolic.path_to_root([column].into_iter());
+        let all = symbolic.path_to_root(rows.iter().copied().chain([column]));
+        let mut blocks = vec![SMatrix::<f64, D, D>::zeros(); rows.len()];
+        let (panels, values, local) = (&self.panels[..], &mut workspace.values[..], &mut workspace.local[..]);
+        let arch = Arch::new();
+        for component in 0..D {
+            for &front in &all {
+                let front = &symbolic.fronts[front];
+                values[front.first * D..(front.first + front.columns) * D].fill(0.0);
+            }
+            values[symbolic.position[column] * D + component] = 1.0;
+            arch.dispatch(Along::<D> { symbolic, own: &own, all: &all, panels, values, local });
+            for (block, &row) in blocks.iter_mut().zip(rows) {
+                let start = symbolic.position[row] * D;
+                block.as_mut_slice()[component * D..][..D].copy_from_slice(&values[start..start + D]);
+            }
+        }
+        blocks
+    }
+}
+
+/// Both triangular solves along some ways to the root, for one set of vector instructions: without them every product is a
+/// call of a function.
+struct Along<'a, const D: usize> {
+    symbolic: &'a Symbolic,
+    own: &'a [usize],
+    all: &'a [usize],
+    panels: &'a [f64],
+    values: &'a mut [f64],
+    local: &'a mut [f64],
+}
+
+impl<const D: usize> WithSimd for Along<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { symbolic, own, all, panels, values, local } = self;
+        for &front in own {
+            forward::<D>(symbolic, &symbolic.fronts[front], panels, values, local);
+        }
+        for &front in all.iter().rev() {
+            backward::<D>(symbolic, &symbolic.fronts[front], panels, values, local);
+        }
+    }
+}

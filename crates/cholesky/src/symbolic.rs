@@ -1,0 +1,177 @@
+//! Everything about a factorisation that depends on the pattern alone.
+//!
+//! [`elimination`]: the elimination tree and the structure of columns (Liu, SIAM J. Matrix Anal. Appl. 11, 1990);
+//! [`supernodes`]: columns eliminated together as one [`front`]; [`links`]: parents and children of fronts; [`subtrees`]: what threads
+//! take; [`stacks`]: where updates wait; [`entries`]: where blocks of the matrix go. Depends on [`ordering`](super::ordering).
+
+mod elimination;
+mod entries;
+mod front;
+mod links;
+mod stacks;
+mod subtrees;
+mod supernodes;
+
+use std::collections::BTreeSet;
+
+use super::ordering::minimum_degree::approximate_minimum_degree;
+use super::ordering::nested_dissection::nested_dissection;
+use crate::Adjacency;
+use elimination::{ROOT, elimination_tree, postorder};
+use front::{Entry, front_flops};
+use supernodes::{Supernode, amalgamate, maximal};
+
+pub(crate) use front::{Front, NO_PARENT, Stretch};
+
+/// Operations by minimum degree from which nested dissection is tried too: its analysis takes several times as long, and a
+/// cheap factorisation would not pay that back.
+const WORTH_DISSECTION: f64 = 2e8;
+
+/// Order of elimination, fronts, and the map from matrix to fronts, for one pattern of blocks.
+#[derive(Debug)]
+pub struct Symbolic {
+    pub(crate) order: Vec<usize>,
+    /// Inverse of `order`.
+    pub(crate) position: Vec<usize>,
+    pub(crate) fronts: Vec<Front>,
+    pub(crate) rows: Vec<usize>,
+    /// For each entry of `rows`: its block row in the parent's front.
+    pub(crate) relative: Vec<usize>,
+    pub(crate) children: Vec<usize>,
+    pub(crate) entries: Vec<Entry>,
+    /// Front of each position.
+    pub(crate) front_of: Vec<usize>,
+    pub(crate) panel_blocks: usize,
+    pub(crate) stack_blocks: [usize; 2],
+    /// What threads may take side by side, and as the last one the rest, which comes after all others.
+    pub(crate) stretches: Vec<Stretch>,
+    flops: f64,
+}
+
+impl Symbolic {
+    /// Analyses a symmetric pattern of `variables` diagonal blocks and the off-diagonal blocks `pairs`.
+    ///
+    /// Each pair is given once, smaller variable first; the numeric phase takes its blocks in the same order. `block`
+    /// is the block size that fronts are tuned for, not a limit. The order is by approximate minimum degree or, where that
+    /// leaves much to do, by nested dissection, whichever takes fewer operations. Takes time proportional to the factor's blocks, plus
+    /// the ordering's.
+    pub fn new(variables: usize, pairs: &[(usize, usize)], block: usize) -> Self {
+        let order = approximate_minimum_degree(variables, pairs);
+        let symbolic = Self::with_order(pairs, &order, block);
+        if symbolic.flops < WORTH_DISSECTION {
+            return symbolic;
+        }
+        let dissected = Self::with_order(pairs, &nested_dissection(variables, pairs), block);
+        if dissected.flops < symbolic.flops { dissected } else { symbolic }
+    }
+
+    /// Analyses with a given order of elimination, `order[position] = variable`.
+    pub(crate) fn with_order(pairs: &[(usize, usize)], order: &[usize], block: usize) -> Self {
+        let (order, parent) = in_postorder(pairs, order);
+        let position = inverse(&order);
+        let upper = Adjacency::new(order.len(), pairs.iter().map(|&pair| placed(&position, pair)));
+        let mut symbolic = Self::of_supernodes(order, &amalgamate(maximal(&parent, &upper), block));
+        symbolic.link_parents();
+        let work: Vec<f64> = symbolic.fronts.iter().map(|front| front_flops(front, block)).collect();
+        symbolic.flops = work.iter().sum();
+        symbolic.place_updates(&subtrees::independent(&symbolic.fronts, &work));
+        symbolic.place_entries(pairs, &position);
+        symbolic.position = position;
+        symbolic
+    }
+
+    /// A front for each supernode, one panel after the other, so that the factor is one piece of memory in the order in which fronts
+    /// are eliminated. What follows from the fronts' relations is still missing.
+    fn of_supernodes(order: Vec<usize>, supernodes: &[Supernode]) -> Self {
+        let mut symbolic = Self {
+            position: Vec::new(),
+            fronts: Vec::with_capacity(supernodes.len()),
+            rows: Vec::new(),
+            relative: Vec::new(),
+            children: Vec::new(),
+            entries: Vec::new(),
+            front_of: vec![0; order.len()],
+            panel_blocks: 0,
+            stack_blocks: [0, 0],
+            stretches: Vec::new(),
+            flops: 0.0,
+            order,
+        };
+        for supernode in supernodes {
+            let start = symbolic.rows.len();
+            symbolic.rows.extend_from_slice(&supernode.rows);
+            let index = symbolic.fronts.len();
+            symbolic.front_of[supernode.first..supernode.first + supernode.columns].fill(index);
+            let front = Front {
+                first: supernode.first,
+                columns: supernode.columns,
+                rows: start..symbolic.rows.len(),
+                parent: NO_PARENT,
+                panel: symbolic.panel_blocks,
+                update: 0,
+                stack: 0,
+                children: 0..0,
+                entries: 0..0,
+            };
+            symbolic.panel_blocks += front.columns * front.height();
+            symbolic.fronts.push(front);
+        }
+        symbolic
+    }
+
+    /// Number of block variables.
+    pub fn variables(&self) -> usize {
+        self.order.len()
+    }
+
+    /// Blocks stored in the factor, explicit zeros of merged fronts included.
+    pub fn factor_blocks(&self) -> usize {
+        self.panel_blocks
+    }
+
+    /// Floating-point operations of one numeric factorisation at the block size the fronts were tuned for.
+    pub fn flops(&self) -> f64 {
+        self.flops
+    }
+
+    /// The fronts on the ways from these variables to the roots, children before parents.
+    pub(crate) fn path_to_root(&self, variables: impl Iterator<Item = usize>) -> Vec<usize> {
+        let mut path = BTreeSet::new();
+        for variable in variables {
+            let mut front = self.front_of[self.position[variable]];
+            while front != NO_PARENT && path.insert(front) {
+                front = self.fronts[front].parent;
+            }
+        }
+        path.into_iter().collect()
+    }
+}
+
+/// An order with the same factor in which every subtree of the elimination tree is contiguous, and the tree by position.
+///
+/// Fronts need that: a supernode is a run of columns, a subtree a range of fronts, and updates can wait on a stack. A postorder
+/// of the tree fills in the same places, renamed (Liu, 1990).
+fn in_postorder(pairs: &[(usize, usize)], order: &[usize]) -> (Vec<usize>, Vec<usize>) {
+    let position = inverse(order);
+    let lower = pairs.iter().map(|&pair| placed(&position, pair)).map(|(a, b)| (b, a));
+    let parent = elimination_tree(order.len(), &Adjacency::new(order.len(), lower));
+    let post = postorder(&parent);
+    let renamed = inverse(&post);
+    let new_parent = |&old: &usize| if parent[old] == ROOT { ROOT } else { renamed[parent[old]] };
+    (post.iter().map(|&old| order[old]).collect(), post.iter().map(new_parent).collect())
+}
+
+/// The positions of a pair, the smaller one first.
+fn placed(position: &[usize], (a, b): (usize, usize)) -> (usize, usize) {
+    let (a, b) = (position[a], position[b]);
+    (a.min(b), a.max(b))
+}
+
+/// `result[values[i]] = i`.
+fn inverse(values: &[usize]) -> Vec<usize> {
+    let mut result = vec![0; values.len()];
+    for (index, &value) in values.iter().enumerate() {
+        result[value] = index;
+    }
+    result
+}

@@ -1,0 +1,225 @@
+//! Edges that come and go, with their linearisations.
+
+#![allow(
+    clippy::inline_always,
+    reason = "loops take the vector instructions of the caller they are inlined into"
+)]
+
+use std::collections::HashMap;
+
+use posecut_geometry::LieGroup;
+use posecut_optimize::Edge;
+use posecut_optimize::model::{Linearised, distance, size};
+
+use crate::IncrementalError;
+use crate::elimination::Incidence;
+use crate::estimate::Estimate;
+use crate::linear_model::LinearModel;
+
+/// An edge as seen from one of its ends.
+#[derive(Clone, Copy, Debug)]
+struct Incident {
+    slot: usize,
+    other: usize,
+    is_from: bool,
+}
+
+struct Slot<G, const DOF: usize> {
+    edge: Edge<G, DOF>,
+    model: LinearModel<DOF>,
+    /// Whether the model is waiting in the list of those to be made.
+    outdated: bool,
+    share: Share,
+    /// The check in which it was last looked at.
+    checked: usize,
+}
+
+/// What an edge adds to sums, as it was when it was last linearised or checked.
+#[derive(Clone, Copy, Debug, Default)]
+struct Share {
+    /// The square by which its model is off.
+    error: f64,
+    cost: f64,
+    /// The cost if it had measured nothing, and a radian were its error.
+    size: f64,
+}
+
+impl Share {
+    /// Replaces a summand.
+    fn exchange(&mut self, old: &mut Self, new: Self) {
+        self.error += new.error - old.error;
+        self.cost += new.cost - old.cost;
+        self.size += new.size - old.size;
+        *old = new;
+    }
+}
+
+/// Edges in slots that are used again, listed at both ends.
+pub(crate) struct Edges<G, const DOF: usize> {
+    slots: Vec<Slot<G, DOF>>,
+    free: Vec<usize>,
+    by_id: HashMap<u64, usize>,
+    next_id: u64,
+    at: Vec<Vec<Incident>>,
+    outdated: Vec<usize>,
+    sums: Share,
+    checks: usize,
+}
+
+impl<G, const DOF: usize> std::fmt::Debug for Edges<G, DOF> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("Edges").field("count", &self.by_id.len()).finish_non_exhaustive()
+    }
+}
+
+impl<G: LieGroup<DOF>, const DOF: usize> Edges<G, DOF> {
+    pub(crate) fn new() -> Self {
+        Self {
+            slots: Vec::new(),
+            free: Vec::new(),
+            by_id: HashMap::new(),
+            next_id: 0,
+            at: Vec::new(),
+            outdated: Vec::new(),
+            sums: Share::default(),
+            checks: 0,
+        }
+    }
+
+    pub(crate) fn add_node(&mut self) {
+        self.at.push(Vec::new());
+    }
+
+    /// The number that the next edge will have.
+    pub(crate) fn next_id(&self) -> u64 {
+        self.next_id
+    }
+
+    pub(crate) fn add(&mut self, edge: Edge<G, DOF>) -> u64 {
+        let id = self.next_id;
+        self.next_id += 1;
+        let slot =
+            Slot { edge, model: LinearModel::none(), outdated: true, share: Share::default(), checked: 0 };
+        let index = if let Some(index) = self.free.pop() {
+            self.slots[index] = slot;
+            index
+        } else {
+            self.slots.push(slot);
+            self.slots.len() - 1
+        };
+        self.by_id.insert(id, index);
+        self.at[edge.from].push(Incident { slot: index, other: edge.to, is_from: true });
+        self.at[edge.to].push(Incident { slot: index, other: edge.from, is_from: false });
+        self.outdated.push(index);
+        id
+    }
+
+    pub(crate) fn remove(&mut self, id: u64) -> Result<Edge<G, DOF>, IncrementalError> {
+        let Some(index) = self.by_id.remove(&id) else {
+            return Err(if id < self.next_id {
+                IncrementalError::RemovedEdge { edge: id }
+            } else {
+                IncrementalError::UnknownEdge { edge: id }
+            });
+        };
+        let edge = self.slots[index].edge;
+        for node in [edge.from, edge.to] {
+            self.at[node].retain(|incident| incident.slot != index);
+        }
+        self.slots[index].outdated = false;
+        self.sums.exchange(&mut self.slots[index].share, Share::default());
+        self.free.push(index);
+        Ok(edge)
+    }
+
+    /// The other ends of the edges at a node.
+    pub(crate) fn neighbours(&self, node: usize) -> impl Iterator<Item = usize> + '_ {
+        self.at[node].iter().map(|incident| incident.other)
+    }
+
+    /// The edges that are there with their numbers, ascending.
+    pub(crate) fn list(&self) -> impl Iterator<Item = (u64, &Edge<G, DOF>)> {
+        let mut live: Vec<_> = self.by_id.iter().map(|(&id, &slot)| (id, slot)).collect();
+        live.sort_unstable();
+        live.into_iter().map(|(id, slot)| (id, &self.slots[slot].edge))
+    }
+
+    /// Has the edges at a node linearised again.
+    pub(crate) fn outdate(&mut self, node: usize) {
+        for incident in &self.at[node] {
+            if !std::mem::replace(&mut self.slots[incident.slot].outdated, true) {
+                self.outdated.push(incident.slot);
+            }
+        }
+    }
+
+    /// Linearises what is outdated and returns the number of edges.
+    pub(crate) fn linearise(&mut self, points: &[G]) -> usize {
+        let mut count = 0;
+        for index in self.outdated.drain(..) {
+            let slot = &mut self.slots[index];
+            if std::mem::replace(&mut slot.outdated, false) {
+                slot.model = LinearModel::new(&slot.edge, points);
+                let size = size(&slot.edge, distance(&slot.edge.measurement));
+                self.sums.exchange(&mut slot.share, Share { error: 0.0, cost: slot.model.blocks.cost, size });
+                count += 1;
+            }
+        }
+        count
+    }
+
+    /// Begins to look at how far models are off.
+    pub(crate) fn begin_check(&mut self) {
+        self.checks += 1;
+        if !(self.sums.error + self.sums.cost + self.sums.size).is_finite() {
+            self.sums = Share::default();
+            for &slot in self.by_id.values() {
+                let Share { error, cost, size } = self.slots[slot].share;
+                self.sums.error += error;
+                self.sums.cost += cost;
+                self.sums.size += size;
+            }
+        }
+    }
+
+    /// Looks at the edges of a node. Those that have been looked at since the check began are not looked at again.
+    pub(crate) fn check(&mut self, node: usize, estimate: &Estimate<G, DOF>) {
+        let here = estimate.pose(node);
+        for incident in &self.at[node] {
+            let slot = &mut self.slots[incident.slot];
+            if slot.outdated || std::mem::replace(&mut slot.checked, self.checks) == self.checks {
+                continue;
+            }
+            let there = estimate.pose(incident.other);
+            let poses = if incident.is_from { [&here, &there] } else { [&there, &here] };
+            let deltas = [slot.edge.from, slot.edge.to].map(|node| &estimate.deltas[node]);
+            let (error, cost) = slot.model.error(&slot.edge, poses, deltas);
+            let size = slot.share.size;
+            self.sums.exchange(&mut slot.share, Share { error, cost, size });
+        }
+    }
+
+    /// Sums over the edges as they were when last linearised or checked: the squares by which models are off, and costs, but
+    /// of these at least the share `least` of what they were if edges had measured nothing.
+    pub(crate) fn error_and_cost(&self, least: f64) -> (f64, f64) {
+        (self.sums.error, self.sums.cost.max(least * self.sums.size))
+    }
+
+    /// Memory held, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let incidents: usize = self.at.iter().map(Vec::capacity).sum();
+        self.slots.capacity() * size_of::<Slot<G, DOF>>()
+            + incidents * size_of::<Incident>()
+            + (self.free.capacity() + self.outdated.capacity()) * size_of::<usize>()
+            + self.by_id.capacity() * size_of::<(u64, usize)>()
+    }
+}
+
+impl<G, const DOF: usize> Incidence<DOF> for Edges<G, DOF> {
+    #[inline(always)]
+    fn for_each(&self, node: usize, mut each: impl FnMut(usize, &Linearised<DOF>, bool)) {
+        for incident in &self.at[node] {
+            each(incident.other, &self.slots[incident.slot].model.blocks, incident.is_from);
+        }
+    }
+}

@@ -1,0 +1,356 @@
+//! The numeric elimination of one clique.
+
+#![allow(
+    clippy::inline_always,
+    reason = "loops take the vector instructions of the caller they are inlined into"
+)]
+
+use faer::dyn_stack::MemBuffer;
+use faer::traits::pulp::{Arch, Simd, WithSimd};
+use nalgebra::{SMatrix, SVector};
+use posecut_cholesky::SINGULAR;
+use posecut_cholesky::fronts::{FrontView, Run, eliminate, extend_add, push_rows, scratch};
+use posecut_optimize::model::{Linearised, translations};
+
+use crate::tree::{Clique, Tree};
+
+/// Rounds that hold one direction each.
+const SINGLE_ROUNDS: usize = 8;
+
+/// Where the elimination of a clique failed.
+struct Failure {
+    /// A column whose direction is undetermined.
+    column: usize,
+    /// Rows of the panel.
+    height: usize,
+    /// Whether elimination ended there.
+    broke_down: bool,
+}
+
+/// The linearised edges at a node, as seen from it.
+pub(crate) trait Incidence<const D: usize> {
+    /// Calls back with the edge's other end, the model, and whether the node is the edge's `from`.
+    fn for_each(&self, node: usize, each: impl FnMut(usize, &Linearised<D>, bool));
+}
+
+/// Memory of elimination.
+pub(crate) struct Elimination<const D: usize> {
+    /// Place of each node in the clique that is being made.
+    place: Vec<usize>,
+    /// The clique for which the place was set.
+    clique: Vec<usize>,
+    stamp: usize,
+    scratch: MemBuffer,
+    scratch_columns: usize,
+    diagonal: Vec<f64>,
+    held: Vec<bool>,
+    runs: Vec<Run>,
+}
+
+impl<const D: usize> std::fmt::Debug for Elimination<D> {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("Elimination").finish_non_exhaustive()
+    }
+}
+
+impl<const D: usize> Elimination<D> {
+    pub(crate) fn new() -> Self {
+        Self {
+            place: Vec::new(),
+            clique: Vec::new(),
+            stamp: 0,
+            scratch: scratch(0),
+            scratch_columns: 0,
+            diagonal: Vec::new(),
+            held: Vec::new(),
+            runs: Vec::new(),
+        }
+    }
+
+    pub(crate) fn add_node(&mut self) {
+        self.place.push(0);
+        self.clique.push(0);
+    }
+
+    /// Eliminates cliques, children before parents.
+    pub(crate) fn eliminate(
+        &mut self,
+        tree: &mut Tree,
+        cliques: &[usize],
+        edges: &impl Incidence<D>,
+        deltas: &[SVector<f64, D>],
+    ) {
+        // The widest vector instructions of the machine, chosen here once for all loops that are inlined below.
+        Arch::new().dispatch(Eliminate { elimination: self, tree, cliques, edges, deltas });
+    }
+
+    /// Assembles a clique of edges and children, and eliminates its frontal variables.
+    ///
+    /// The front is the lower triangle of `[H, -g; -g^T, .]`. Its diagonal blocks hold all edges of a frontal variable, also
+    /// those to variables eliminated before, whose updates take away their part.
+    #[inline(always)]
+    fn eliminate_clique(
+        &mut self,
+        tree: &mut Tree,
+        index: usize,
+        edges: &impl Incidence<D>,
+        deltas: &[SVector<f64, D>],
+    ) {
+        let mut clique = tree.take(index);
+        let columns = clique.frontals * D;
+        if columns > self.scratch_columns {
+            self.scratch_columns = columns.next_power_of_two();
+            self.scratch = scratch(self.scratch_columns);
+        }
+        self.held.clear();
+        self.held.resize(columns, false);
+        clique.undetermined.clear();
+        // Each round holds one more direction, and after some rounds twice as many as the one before: a clique of hundreds of
+        // ill-conditioned directions would take as many rounds. Nearly always there is one round.
+        let mut most = 1;
+        for round in 0.. {
+            let Some(failure) = self.attempt(tree, &mut clique, edges, deltas) else { break };
+            if self.held[failure.column] {
+                // Numbers have overflowed: nothing can be learnt from this clique.
+                hold_all(&mut clique, deltas);
+                break;
+            }
+            if round >= SINGLE_ROUNDS {
+                most *= 2;
+            }
+            for column in self.failing(&failure, &clique.panel, most) {
+                self.held[column] = true;
+                let node = clique.variables[column / D];
+                if clique.undetermined.last() != Some(&node) {
+                    clique.undetermined.push(node);
+                }
+            }
+        }
+        tree.put_back(index, clique);
+    }
+
+    /// Eliminates the front and returns the first column whose direction is undetermined, if there is one.
+    #[inline(always)]
+    fn attempt(
+        &mut self,
+        tree: &Tree,
+        clique: &mut Clique,
+        edges: &impl Incidence<D>,
+        deltas: &[SVector<f64, D>],
+    ) -> Option<Failure> {
+        self.stamp += 1;
+        for (place, &node) in clique.variables.iter().enumerate() {
+            self.place[node] = place;
+            self.clique[node] = self.stamp;
+        }
+        let columns = clique.frontals * D;
+        let height = clique.variables.len() * D + 1;
+        let below = height - columns;
+        let Clique { panel, update, variables, .. } = clique;
+        panel.clear();
+        panel.resize(columns * height, 0.0);
+        update.clear();
+        update.resize(below * below, 0.0);
+        self.diagonal.clear();
+        for (place, &node) in variables[..clique.frontals].iter().enumerate() {
+            self.assemble_node(panel, height, place, node, edges);
+        }
+        if self.held.contains(&true) {
+            // Translations and rotations have different units.
+            let stiffness = [true, false].map(|along| {
+                let alike = (0..columns).filter(|column| (column % D < translations(D)) == along);
+                let largest = alike.map(|column| self.diagonal[column]).fold(0.0, f64::max);
+                if largest > 0.0 { largest } else { 1.0 }
+            });
+            for (column, _) in self.held.iter().enumerate().filter(|&(_, &held)| held) {
+                let stiffness = stiffness[usize::from(column % D >= translations(D))];
+                panel[column * height + column] += stiffness;
+                panel[column * height + height - 1] += stiffness * deltas[variables[column / D]][column % D];
+                self.diagonal[column] += stiffness;
+            }
+        }
+        let mut front = FrontView { panel, height, columns, update, fresh: clique.children.is_empty() };
+        for &child in &clique.children {
+            self.add_child(tree.clique(child), front.reborrow());
+        }
+        if let Err(column) = eliminate::<D>(front.reborrow(), &mut self.scratch) {
+            return Some(Failure { column: self.not_held(column), height, broke_down: true });
+        }
+        let column = (0..columns).find(|&column| self.is_singular(front.panel, height, column))?;
+        Some(Failure { column, height, broke_down: false })
+    }
+
+    /// Whether elimination has left next to nothing of a column that is not held.
+    #[inline(always)]
+    fn is_singular(&self, panel: &[f64], height: usize, column: usize) -> bool {
+        let pivot = panel[column * height + column];
+        !(pivot * pivot > SINGULAR * self.diagonal[column]) && !self.held[column]
+    }
+
+    /// At most so many columns to hold after a failure: the one that failed, and of those after it the ones that failed too, or,
+    /// where elimination broke down and they are unknown, the next ones.
+    fn failing(&self, failure: &Failure, panel: &[f64], most: usize) -> Vec<usize> {
+        let Failure { column, height, broke_down } = *failure;
+        let others = (column + 1..self.held.len()).filter(|&other| {
+            if broke_down { !self.held[other] } else { self.is_singular(panel, height, other) }
+        });
+        std::iter::once(column).chain(others).take(most).collect()
+    }
+
+    /// The column to hold after elimination broke down there: itself, or, where it is held already, the next one that is
+    /// not, so that every round holds one more.
+    fn not_held(&self, column: usize) -> usize {
+        let count = self.held.len();
+        (0..count)
+            .map(|offset| (column + offset) % count)
+            .find(|&column| !self.held[column])
+            .unwrap_or(column)
+    }
+
+    /// Writes a frontal variable's block column and right-hand side.
+    #[inline(always)]
+    fn assemble_node(
+        &mut self,
+        panel: &mut [f64],
+        height: usize,
+        place: usize,
+        node: usize,
+        edges: &impl Incidence<D>,
+    ) {
+        let mut diagonal = SMatrix::<f64, D, D>::zeros();
+        let mut gradient = SVector::<f64, D>::zeros();
+        edges.for_each(node, |other, model, is_from| {
+            let row = if self.clique[other] == self.stamp { self.place[other] } else { 0 };
+            if is_from {
+                diagonal += model.from_from;
+                gradient += model.from_gradient;
+                if row > place {
+                    add_block(panel, height, row, place, &model.from_to.transpose());
+                }
+            } else {
+                diagonal += model.to_to;
+                gradient += model.to_gradient;
+                if row > place {
+                    add_block(panel, height, row, place, &model.from_to);
+                }
+            }
+        });
+        add_block(panel, height, place, place, &diagonal);
+        for component in 0..D {
+            panel[(place * D + component) * height + height - 1] = -gradient[component];
+            self.diagonal.push(diagonal[(component, component)]);
+        }
+    }
+
+    /// Adds a child's update to the front.
+    #[inline(always)]
+    fn add_child(&mut self, child: &Clique, front: FrontView<'_>) {
+        let separator = &child.variables[child.frontals..];
+        let ascends = separator.windows(2).all(|pair| self.place[pair[0]] < self.place[pair[1]]);
+        if !ascends {
+            self.add_unsorted_child(child, front);
+            return;
+        }
+        self.runs.clear();
+        for (index, &node) in separator.iter().enumerate() {
+            push_rows(&mut self.runs, index * D, self.place[node] * D, D);
+        }
+        // The right-hand side.
+        let order = separator.len() * D + 1;
+        push_rows(&mut self.runs, order - 1, front.height - 1, 1);
+        extend_add(&child.update, order, 0..order, &self.runs, front);
+    }
+
+    /// Adds the update of a child whose separator has been put in another order since.
+    #[inline(always)]
+    fn add_unsorted_child(&self, child: &Clique, front: FrontView<'_>) {
+        let below = front.below();
+        let FrontView { panel, height, columns, update, .. } = front;
+        let separator = &child.variables[child.frontals..];
+        let order = separator.len() * D + 1;
+        // Block by block, so that the two places are compared once for all of a block's entries.
+        for (block_column, &node) in separator.iter().enumerate() {
+            let column = self.place[node] * D;
+            let values = |component: usize| &child.update[(block_column * D + component) * order..][..order];
+            for (offset, &node) in separator[block_column..].iter().enumerate() {
+                let (source, row) = ((block_column + offset) * D, self.place[node] * D);
+                for component in 0..D {
+                    let block = &values(component)[source..source + D];
+                    // Of a diagonal block, the lower triangle is meant.
+                    let first = if offset == 0 { component } else { 0 };
+                    for (along, value) in block.iter().enumerate().skip(first) {
+                        let (target, below_target) = if row >= column {
+                            (column + component, row + along)
+                        } else {
+                            (row + along, column + component)
+                        };
+                        if target < columns {
+                            panel[target * height + below_target] += value;
+                        } else {
+                            update[(target - columns) * below + below_target - columns] += value;
+                        }
+                    }
+                }
+            }
+            for component in 0..D {
+                let value = values(component)[order - 1];
+                if column < columns {
+                    panel[(column + component) * height + height - 1] += value;
+                } else {
+                    update[(column + component - columns) * below + below - 1] += value;
+                }
+            }
+        }
+    }
+}
+
+/// [`Elimination::eliminate`] for one set of vector instructions. Not a closure: the call of one is not inlined, and what
+/// it calls would be compiled for the least of all machines.
+struct Eliminate<'a, E, const D: usize> {
+    elimination: &'a mut Elimination<D>,
+    tree: &'a mut Tree,
+    cliques: &'a [usize],
+    edges: &'a E,
+    /// Linear updates before.
+    deltas: &'a [SVector<f64, D>],
+}
+
+impl<E: Incidence<D>, const D: usize> WithSimd for Eliminate<'_, E, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for &clique in self.cliques {
+            self.elimination.eliminate_clique(self.tree, clique, self.edges, self.deltas);
+        }
+    }
+}
+
+/// Makes a clique of which all frontal variables stay where they are.
+fn hold_all<const D: usize>(clique: &mut Clique, deltas: &[SVector<f64, D>]) {
+    let columns = clique.frontals * D;
+    let height = columns + clique.update.len().isqrt();
+    clique.panel.fill(0.0);
+    clique.update.fill(0.0);
+    for column in 0..columns {
+        clique.panel[column * height + column] = 1.0;
+        clique.panel[column * height + height - 1] = deltas[clique.variables[column / D]][column % D];
+    }
+}
+
+/// Adds a block at block position `(row, column)` of a column-major panel.
+#[inline(always)]
+fn add_block<const D: usize>(
+    panel: &mut [f64],
+    height: usize,
+    row: usize,
+    column: usize,
+    block: &SMatrix<f64, D, D>,
+) {
+    for (offset, source) in block.as_slice().chunks_exact(D).enumerate() {
+        let start = (column * D + offset) * height + row * D;
+        for (sum, value) in panel[start..start + D].iter_mut().zip(source) {
+            *sum += value;
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! Full solutions: the closing one, and fresh starts.
+
+use nalgebra::SVector;
+use posecut_optimize::model::{Magnitude, Term as _, translations};
+use posecut_optimize::{Initialisation, Options, PoseGroup, Problem, optimize};
+
+use crate::{FinishReport, IncrementalSolver};
+
+/// Most full relinearisations in [`IncrementalSolver::finish`].
+const MOST_ITERATIONS: usize = 100;
+/// Components of a step that end [`IncrementalSolver::finish`], shares of the median measured distance and radians.
+const STEP_TOLERANCE: f64 = 1e-10;
+/// Slope, as a cosine, that directions may have which the equations leave undetermined.
+const SLOPE: f64 = 1e-6;
+/// Steps below this that no longer shrink are rounding.
+const ROUNDING: f64 = 1e-7;
+/// Share of the cost by which a fresh start must be better to be taken.
+const BETTER: f64 = 1e-9;
+
+/// How a fresh solution by the batch solver went.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FreshStart {
+    /// Whether it cost less than the estimate, and was taken.
+    pub(crate) is_better: bool,
+    /// Whether the batch solver converged.
+    pub(crate) converged: bool,
+    /// Steps over all poses.
+    pub(crate) steps: usize,
+}
+
+impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
+    /// Relinearises everything until the estimate stands still: it is then that of a fresh solution of the edges that are
+    /// there.
+    ///
+    /// If edges were taken back since the last time, or a step was too long to be trusted, or full steps do not converge,
+    /// the batch solver starts anew (see [`restart`](Self::restart)), so that a false edge leaves no trace even where it
+    /// had folded the map into another basin.
+    pub fn finish(&mut self) -> FinishReport {
+        let cost_before = self.cost();
+        let mut report = FinishReport {
+            iterations: 0,
+            converged: false,
+            restarted: false,
+            cost_before,
+            cost: cost_before,
+        };
+        if self.restarts.strained {
+            report.restarted = self.restart();
+        }
+        self.iterate(&mut report);
+        if !report.converged && self.restart() {
+            report.restarted = true;
+            self.iterate(&mut report);
+        }
+        self.restarts.strained = !report.converged;
+        report.cost = self.cost();
+        report
+    }
+
+    /// Gauss-Newton until it stands still, or goes uphill.
+    fn iterate(&mut self, report: &mut FinishReport) {
+        let (mut cost, mut last_step) = (self.cost(), f64::INFINITY);
+        let magnitude = self.magnitude();
+        for _ in 0..MOST_ITERATIONS {
+            report.iterations += 1;
+            let (_, update) = self.relinearise_all();
+            let steps = self.estimate.deltas.iter();
+            let step =
+                steps.map(|step| magnitude.largest(step.iter(), translations(DOF))).fold(0.0, f64::max);
+            let next = self.cost();
+            if !(next.is_finite() && next <= cost + BETTER * cost.max(magnitude.noiseless())) {
+                self.go_to(self.estimate.points.clone());
+                return;
+            }
+            report.converged = step <= STEP_TOLERANCE || (step <= ROUNDING && step > 0.5 * last_step);
+            // Directions that were held because they are numerically undetermined may still have a slope.
+            if report.converged && !update.undetermined.is_empty() && self.cosine() > SLOPE {
+                report.converged = false;
+                return;
+            }
+            if report.converged {
+                return;
+            }
+            (cost, last_step) = (next, step);
+        }
+    }
+
+    /// Solves by the batch solver, from its best start, and takes the result if it costs less than the estimate. Says
+    /// whether it did. Takes as long as a batch solution.
+    pub fn restart(&mut self) -> bool {
+        self.fresh_start().is_better
+    }
+
+    /// [`restart`](Self::restart), and how it went.
+    pub(crate) fn fresh_start(&mut self) -> FreshStart {
+        let estimates = self.estimates();
+        let cost = self.cost_at(&estimates);
+        let edges = self.edges.list().map(|(_, edge)| *edge).collect();
+        let problem = Problem::from_checked(estimates, edges, self.gauges.fixed.clone());
+        let solution =
+            optimize(&problem, &Options { initialisation: Initialisation::Best, ..Options::default() });
+        let gain = BETTER * cost.max(self.magnitude().noiseless());
+        let is_better = solution.cost < cost - gain || !cost.is_finite();
+        if is_better {
+            self.go_to(solution.poses);
+            self.relinearise_all();
+            // An undamped step from there can lead uphill where the batch solver had to damp.
+            if !(self.cost() <= solution.cost + gain) {
+                self.go_to(self.estimate.points.clone());
+            }
+        }
+        FreshStart { is_better, converged: solution.converged, steps: solution.iterations }
+    }
+
+    /// The largest `|g_k| / sqrt(H_kk cost)` over all components of poses that are not fixed, as
+    /// [`Options::gradient_tolerance`]. O(edges).
+    fn cosine(&self) -> f64 {
+        let poses = self.estimates();
+        let mut equations: Vec<[SVector<f64, DOF>; 2]> = vec![[SVector::zeros(); 2]; poses.len()];
+        let mut cost = self.magnitude().noiseless();
+        for (_, edge) in self.edges.list() {
+            let model = edge.linearise(&poses);
+            cost += model.cost;
+            for (node, gradient, block) in
+                [(edge.from, model.from_gradient, model.from_from), (edge.to, model.to_gradient, model.to_to)]
+            {
+                equations[node][0] += gradient;
+                equations[node][1] += block.diagonal();
+            }
+        }
+        let free = equations.iter().zip(&self.gauges.fixed).filter(|&(_, &fixed)| !fixed);
+        let squares = free.flat_map(|([gradient, diagonal], _)| {
+            gradient.iter().zip(diagonal).map(|(g, h)| if *g == 0.0 { 0.0 } else { g * (g / h) })
+        });
+        (squares.fold(0.0, f64::max) / cost).sqrt()
+    }
+
+    /// What tolerances are shares of. O(edges).
+    fn magnitude(&self) -> Magnitude {
+        let edges: Vec<_> = self.edges.list().map(|(_, edge)| *edge).collect();
+        Magnitude::of(edges.iter())
+    }
+
+    /// Makes these the estimates and the points of linearisation.
+    pub(crate) fn go_to(&mut self, poses: Vec<G>) {
+        for (node, pose) in poses.into_iter().enumerate() {
+            self.estimate.reset(node, pose);
+            self.movement.reset(node);
+        }
+    }
+}

@@ -1,0 +1,5 @@
+//! `posecut-isam`: incremental pose-graph optimisation.
+
+fn main() -> std::process::ExitCode {
+    posecut_isam::stage::main()
+}

@@ -1,0 +1,46 @@
+//! What an update did.
+
+/// What one [`update`](crate::IncrementalSolver::update) did.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct UpdateReport {
+    /// Variables whose point of linearisation was moved.
+    pub relinearised: usize,
+    /// Edges linearised.
+    pub linearised: usize,
+    /// Variables eliminated again, new ones included.
+    pub eliminated: usize,
+    /// Cliques made.
+    pub cliques: usize,
+    /// Variables whose linear update was solved for.
+    pub solved: usize,
+    /// Parts split off by removals since the last update.
+    pub splits: Vec<Split>,
+    /// Whether a step was not taken because it went too far uphill, and the batch solver started anew.
+    pub restarted: bool,
+    /// Nodes that the edges leave undetermined in some direction, ascending: they are held where they are in it.
+    pub undetermined: Vec<usize>,
+}
+
+/// A part of the graph that lost its connection to the rest when an edge was removed. It stays where it was.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Split {
+    /// Its first node, which is held fixed from now on.
+    pub gauge: usize,
+    /// Number of its nodes.
+    pub nodes: usize,
+}
+
+/// What [`finish`](crate::IncrementalSolver::finish) did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FinishReport {
+    /// Full relinearisations, each followed by a solution of everything.
+    pub iterations: usize,
+    /// Whether the last step was below the tolerance.
+    pub converged: bool,
+    /// Whether the batch solver found a lower cost from a fresh start.
+    pub restarted: bool,
+    /// Cost before, kernels applied.
+    pub cost_before: f64,
+    /// Cost after.
+    pub cost: f64,
+}

@@ -1,0 +1,308 @@
+//! Incremental optimisation as a stage.
+
+mod replay;
+mod session;
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::Context as _;
+use clap::Parser;
+use posecut_geometry::{LieGroup, SE2, SE3};
+use posecut_graph::{Dimension, InputDigest, PoseGraph, RecordReader};
+use posecut_optimize::PoseGroup;
+use posecut_optimize::stage::{KernelOptions, doubt_disconnected, significant, warn_of_unmeasured};
+use posecut_stage::{
+    CommonArguments, Context, Doubt, Identity, Outcome, Phase, Place, Source, counted, info, open,
+    run_with_doubts, warn, write_atomically,
+};
+use serde::Serialize;
+
+use crate::{FinishReport, IncrementalOptions};
+use replay::{Located, empty, for_each};
+use session::{Arrival, Session};
+
+const IDENTITY: Identity = Identity {
+    name: "isam",
+    version: env!("CARGO_PKG_VERSION"),
+    about: "Optimise the poses of a pose graph incrementally: pose by pose, and edges retracted on request",
+    place: Place(Phase::Optimisation, 20),
+};
+
+const DOUBTS: &[Doubt] = &[Doubt::NotConverged, Doubt::PartsNotConnected];
+
+#[derive(Parser)]
+struct Command {
+    /// The pose graph to read (JSON Lines, may be compressed); `-` is standard input
+    #[arg(value_name = "INPUT", default_value = "-")]
+    input: Source,
+
+    #[command(flatten)]
+    stage: StageOptions,
+
+    /// Leave rejected edges out of the output instead of marking them
+    #[arg(long, help_heading = "Output")]
+    drop_rejected: bool,
+
+    #[command(flatten)]
+    common: CommonArguments,
+}
+
+/// The program's `main`.
+pub fn main() -> ExitCode {
+    run_with_doubts::<Command>(
+        IDENTITY,
+        DOUBTS,
+        |command| &command.common,
+        |command, context| {
+            let mut graph = command.stage.run(&command.input, context)?;
+            context.record_provenance(&mut graph, &command.stage, None)?;
+            if command.drop_rejected {
+                graph.drop_rejected();
+            }
+            context.write_graph(&graph)?;
+            Ok(Outcome::Done)
+        },
+    )
+}
+
+/// The options of the incremental stage.
+#[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
+pub struct StageOptions {
+    /// Relinearise a pose when a component of its translation has moved by more than this since, metres
+    #[arg(long, value_name = "METRES", default_value_t = IncrementalOptions::default().relinearise_translation)]
+    pub relinearise_translation: f64,
+
+    /// The same for components of its rotation, radians
+    #[arg(long, value_name = "RADIANS", default_value_t = IncrementalOptions::default().relinearise_rotation)]
+    pub relinearise_rotation: f64,
+
+    /// Consider relinearisation in every so many steps
+    #[arg(long, value_name = "STEPS", default_value_t = IncrementalOptions::default().relinearise_every)]
+    pub relinearise_every: usize,
+
+    /// Propagate an update down the Bayes tree where a pose changed by more than this, metres and radians
+    #[arg(long, value_name = "SIZE", default_value_t = IncrementalOptions::default().propagate)]
+    pub propagate: f64,
+
+    /// Relinearise once linearisation errors amount to this share of the cost; 0 does in any case
+    #[arg(long, value_name = "SHARE", default_value_t = IncrementalOptions::default().linearisation_error)]
+    pub linearisation_error: f64,
+
+    /// Most linear solutions in a step
+    #[arg(long, value_name = "N", default_value_t = IncrementalOptions::default().iterations)]
+    pub solutions: usize,
+
+    /// Skip the final relinearisation: write the estimate after the last step
+    #[arg(long)]
+    pub unfinished: bool,
+
+    /// Robust kernels.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub kernels: KernelOptions,
+
+    /// Write the estimates of all poses after every so many steps, and after the last, to the file of --estimates
+    #[arg(long, value_name = "STEPS", requires = "estimates", help_heading = "Output")]
+    #[serde(skip)]
+    pub every: Option<usize>,
+
+    /// Where the estimates on the way go, JSON Lines
+    #[arg(long, value_name = "FILE", requires = "every", help_heading = "Output")]
+    #[serde(skip)]
+    pub estimates: Option<PathBuf>,
+}
+
+/// A line of estimates on the way.
+#[derive(Serialize)]
+struct Checkpoint<'a> {
+    kind: &'static str,
+    step: usize,
+    node: u64,
+    edges: usize,
+    cost: f64,
+    ids: &'a [u64],
+    poses: &'a [Vec<f64>],
+}
+
+impl StageOptions {
+    fn library_options(&self) -> IncrementalOptions {
+        IncrementalOptions {
+            relinearise_translation: self.relinearise_translation,
+            relinearise_rotation: self.relinearise_rotation,
+            relinearise_every: self.relinearise_every,
+            propagate: self.propagate,
+            linearisation_error: self.linearisation_error,
+            iterations: self.solutions,
+        }
+    }
+
+    /// Follows a session and returns the graph with its last estimates.
+    fn run(&self, input: &Source, context: &mut Context) -> anyhow::Result<PoseGraph> {
+        anyhow::ensure!(self.every != Some(0), "--every is 0, and must be a positive number of steps");
+        let Some(path) = &self.estimates else { return self.dispatch(input, None, context) };
+        context.check_further_output("--estimates", path)?;
+        let mut graph = None;
+        write_atomically(path, |writer| {
+            graph = Some(self.dispatch(input, Some(writer), context)?);
+            Ok(())
+        })?;
+        graph.context("the session ended without a graph")
+    }
+
+    fn dispatch(
+        &self,
+        input: &Source,
+        estimates: Option<&mut dyn Write>,
+        context: &mut Context,
+    ) -> anyhow::Result<PoseGraph> {
+        let mut input = open(input)?;
+        let source = input.name.clone();
+        let reader = RecordReader::new(&source, &mut input)?;
+        let graph = match reader.header().dimension {
+            Dimension::Two => self.follow::<SE2, 3, _>(&source, reader, estimates, context),
+            Dimension::Three => self.follow::<SE3, 6, _>(&source, reader, estimates, context),
+        }?;
+        let sha256 = input.finish().with_context(|| format!("{source}: cannot be read to its end"))?;
+        context.inputs.push(InputDigest { name: "graph".to_owned(), sha256 });
+        Ok(graph)
+    }
+
+    fn follow<G: PoseGroup<DOF>, const DOF: usize, R: std::io::BufRead>(
+        &self,
+        source: &str,
+        reader: RecordReader<R>,
+        mut estimates: Option<&mut dyn Write>,
+        context: &mut Context,
+    ) -> anyhow::Result<PoseGraph> {
+        let mut session = Session::<G, DOF>::new(empty(&reader), self.library_options(), self.kernels)?;
+        let mut unknown = Vec::new();
+        for_each(source, reader, &mut unknown, |Located { line, arrival }| {
+            if matches!(arrival, Arrival::Node(_)) {
+                self.end_step(&mut session, &mut estimates)?;
+            }
+            session.take(arrival).with_context(|| format!("{source}, line {line}"))
+        })?;
+        self.end_step(&mut session, &mut estimates)?;
+        let last = session.steps.len();
+        if let (Some(every), Some(writer)) = (self.every, &mut estimates)
+            && !last.is_multiple_of(every)
+        {
+            write_checkpoint(&session, writer)?;
+        }
+        let finish = if self.unfinished { None } else { Some(session.solver.finish()) };
+        session.refuse_unless_finite()?;
+        session.write_poses();
+        tell(&session, finish.as_ref(), context);
+        note(&session, finish.as_ref(), context);
+        let mut graph = session.graph;
+        graph.unknown = unknown;
+        graph.sort();
+        Ok(graph)
+    }
+
+    fn end_step<G: PoseGroup<DOF>, const DOF: usize>(
+        &self,
+        session: &mut Session<G, DOF>,
+        estimates: &mut Option<&mut dyn Write>,
+    ) -> anyhow::Result<()> {
+        let ended = session.end_step();
+        match (self.every, estimates) {
+            (Some(every), Some(writer)) if ended && session.steps.len().is_multiple_of(every) => {
+                write_checkpoint(session, writer)
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn write_checkpoint<G: PoseGroup<DOF>, const DOF: usize>(
+    session: &Session<G, DOF>,
+    writer: &mut dyn Write,
+) -> anyhow::Result<()> {
+    let Some(node) = session.graph.nodes.last() else { return Ok(()) };
+    let ids: Vec<u64> = session.graph.nodes.iter().map(|node| node.id).collect();
+    let poses: Vec<Vec<f64>> = session.solver.estimates().iter().map(LieGroup::components).collect();
+    let line = Checkpoint {
+        kind: "estimate",
+        step: session.steps.len(),
+        node: node.id,
+        edges: session.solver.edges().len(),
+        cost: session.solver.cost(),
+        ids: &ids,
+        poses: &poses,
+    };
+    serde_json::to_writer(&mut *writer, &line)?;
+    Ok(writer.write_all(b"\n")?)
+}
+
+fn tell<G: PoseGroup<DOF>, const DOF: usize>(
+    session: &Session<G, DOF>,
+    finish: Option<&FinishReport>,
+    context: &mut Context,
+) {
+    for split in &session.splits {
+        warn!(
+            "after node {}: an edge was taken back that had joined {} to the rest; the part stays where it was, and node {} is held fixed",
+            split.at,
+            counted(split.nodes, "node"),
+            split.gauge
+        );
+    }
+    warn_of_unmeasured(session.unmeasured);
+    doubt_disconnected(session.solver.parts(), session.solver.floating_parts(), context);
+    let converged = finish.is_none_or(|finish| finish.converged);
+    if let Some(finish) = finish.filter(|finish| !finish.converged) {
+        context.doubt(
+            Doubt::NotConverged,
+            format!(
+                "the final relinearisation did not converge after {}: the poses are not a minimum of the cost; optimise the result \
+                 with posecut-optimize",
+                counted(finish.iterations, "iteration")
+            ),
+        );
+    }
+    info!(
+        "cost {} after {}, {}, {} retracted, {} re-admitted{}",
+        significant(session.solver.cost()),
+        counted(session.steps.len(), "step"),
+        counted(session.solver.parts(), "component"),
+        counted(session.retracted, "edge"),
+        session.readmitted,
+        if converged { "" } else { ", did not converge" }
+    );
+}
+
+fn note<G: PoseGroup<DOF>, const DOF: usize>(
+    session: &Session<G, DOF>,
+    finish: Option<&FinishReport>,
+    context: &mut Context,
+) {
+    let statistics = &mut context.statistics;
+    statistics.note("edges", session.solver.edges().len());
+    statistics.note("unmeasured", session.unmeasured);
+    statistics.note("retracted", session.retracted);
+    statistics.note("readmitted", session.readmitted);
+    statistics.note("components", session.solver.parts());
+    statistics.note("splits", &session.splits);
+    statistics.note("restarts", session.restarts);
+    statistics.note("cost_before_finish", finish.map(|finish| finish.cost_before));
+    statistics.note("finish_iterations", finish.map(|finish| finish.iterations));
+    statistics.note("converged", finish.map(|finish| finish.converged));
+    statistics.note("cost", session.solver.cost());
+    let mut seconds: Vec<f64> = session.steps.iter().map(|step| step.seconds).collect();
+    seconds.sort_by(f64::total_cmp);
+    let quantile =
+        |share: f64| seconds.get((seconds.len().saturating_sub(1) as f64 * share).round() as usize);
+    statistics.note("step_seconds_total", seconds.iter().sum::<f64>());
+    for (name, share) in [
+        ("step_seconds_median", 0.5),
+        ("step_seconds_p95", 0.95),
+        ("step_seconds_p99", 0.99),
+        ("step_seconds_max", 1.0),
+    ] {
+        statistics.note(name, quantile(share));
+    }
+    statistics.note("steps", &session.steps);
+}

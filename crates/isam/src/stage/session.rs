@@ -1,0 +1,275 @@
+//! A pose graph as it comes, record by record.
+
+use std::collections::HashMap;
+use std::time::Instant;
+
+use anyhow::{Context as _, bail};
+use posecut_graph::{Edge, Node, PoseGraph};
+use posecut_optimize::PoseGroup;
+use posecut_optimize::pose_graph::{is_fixed, measured_edge};
+use posecut_optimize::stage::{KernelOptions, refuse_unless_finite};
+use serde::Serialize;
+
+use crate::{EdgeId, IncrementalOptions, IncrementalSolver};
+
+/// A record of a session.
+#[derive(Clone, Debug)]
+pub(super) enum Arrival {
+    /// A pose.
+    Node(Node),
+    /// An edge; its field `retract` takes an earlier one back first.
+    Edge(Edge),
+    /// An earlier edge is taken back.
+    Retract(u64),
+    /// An edge that was taken back, or came rejected, is used (again).
+    Readmit(u64),
+}
+
+/// An edge that has come.
+#[derive(Clone, Copy, Debug)]
+struct Standing {
+    place: usize,
+    /// Its number in the solver while it is used.
+    used: Option<EdgeId>,
+}
+
+/// What happened in a step: a pose and the records up to the next one.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct Step {
+    /// Id of the newest node.
+    pub(super) node: u64,
+    /// Variables whose point of linearisation was moved.
+    pub(super) relinearised: usize,
+    /// Variables eliminated again.
+    pub(super) eliminated: usize,
+    /// Variables solved for.
+    pub(super) solved: usize,
+    /// Wall time of the step, seconds.
+    pub(super) seconds: f64,
+}
+
+/// A part that was split off.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct SplitOff {
+    /// Id of the newest node at that time.
+    pub(super) at: u64,
+    /// Id of the node that is held fixed from then on.
+    pub(super) gauge: u64,
+    /// Number of nodes.
+    pub(super) nodes: usize,
+}
+
+/// The graph so far and the solver that follows it.
+pub(super) struct Session<G, const DOF: usize> {
+    pub(super) graph: PoseGraph,
+    pub(super) solver: IncrementalSolver<G, DOF>,
+    kernels: KernelOptions,
+    nodes: HashMap<u64, usize>,
+    edges: HashMap<u64, Standing>,
+    /// The latest time of each session.
+    times: HashMap<Option<String>, i64>,
+    started: Option<Instant>,
+    pub(super) steps: Vec<Step>,
+    pub(super) splits: Vec<SplitOff>,
+    pub(super) unmeasured: usize,
+    pub(super) retracted: usize,
+    pub(super) readmitted: usize,
+    pub(super) restarts: usize,
+}
+
+/// What `rejected_by` says of an edge that was taken back.
+const RETRACT: &str = "retract";
+
+impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
+    /// A session without poses; `graph` has a header and nothing else.
+    pub(super) fn new(
+        graph: PoseGraph,
+        options: IncrementalOptions,
+        kernels: KernelOptions,
+    ) -> anyhow::Result<Self> {
+        Ok(Self {
+            graph,
+            solver: IncrementalSolver::new(options)?,
+            kernels,
+            nodes: HashMap::new(),
+            edges: HashMap::new(),
+            times: HashMap::new(),
+            started: None,
+            steps: Vec::new(),
+            splits: Vec::new(),
+            unmeasured: 0,
+            retracted: 0,
+            readmitted: 0,
+            restarts: 0,
+        })
+    }
+
+    /// Takes a record. Errors name the record, cause and remedy; the caller adds file and line.
+    pub(super) fn take(&mut self, arrival: Arrival) -> anyhow::Result<()> {
+        self.started.get_or_insert_with(Instant::now);
+        match arrival {
+            Arrival::Node(node) => self.take_node(node),
+            Arrival::Edge(edge) => self.take_edge(edge),
+            Arrival::Retract(id) => self.retract(id).with_context(|| format!("retract {id}")),
+            Arrival::Readmit(id) => self.readmit(id).with_context(|| format!("readmit {id}")),
+        }
+    }
+
+    fn take_node(&mut self, node: Node) -> anyhow::Result<()> {
+        let name = format!("node {}", node.id);
+        if self.nodes.contains_key(&node.id) {
+            bail!(
+                "{name}, field \"id\": a node with this id has come before; ids are unique among nodes, number them anew"
+            );
+        }
+        if let Some(time) = node.utime {
+            let last = self.times.entry(node.session.clone()).or_insert(time);
+            if time < *last {
+                bail!(
+                    "{name}, field \"utime\": {time} lies before {last}, the time of an earlier pose of the same session; sort the poses of a session by time"
+                );
+            }
+            *last = time;
+        }
+        let pose = G::from_components(&node.pose_or_identity(self.graph.header.dimension))
+            .with_context(|| format!("{name}: its pose cannot be used"))?;
+        let place =
+            if is_fixed(&node)? { self.solver.add_held_pose(pose) } else { self.solver.add_pose(pose) }
+                .with_context(|| name)?;
+        self.nodes.insert(node.id, place);
+        self.graph.nodes.push(node);
+        Ok(())
+    }
+
+    fn take_edge(&mut self, edge: Edge) -> anyhow::Result<()> {
+        let name = edge.name();
+        if self.edges.contains_key(&edge.id) {
+            bail!(
+                "{name}, field \"id\": an edge with this id has come before; ids are unique among edges, number them anew"
+            );
+        }
+        let end = |field: &str, id: u64| {
+            self.nodes.get(&id).copied().with_context(|| {
+                format!("{name}, field \"{field}\": pose {id} has not come yet; put the record of a pose before those of its edges")
+            })
+        };
+        let ends = (end("from", edge.from)?, end("to", edge.to)?);
+        let replaces = match edge.extra.get(RETRACT) {
+            None | Some(serde_json::Value::Null) => None,
+            Some(value) => Some(value.as_u64().with_context(|| {
+                format!("{name}, field \"retract\": expected the id of an earlier edge, found {value}; give a whole number")
+            })?),
+        };
+        if let Some(id) = replaces {
+            self.retract(id).with_context(|| format!("{name}, field \"retract\""))?;
+        }
+        let place = self.graph.edges.len();
+        let (id, is_used) = (edge.id, edge.in_use());
+        let measures = edge.measurement.is_some();
+        self.graph.edges.push(edge);
+        self.edges.insert(id, Standing { place, used: None });
+        if is_used && measures {
+            self.use_edge(id, place, ends)?;
+        } else if is_used && replaces.is_none() {
+            self.unmeasured += 1;
+        }
+        Ok(())
+    }
+
+    fn use_edge(&mut self, id: u64, place: usize, ends: (usize, usize)) -> anyhow::Result<()> {
+        let edge = &self.graph.edges[place];
+        let Some(mut measured) = measured_edge::<G, DOF>(&self.graph, edge, ends.0, ends.1)? else {
+            bail!("it has no measurement and cannot be used; give it one");
+        };
+        measured.kernel = self.kernels.of(measured.kind);
+        let used = self.solver.add_edge(measured).with_context(|| edge.name())?;
+        self.edges.insert(id, Standing { place, used: Some(used) });
+        Ok(())
+    }
+
+    fn retract(&mut self, id: u64) -> anyhow::Result<()> {
+        let Some(Standing { place, used }) = self.edges.get(&id).copied() else {
+            bail!(
+                "edge {id} is unknown and cannot be taken back; an edge comes before the record that takes it back"
+            );
+        };
+        let edge = &mut self.graph.edges[place];
+        let Some(used) = used else {
+            match edge.rejected_by.as_deref() {
+                Some(RETRACT) => {
+                    bail!("edge {id} was taken back before; take it back once, or readmit it first")
+                }
+                Some(stage) => {
+                    bail!("edge {id} is rejected by {stage} and was never used; take back edges in use only")
+                }
+                None => bail!("edge {id} has no measurement and was never used; take back edges in use only"),
+            }
+        };
+        self.solver.remove_edge(used)?;
+        edge.rejected_by = Some(RETRACT.to_owned());
+        self.edges.insert(id, Standing { place, used: None });
+        self.retracted += 1;
+        Ok(())
+    }
+
+    fn readmit(&mut self, id: u64) -> anyhow::Result<()> {
+        let Some(Standing { place, used }) = self.edges.get(&id).copied() else {
+            bail!(
+                "edge {id} is unknown and cannot be readmitted; an edge comes before the record that readmits it"
+            );
+        };
+        if used.is_some() {
+            bail!(
+                "edge {id} is in use and cannot be readmitted; readmit edges that were taken back or came rejected"
+            );
+        }
+        let edge = &self.graph.edges[place];
+        self.use_edge(id, place, (self.nodes[&edge.from], self.nodes[&edge.to]))?;
+        self.graph.edges[place].rejected_by = None;
+        self.readmitted += 1;
+        Ok(())
+    }
+
+    /// Ends a step: brings the estimate up to date. False if nothing has come since the last one.
+    pub(super) fn end_step(&mut self) -> bool {
+        let (Some(started), Some(node)) = (self.started.take(), self.graph.nodes.last()) else {
+            return false;
+        };
+        let report = self.solver.update();
+        let at = node.id;
+        for split in &report.splits {
+            let gauge = self.graph.nodes[split.gauge].id;
+            self.splits.push(SplitOff { at, gauge, nodes: split.nodes });
+        }
+        self.restarts += usize::from(report.restarted);
+        self.steps.push(Step {
+            node: at,
+            relinearised: report.relinearised,
+            eliminated: report.eliminated,
+            solved: report.solved,
+            seconds: started.elapsed().as_secs_f64(),
+        });
+        true
+    }
+
+    /// Refuses an estimate whose cost is not finite.
+    pub(super) fn refuse_unless_finite(&self) -> anyhow::Result<()> {
+        let cost = self.solver.cost();
+        if cost.is_finite() {
+            return Ok(());
+        }
+        let (ids, edges): (Vec<EdgeId>, Vec<_>) = self.solver.edges().into_iter().unzip();
+        let name = |index: usize| {
+            let standing = self.edges.values().find(|standing| standing.used == Some(ids[index]));
+            standing.map(|standing| self.graph.edges[standing.place].name()).unwrap_or_default()
+        };
+        refuse_unless_finite(cost, &edges, name)
+    }
+
+    /// Writes the estimates to the nodes.
+    pub(super) fn write_poses(&mut self) {
+        for (node, pose) in self.graph.nodes.iter_mut().zip(self.solver.estimates()) {
+            node.pose = Some(pose.components());
+        }
+    }
+}

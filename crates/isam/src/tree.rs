@@ -1,0 +1,110 @@
+//! The tree of cliques.
+
+/// No clique, or no parent.
+pub(crate) const NONE: usize = usize::MAX;
+
+/// Frontal variables eliminated given a separator: a dense front of the factorisation.
+#[derive(Debug, Default)]
+pub(crate) struct Clique {
+    /// Frontal variables, then the separator, in the order of elimination at the time it was made.
+    pub(crate) variables: Vec<usize>,
+    /// Number of frontal variables.
+    pub(crate) frontals: usize,
+    /// The clique that takes the update, or [`NONE`].
+    pub(crate) parent: usize,
+    /// The cliques whose updates this one takes.
+    pub(crate) children: Vec<usize>,
+    /// `[L; M; y^T]`, column-major: as many columns as frontal scalars, rows for all variables and the right-hand side.
+    pub(crate) panel: Vec<f64>,
+    /// What elimination leaves on the separator and the right-hand side: `-[M; y^T] [M; y^T]^T` and the children's, lower
+    /// triangle, column-major.
+    pub(crate) update: Vec<f64>,
+    /// Frontal nodes with an undetermined direction.
+    pub(crate) undetermined: Vec<usize>,
+    /// Whether it is about to be taken away.
+    marked: bool,
+}
+
+/// Cliques by number; numbers and their memory are used again.
+#[derive(Debug, Default)]
+pub(crate) struct Tree {
+    cliques: Vec<Clique>,
+    free: Vec<usize>,
+    /// The clique in which each variable is frontal, or [`NONE`].
+    pub(crate) of: Vec<usize>,
+}
+
+/// Scalars of memory above which a clique that is taken away gives it back: small ones are reused, large ones could pile up
+/// under small cliques.
+const KEPT_SCALARS: usize = 1 << 12;
+
+impl Tree {
+    /// A node that is no variable yet.
+    pub(crate) fn add_node(&mut self) {
+        self.of.push(NONE);
+    }
+
+    pub(crate) fn clique(&self, index: usize) -> &Clique {
+        &self.cliques[index]
+    }
+
+    pub(crate) fn clique_mut(&mut self, index: usize) -> &mut Clique {
+        &mut self.cliques[index]
+    }
+
+    /// Takes a clique out to work on it; [`put_back`](Self::put_back) ends that.
+    pub(crate) fn take(&mut self, index: usize) -> Clique {
+        std::mem::take(&mut self.cliques[index])
+    }
+
+    pub(crate) fn put_back(&mut self, index: usize, clique: Clique) {
+        self.cliques[index] = clique;
+    }
+
+    /// A clique without children.
+    pub(crate) fn add(&mut self) -> usize {
+        self.free.pop().unwrap_or_else(|| {
+            self.cliques.push(Clique::default());
+            self.cliques.len() - 1
+        })
+    }
+
+    /// Marks a clique and its ancestors, and lists those that were not.
+    pub(crate) fn mark_to_root(&mut self, mut index: usize, marked: &mut Vec<usize>) {
+        while index != NONE && !std::mem::replace(&mut self.cliques[index].marked, true) {
+            marked.push(index);
+            index = self.cliques[index].parent;
+        }
+    }
+
+    /// Takes marked cliques away; their frontal variables and the children that stay are appended to the lists.
+    pub(crate) fn remove(&mut self, marked: &[usize], frontals: &mut Vec<usize>, orphans: &mut Vec<usize>) {
+        for &index in marked {
+            let clique = &self.cliques[index];
+            frontals.extend_from_slice(&clique.variables[..clique.frontals]);
+            orphans.extend(clique.children.iter().copied().filter(|&child| !self.cliques[child].marked));
+        }
+        for &index in marked {
+            let clique = &mut self.cliques[index];
+            for memory in [&mut clique.panel, &mut clique.update] {
+                memory.clear();
+                if memory.capacity() > KEPT_SCALARS {
+                    *memory = Vec::new();
+                }
+            }
+            clique.variables.clear();
+            clique.children.clear();
+            clique.undetermined.clear();
+            clique.marked = false;
+            self.free.push(index);
+        }
+        for &orphan in orphans.iter() {
+            self.cliques[orphan].parent = NONE;
+        }
+    }
+
+    /// Scalars of memory held.
+    pub(crate) fn scalars(&self) -> usize {
+        self.cliques.iter().map(|clique| clique.panel.capacity() + clique.update.capacity()).sum()
+    }
+}

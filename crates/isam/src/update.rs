@@ -1,0 +1,112 @@
+//! Updates: what is relinearised and solved when.
+
+use nalgebra::SVector;
+use posecut_optimize::PoseGroup;
+
+use crate::substitution::Below;
+use crate::{IncrementalSolver, UpdateReport};
+
+/// Share of the cost if edges had measured nothing, in which linearisation errors are compared to this rather than to the cost:
+/// a graph without noise needs no more.
+const LEAST_COST: f64 = 1e-8;
+
+impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
+    /// Brings the estimate up to date with all changes.
+    ///
+    /// Gauss-Newton steps that turn a pose by more than half a radian and raise the cost are not taken: the batch solver
+    /// starts anew then, and the report says so. Where such restarts do not help or do not converge they become rare; poses then
+    /// stay where they are.
+    pub fn update(&mut self) -> UpdateReport {
+        let mut report = UpdateReport { splits: self.gauges.take_splits(), ..UpdateReport::default() };
+        let due = self.updates.is_multiple_of(self.options.relinearise_every);
+        // To relinearise everything again would lead uphill again, until a restart finds a better start.
+        let due = due && (!self.restarts.stuck || self.restarts.is_due(self.updates + 1));
+        self.updates += 1;
+        self.restarts.allow(self.poses());
+        if due {
+            self.check(&mut report);
+        }
+        self.solve(&mut report, self.options.propagate);
+        let mut is_uphill = self.is_uphill();
+        if due {
+            for _ in 1..self.options.iterations {
+                // Points of linearisation do not follow a step that nothing can answer.
+                let unanswered = is_uphill && !self.restarts.is_due(self.updates);
+                if unanswered || !self.check(&mut report) {
+                    break;
+                }
+                self.solve(&mut report, self.options.propagate);
+                is_uphill = self.is_uphill();
+            }
+        }
+        let is_due = self.restarts.is_due(self.updates);
+        self.restarts.stuck = is_uphill && !is_due;
+        if self.restarts.stuck {
+            self.go_to(self.estimate.points.clone());
+        } else if is_uphill {
+            report.restarted = true;
+            let fresh = self.fresh_start();
+            self.restarts.count(fresh, self.updates, self.poses());
+        }
+        self.top.end_update();
+        report.undetermined.sort_unstable();
+        report.undetermined.dedup();
+        report
+    }
+
+    /// Whether the last solution was a step too long to trust, and led uphill.
+    fn is_uphill(&mut self) -> bool {
+        self.restarts.strained |= self.movement.long_step;
+        self.movement.long_step && !(self.cost() <= self.cost_at(&self.estimate.points))
+    }
+
+    /// Looks at the edges of variables that have moved, and, if linearisation errors have grown to more than is allowed,
+    /// moves the points of linearisation of all variables beyond the thresholds to the estimate. Says
+    /// whether it did.
+    fn check(&mut self, report: &mut UpdateReport) -> bool {
+        self.movement.look(&self.gauges.fixed, &self.estimate, &mut self.edges);
+        let (error, cost) = self.edges.error_and_cost(LEAST_COST);
+        if error < self.options.linearisation_error * cost && !self.movement.long_step {
+            return false;
+        }
+        let before = report.relinearised;
+        for node in self.movement.take_candidates() {
+            if !self.gauges.fixed[node] && self.movement.is_beyond(&self.estimate.deltas[node]) {
+                self.relinearise(node);
+                report.relinearised += 1;
+            } else {
+                self.movement.reset(node);
+            }
+        }
+        report.relinearised > before
+    }
+
+    /// Eliminates again what was touched, and solves.
+    fn solve(&mut self, report: &mut UpdateReport, threshold: f64) {
+        self.movement.long_step = false;
+        report.linearised += self.edges.linearise(&self.estimate.points);
+        let (made, orphans) = self.top.rebuild(&mut self.tree, &self.edges, &self.gauges.fixed, report);
+        self.elimination.eliminate(&mut self.tree, &made, &self.edges, &self.estimate.deltas);
+        for &clique in &made {
+            report.undetermined.extend_from_slice(&self.tree.clique(clique).undetermined);
+        }
+        let Self { substitution, tree, estimate, movement, .. } = self;
+        substitution.solve(Below { made: &made, orphans, threshold }, tree, estimate, movement, report);
+    }
+
+    /// Relinearises every variable and solves for all. Returns the largest component of the linear update that is left:
+    /// the length of the next Gauss-Newton step.
+    pub fn relinearise_all(&mut self) -> (f64, UpdateReport) {
+        let mut report = UpdateReport { splits: self.gauges.take_splits(), ..UpdateReport::default() };
+        for node in 0..self.poses() {
+            if !self.gauges.fixed[node] {
+                self.relinearise(node);
+                report.relinearised += 1;
+            }
+        }
+        self.movement.clear();
+        self.solve(&mut report, 0.0);
+        let step = self.estimate.deltas.iter().map(SVector::amax).fold(0.0, f64::max);
+        (step, report)
+    }
+}

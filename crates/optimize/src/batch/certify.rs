@@ -1,0 +1,30 @@
+//! The certificates of a graph's connected parts.
+
+use crate::certificate::Certificate;
+use crate::model::components::{Component, connected_components};
+use crate::model::part::extract;
+use crate::model::problem::Problem;
+use crate::pose_group::PoseGroup;
+
+/// SE-Sync's dual certificate of every connected part, for its cost `F` (chordal, isotropic weights), not for that of
+/// [`optimize`](crate::optimize): the poses are refined for `F` first. Kernels are not looked at. A part with several nodes held is another problem, of
+/// which nothing is known: its figures are not numbers.
+pub fn certify<G: PoseGroup<DOF>, const DOF: usize>(
+    problem: &Problem<G, DOF>,
+    poses: &[G],
+) -> Vec<Certificate> {
+    let ends = problem.edges().iter().map(|edge| (edge.from, edge.to));
+    let solved = Problem::from_checked(poses.to_vec(), problem.edges().to_vec(), problem.held().to_vec());
+    let mut local = vec![0; poses.len()];
+    let certificate = |component: &Component| {
+        if component.held(problem.held()) > 1 {
+            return Certificate::NONE;
+        }
+        for (index, &node) in component.nodes.iter().enumerate() {
+            local[node] = index;
+        }
+        let part = extract(&solved, component, &local);
+        G::certificate(part.edges(), part.poses())
+    };
+    connected_components(poses.len(), ends).iter().map(certificate).collect()
+}

@@ -1,0 +1,40 @@
+//! Descent from a start: the steps that minimise a cost over poses, for one connected part.
+//!
+//! [`levenberg_marquardt`] makes Gauss-Newton steps, damped after one fails (Madsen, Nielsen, Tingleff, "Methods for non-linear least
+//! squares problems", 2004, section 3.2), with [`damping`] by Nielsen's rule; [`dogleg`] is Powell's (ibid., section 3.3), and
+//! [`simplified_newton`] steps with an older factor (Deuflhard, "Newton methods for nonlinear problems", 2004, section 2.1.2). All are
+//! made of the operations of [`workspace`], and end with an [`outcome`].
+//!
+//! Depends on [`model`](crate::model) and `normal_equations`.
+
+mod damping;
+mod dogleg;
+mod levenberg_marquardt;
+pub(crate) mod outcome;
+pub(crate) mod phases;
+mod simplified_newton;
+pub(crate) mod workspace;
+
+use posecut_geometry::LieGroup;
+
+use crate::model::residual::Term;
+use crate::options::{Method, Options};
+use damping::LARGEST_DAMPING;
+use outcome::Outcome;
+use workspace::Workspace;
+
+impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
+    /// Minimises the cost of the edges over all poses but those that are held.
+    pub(crate) fn minimise<T: Term<G, DOF>>(
+        &mut self,
+        edges: &[T],
+        poses: &mut [G],
+        options: &Options,
+    ) -> Outcome {
+        match options.method {
+            Method::Dogleg => self.minimise_by_dogleg(edges, poses, options),
+            Method::LevenbergMarquardt => self.minimise_damped(edges, poses, options, LARGEST_DAMPING),
+            Method::GaussNewton => self.minimise_damped(edges, poses, options, 0.0),
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! Memory of the iteration, and what every method of choosing steps is made of: equations, steps, and trials.
+
+use nalgebra::{SMatrix, SVector};
+use posecut_cholesky::Factor;
+use posecut_geometry::LieGroup;
+
+use super::outcome::Step;
+use super::phases::{Phases, timed};
+use crate::model::magnitude::{Magnitude, translations};
+use crate::model::residual::Term;
+use crate::normal_equations::{NormalEquations, Pattern};
+
+/// Share of the largest diagonal entry that damping takes every other one for at least: Marquardt's scaling alone would not damp a
+/// direction at all that hardly an edge measures, and its steps would know no bounds.
+const DAMPING_FLOOR: f64 = 1e-9;
+
+/// Memory of the iteration, reserved once.
+pub(crate) struct Workspace<'a, G, const DOF: usize> {
+    pub(crate) pattern: &'a Pattern,
+    /// What tolerances are shares of.
+    pub(crate) magnitude: Magnitude,
+    pub(crate) equations: NormalEquations<DOF>,
+    pub(crate) factor: Factor<DOF>,
+    pub(crate) step: Vec<SVector<f64, DOF>>,
+    pub(crate) trial: Vec<G>,
+    /// Seconds so far, over all calls.
+    pub(crate) phases: Phases,
+}
+
+impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
+    pub(crate) fn new(pattern: &'a Pattern, magnitude: Magnitude) -> Self {
+        Self {
+            pattern,
+            magnitude,
+            equations: NormalEquations::new(pattern),
+            factor: Factor::new(&pattern.symbolic),
+            step: vec![SVector::zeros(); pattern.variables],
+            trial: Vec::new(),
+            phases: Phases::default(),
+        }
+    }
+
+    /// The cost that tolerances are shares of: not below that of a graph without noise.
+    pub(crate) fn at_least(&self, cost: f64) -> f64 {
+        cost.max(self.magnitude.noiseless())
+    }
+
+    /// The largest `|g_k| / sqrt(H_kk cost)`, the cosine of the angle between the whitened residuals and their derivative by a
+    /// component of a pose; infinite where the cost is no finite number.
+    pub(crate) fn cosine(&self, cost: f64) -> f64 {
+        if !cost.is_finite() {
+            return f64::INFINITY;
+        }
+        let steepest = self.equations.steepest();
+        if steepest == 0.0 { 0.0 } else { (steepest / self.at_least(cost)).sqrt() }
+    }
+
+    /// The least that diagonal entries are taken for when they are damped, by component: a share of the largest of them, all
+    /// seen in units of the graph's length.
+    fn damping_floor(&self) -> [f64; DOF] {
+        let length = self.magnitude.length;
+        let unit = |axis: usize| if axis < translations(DOF) { length * length } else { 1.0 };
+        let largest = |block: &SMatrix<f64, DOF, DOF>| {
+            (0..DOF).map(|axis| block[(axis, axis)] * unit(axis)).fold(0.0, f64::max)
+        };
+        let largest = self.equations.diagonal.iter().map(largest).fold(0.0, f64::max);
+        std::array::from_fn(|axis| DAMPING_FLOOR * largest / unit(axis))
+    }
+
+    /// The damped step `(H + damping D) d = -g`.
+    pub(crate) fn solve(&mut self, damping: f64, undetermined: &mut Option<(usize, usize)>) -> Option<Step> {
+        let floor = self.damping_floor();
+        let equations = &self.equations;
+        let symbolic = &self.pattern.symbolic;
+        let factor = &mut self.factor;
+        if let Err(breakdown) = timed(&mut self.phases.factorisation, || {
+            factor.factorize(symbolic, &equations.diagonal, &equations.off_diagonal, damping, floor)
+        }) {
+            undetermined.get_or_insert((self.pattern.held + breakdown.variable, breakdown.component));
+            return None;
+        }
+        if let Some((variable, component)) = self.factor.undetermined() {
+            undetermined.get_or_insert((self.pattern.held + variable, component));
+            return None;
+        }
+        let mut step = self.substitute()?;
+        if damping > 0.0 {
+            for (step_block, block) in self.step.iter().zip(&self.equations.diagonal) {
+                for (component, &value) in step_block.iter().enumerate() {
+                    step.promised +=
+                        damping * block[(component, component)].max(floor[component]) * value * value;
+                }
+            }
+        }
+        Some(step)
+    }
+
+    /// The step `d = -A^-1 g` for the matrix that was factorised last; `None` if it is not finite.
+    pub(crate) fn substitute(&mut self) -> Option<Step> {
+        for (step, gradient) in self.step.iter_mut().zip(&self.equations.gradient) {
+            *step = -gradient;
+        }
+        let Self { factor, pattern, step, phases, magnitude, .. } = self;
+        timed(&mut phases.substitution, || factor.solve(&pattern.symbolic, step));
+        let mut promised = 0.0;
+        let mut largest = 0.0_f64;
+        for (step, gradient) in self.step.iter().zip(&self.equations.gradient) {
+            promised -= gradient.dot(step);
+            largest = largest.max(magnitude.largest(step.iter(), translations(DOF)));
+        }
+        (promised.is_finite() && largest.is_finite()).then_some(Step { promised, largest })
+    }
+
+    /// `trial = X Exp(d)`.
+    pub(crate) fn retract(&mut self, poses: &[G]) {
+        let Self { trial, step, pattern, phases, .. } = self;
+        timed(&mut phases.linearisation, || {
+            trial.clear();
+            trial.extend_from_slice(poses);
+            for (pose, step) in trial.iter_mut().skip(pattern.held).zip(step) {
+                *pose = pose.compose(&G::exp(step));
+            }
+        });
+    }
+
+    /// The equations at these poses, and the cost.
+    pub(crate) fn assemble<T: Term<G, DOF>>(&mut self, edges: &[T], poses: &[G]) -> f64 {
+        let Self { equations, pattern, phases, .. } = self;
+        timed(&mut phases.linearisation, || equations.assemble(pattern, edges, poses))
+    }
+
+    /// The gradient at the trial, and the cost there; the matrix stays what it was.
+    pub(crate) fn trial_gradient<T: Term<G, DOF>>(&mut self, edges: &[T]) -> f64 {
+        let Self { equations, pattern, trial, phases, .. } = self;
+        timed(&mut phases.linearisation, || equations.assemble_gradient(pattern, edges, trial))
+    }
+
+    /// The cost at the trial.
+    pub(crate) fn trial_cost<T: Term<G, DOF>>(&mut self, edges: &[T]) -> f64 {
+        let Self { trial, phases, .. } = self;
+        timed(&mut phases.linearisation, || edges.iter().map(|edge| edge.cost(trial)).sum())
+    }
+}
+
+/// The cost that rounding alone may make at these poses.
+pub(crate) fn rounding<G, T: Term<G, DOF>, const DOF: usize>(edges: &[T], poses: &[G]) -> f64 {
+    edges.iter().map(|edge| edge.rounding(poses)).sum()
+}

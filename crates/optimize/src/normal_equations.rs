@@ -1,0 +1,202 @@
+//! The block-sparse normal equations of a connected graph with its first nodes held.
+
+#![allow(
+    clippy::inline_always,
+    reason = "loops take the vector instructions of the caller they are inlined into"
+)]
+
+use faer::traits::pulp::{Arch, Simd, WithSimd};
+use nalgebra::{SMatrix, SVector};
+use posecut_geometry::LieGroup;
+
+use crate::model::problem::Edge;
+use crate::model::residual::Term;
+use posecut_cholesky::Symbolic;
+
+/// Where an edge's blocks go.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Slot {
+    /// Variable of `from`, or `None` if it is held.
+    pub(crate) from: Option<usize>,
+    /// Variable of `to`, or `None` if it is held.
+    pub(crate) to: Option<usize>,
+    /// Off-diagonal block shared by all edges between the two, if neither is held.
+    pub(crate) pair: usize,
+}
+
+/// Pattern of the equations, shared by every block size.
+#[derive(Debug)]
+pub(crate) struct Pattern {
+    /// Number of nodes that are no variables: the first ones. Variable v is node `held + v`.
+    pub(crate) held: usize,
+    pub(crate) variables: usize,
+    /// The two variables of each off-diagonal block, smaller first.
+    pub(crate) pairs: Vec<(usize, usize)>,
+    pub(crate) slots: Vec<Slot>,
+    pub(crate) symbolic: Symbolic,
+}
+
+impl Pattern {
+    /// Pattern of edges over `nodes` nodes, of which the first `held` are given.
+    pub(crate) fn of<G, const DOF: usize>(nodes: usize, held: usize, edges: &[Edge<G, DOF>]) -> Self {
+        let ends = edges.iter().map(|edge| (edge.from, edge.to));
+        let variables = nodes.saturating_sub(held);
+        let mut pairs: Vec<(usize, usize)> = ends
+            .clone()
+            .map(|(a, b)| (a.min(b), a.max(b)))
+            .filter(|&(a, _)| a >= held)
+            .map(|(a, b)| (a - held, b - held))
+            .collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        let slots = ends
+            .map(|(from, to)| {
+                let pair = (from.min(to).wrapping_sub(held), from.max(to).wrapping_sub(held));
+                let index = pairs.binary_search(&pair).unwrap_or(usize::MAX);
+                Slot { from: from.checked_sub(held), to: to.checked_sub(held), pair: index }
+            })
+            .collect();
+        let symbolic = Symbolic::new(variables, &pairs, DOF);
+        Self { held, variables, pairs, slots, symbolic }
+    }
+}
+
+/// Values of the equations: `H d = -g`.
+#[derive(Debug)]
+pub(crate) struct NormalEquations<const D: usize> {
+    pub(crate) diagonal: Vec<SMatrix<f64, D, D>>,
+    /// Block of pair (a, b), a < b: row a, column b.
+    pub(crate) off_diagonal: Vec<SMatrix<f64, D, D>>,
+    pub(crate) gradient: Vec<SVector<f64, D>>,
+}
+
+impl<const D: usize> NormalEquations<D> {
+    pub(crate) fn new(pattern: &Pattern) -> Self {
+        Self {
+            diagonal: vec![SMatrix::zeros(); pattern.variables],
+            off_diagonal: vec![SMatrix::zeros(); pattern.pairs.len()],
+            gradient: vec![SVector::zeros(); pattern.variables],
+        }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.diagonal.fill(SMatrix::zeros());
+        self.off_diagonal.fill(SMatrix::zeros());
+        self.gradient.fill(SVector::zeros());
+    }
+
+    /// Adds a block at (from, to).
+    #[inline]
+    pub(crate) fn add_off_diagonal(&mut self, slot: &Slot, block: &SMatrix<f64, D, D>) {
+        if let (Some(from), Some(to)) = (slot.from, slot.to) {
+            if from < to {
+                self.off_diagonal[slot.pair] += block;
+            } else {
+                self.off_diagonal[slot.pair] += block.transpose();
+            }
+        }
+    }
+
+    /// Linearises all edges, in their order, and returns the cost.
+    pub(crate) fn assemble<G: LieGroup<D>, T: Term<G, D>>(
+        &mut self,
+        pattern: &Pattern,
+        edges: &[T],
+        poses: &[G],
+    ) -> f64 {
+        self.clear();
+        // The widest vector instructions of the machine, for all that is inlined below.
+        Arch::new().dispatch(Assemble { equations: self, pattern, edges, poses })
+    }
+
+    /// The gradient alone, and the cost; the matrix stays what it was.
+    pub(crate) fn assemble_gradient<G: LieGroup<D>, T: Term<G, D>>(
+        &mut self,
+        pattern: &Pattern,
+        edges: &[T],
+        poses: &[G],
+    ) -> f64 {
+        self.gradient.fill(SVector::zeros());
+        Arch::new().dispatch(AssembleGradient { gradient: &mut self.gradient, pattern, edges, poses })
+    }
+
+    /// `d^T H d`.
+    pub(crate) fn curvature(&self, pattern: &Pattern, step: &[SVector<f64, D>]) -> f64 {
+        let own: f64 = self.diagonal.iter().zip(step).map(|(block, step)| step.dot(&(block * step))).sum();
+        let blocks = self.off_diagonal.iter().zip(&pattern.pairs);
+        own + 2.0 * blocks.map(|(block, &(a, b))| step[a].dot(&(block * step[b]))).sum::<f64>()
+    }
+
+    /// The largest `g_k^2 / H_kk`: by how much a component alone could lower the cost.
+    pub(crate) fn steepest(&self) -> f64 {
+        let ratio = |(gradient, diagonal): (f64, f64)| {
+            if gradient == 0.0 { 0.0 } else { gradient * (gradient / diagonal) }
+        };
+        self.gradient
+            .iter()
+            .zip(&self.diagonal)
+            .flat_map(|(gradient, block)| (0..D).map(|axis| (gradient[axis], block[(axis, axis)])))
+            .map(ratio)
+            .fold(0.0, f64::max)
+    }
+}
+
+/// [`NormalEquations::assemble`] for one set of vector instructions. Not a closure: the call of one is not inlined.
+struct Assemble<'a, G, T, const D: usize> {
+    equations: &'a mut NormalEquations<D>,
+    pattern: &'a Pattern,
+    edges: &'a [T],
+    poses: &'a [G],
+}
+
+impl<G: LieGroup<D>, T: Term<G, D>, const D: usize> WithSimd for Assemble<'_, G, T, D> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        let Self { equations, pattern, edges, poses } = self;
+        let mut cost = 0.0;
+        for (edge, slot) in edges.iter().zip(&pattern.slots) {
+            let model = edge.linearise(poses);
+            cost += model.cost;
+            if let Some(from) = slot.from {
+                equations.diagonal[from] += model.from_from;
+                equations.gradient[from] += model.from_gradient;
+            }
+            if let Some(to) = slot.to {
+                equations.diagonal[to] += model.to_to;
+                equations.gradient[to] += model.to_gradient;
+            }
+            equations.add_off_diagonal(slot, &model.from_to);
+        }
+        cost
+    }
+}
+
+/// [`NormalEquations::assemble_gradient`] in the same way.
+struct AssembleGradient<'a, G, T, const D: usize> {
+    gradient: &'a mut [SVector<f64, D>],
+    pattern: &'a Pattern,
+    edges: &'a [T],
+    poses: &'a [G],
+}
+
+impl<G: LieGroup<D>, T: Term<G, D>, const D: usize> WithSimd for AssembleGradient<'_, G, T, D> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        let mut cost = 0.0;
+        for (edge, slot) in self.edges.iter().zip(&self.pattern.slots) {
+            let model = edge.gradient(self.poses);
+            cost += model.cost;
+            if let Some(from) = slot.from {
+                self.gradient[from] += model.from;
+            }
+            if let Some(to) = slot.to {
+                self.gradient[to] += model.to;
+            }
+        }
+        cost
+    }
+}

@@ -1,0 +1,85 @@
+//! From a pose graph to what the algorithms take: edges in use that measure something, and fixed nodes.
+
+use anyhow::Context as _;
+use nalgebra::SMatrix;
+use posecut_geometry::LieGroup;
+use posecut_geometry::covariance::unpack_upper_triangle;
+use posecut_graph::{Node, PoseGraph};
+
+use crate::{Edge, EdgeKind};
+
+/// The indices of the nodes that are to stay where they are.
+pub fn fixed_nodes(graph: &PoseGraph) -> anyhow::Result<Vec<usize>> {
+    let mut fixed = Vec::new();
+    for (place, node) in graph.nodes.iter().enumerate() {
+        if is_fixed(node)? {
+            fixed.push(place);
+        }
+    }
+    Ok(fixed)
+}
+
+/// Whether a node is to stay where it is, which must then be known.
+pub fn is_fixed(node: &Node) -> anyhow::Result<bool> {
+    let fixed = node.is_fixed().map_err(|value| {
+        anyhow::anyhow!(
+            "node {}, field \"fixed\": expected true or false, found {value}; say true to hold the node at its pose",
+            node.id
+        )
+    })?;
+    anyhow::ensure!(
+        !fixed || node.pose.is_some(),
+        "node {} is fixed and has no pose to stay at; give it one, or take the field \"fixed\" away",
+        node.id
+    );
+    Ok(fixed)
+}
+
+/// The edges in use that measure something.
+#[derive(Clone, Debug)]
+pub struct Measured<G, const DOF: usize> {
+    /// As the library takes them, without kernels; their ends are places among the graph's nodes.
+    pub edges: Vec<Edge<G, DOF>>,
+    /// Their places among the graph's edges.
+    pub places: Vec<usize>,
+    /// How many edges in use measure nothing.
+    pub unmeasured: usize,
+}
+
+/// Reads the edges in use of a pose graph. O(edges).
+pub fn edges<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Result<Measured<G, DOF>> {
+    let mut found = Measured { edges: Vec::new(), places: Vec::new(), unmeasured: 0 };
+    for (place, edge) in graph.edges.iter().enumerate().filter(|(_, edge)| edge.in_use()) {
+        let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to)) else {
+            continue;
+        };
+        let Some(measured) = measured_edge(graph, edge, from, to)? else {
+            found.unmeasured += 1;
+            continue;
+        };
+        found.edges.push(measured);
+        found.places.push(place);
+    }
+    Ok(found)
+}
+
+/// An edge as the library takes it, without kernel, between these places; `None` if it measures nothing.
+pub fn measured_edge<G: LieGroup<DOF>, const DOF: usize>(
+    graph: &PoseGraph,
+    edge: &posecut_graph::Edge,
+    from: usize,
+    to: usize,
+) -> anyhow::Result<Option<Edge<G, DOF>>> {
+    let (Some(measurement), Some(packed)) = (&edge.measurement, graph.information(edge)) else {
+        return Ok(None);
+    };
+    let measurement = G::from_components(measurement)
+        .with_context(|| format!("{}: its measurement cannot be used", edge.name()))?;
+    let information: SMatrix<f64, DOF, DOF> = unpack_upper_triangle(packed)
+        .with_context(|| format!("{}: its information cannot be used", edge.name()))?;
+    let kind = match edge.kind {
+        posecut_graph::EdgeKind::Odometry => EdgeKind::Odometry,
+        posecut_graph::EdgeKind::Landmark => EdgeKind::Landmark,
+    };
+    Ok(Some(Edge::new(from, to, measurement, information, kind)))
+}
