@@ -22,7 +22,7 @@ fn refused(name: &str, arguments: &[&str]) -> String {
 fn usage_errors_are_one_sentence_with_a_suggestion() {
     for row in table() {
         let task: &[&str] = match row.name {
-            "experiment" | "inspect" | "report" => &row.arguments[..1],
+            "experiment" | "inspect" | "partition" | "report" => &row.arguments[..1],
             _ => &[],
         };
         let said = |more: &[&str]| refused(row.name, &[task, more].concat());
