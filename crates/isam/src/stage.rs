@@ -104,12 +104,12 @@ pub struct StageOptions {
     pub kernels: KernelOptions,
 
     /// Write the estimates of all poses after every so many steps, and after the last, to the file of --estimates
-    #[arg(long, value_name = "STEPS", requires = "estimates", help_heading = "Output")]
+    #[arg(long, value_name = "STEPS", requires = "estimates", help_heading = "Estimates on the way")]
     #[serde(skip)]
     pub every: Option<usize>,
 
     /// Where the estimates on the way go, JSON Lines
-    #[arg(long, value_name = "FILE", requires = "every", help_heading = "Output")]
+    #[arg(long, value_name = "FILE", requires = "every", help_heading = "Estimates on the way")]
     #[serde(skip)]
     pub estimates: Option<PathBuf>,
 }
@@ -182,7 +182,7 @@ impl StageOptions {
             if matches!(arrival, Arrival::Node(_)) {
                 self.end_step(&mut session, &mut estimates)?;
             }
-            session.take(arrival).with_context(|| format!("{source}, line {line}"))
+            session.take(arrival, line).with_context(|| format!("{source}, line {line}"))
         })?;
         self.end_step(&mut session, &mut estimates)?;
         let last = session.steps.len();

@@ -29,6 +29,8 @@ pub(super) enum Arrival {
 #[derive(Clone, Copy, Debug)]
 struct Standing {
     place: usize,
+    /// Where it came.
+    line: u64,
     /// Its number in the solver while it is used.
     used: Option<EdgeId>,
 }
@@ -64,7 +66,8 @@ pub(super) struct Session<G, const DOF: usize> {
     pub(super) graph: PoseGraph,
     pub(super) solver: IncrementalSolver<G, DOF>,
     kernels: KernelOptions,
-    nodes: HashMap<u64, usize>,
+    /// Number in the solver and line of each pose.
+    nodes: HashMap<u64, (usize, u64)>,
     edges: HashMap<u64, Standing>,
     /// The latest time of each session.
     times: HashMap<Option<String>, i64>,
@@ -104,22 +107,22 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
         })
     }
 
-    /// Takes a record. Errors name the record, cause and remedy; the caller adds file and line.
-    pub(super) fn take(&mut self, arrival: Arrival) -> anyhow::Result<()> {
+    /// Takes the record of a line. Errors name the record, cause and remedy; the caller adds file and line.
+    pub(super) fn take(&mut self, arrival: Arrival, line: u64) -> anyhow::Result<()> {
         self.started.get_or_insert_with(Instant::now);
         match arrival {
-            Arrival::Node(node) => self.take_node(node),
-            Arrival::Edge(edge) => self.take_edge(edge),
+            Arrival::Node(node) => self.take_node(node, line),
+            Arrival::Edge(edge) => self.take_edge(edge, line),
             Arrival::Retract(id) => self.retract(id).with_context(|| format!("retract {id}")),
             Arrival::Readmit(id) => self.readmit(id).with_context(|| format!("readmit {id}")),
         }
     }
 
-    fn take_node(&mut self, node: Node) -> anyhow::Result<()> {
+    fn take_node(&mut self, node: Node, line: u64) -> anyhow::Result<()> {
         let name = format!("node {}", node.id);
-        if self.nodes.contains_key(&node.id) {
+        if let Some((_, earlier)) = self.nodes.get(&node.id) {
             bail!(
-                "{name}, field \"id\": a node with this id has come before; ids are unique among nodes, number them anew"
+                "{name}, field \"id\": line {earlier} has a node with this id; ids are unique among nodes, number them anew"
             );
         }
         if let Some(time) = node.utime {
@@ -136,21 +139,21 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
         let place =
             if is_fixed(&node)? { self.solver.add_held_pose(pose) } else { self.solver.add_pose(pose) }
                 .with_context(|| name)?;
-        self.nodes.insert(node.id, place);
+        self.nodes.insert(node.id, (place, line));
         self.graph.nodes.push(node);
         Ok(())
     }
 
-    fn take_edge(&mut self, edge: Edge) -> anyhow::Result<()> {
+    fn take_edge(&mut self, edge: Edge, line: u64) -> anyhow::Result<()> {
         let name = edge.name();
-        if self.edges.contains_key(&edge.id) {
+        if let Some(Standing { line: earlier, .. }) = self.edges.get(&edge.id) {
             bail!(
-                "{name}, field \"id\": an edge with this id has come before; ids are unique among edges, number them anew"
+                "{name}, field \"id\": line {earlier} has an edge with this id; ids are unique among edges, number them anew"
             );
         }
         let end = |field: &str, id: u64| {
-            self.nodes.get(&id).copied().with_context(|| {
-                format!("{name}, field \"{field}\": pose {id} has not come yet; put the record of a pose before those of its edges")
+            self.nodes.get(&id).map(|&(place, _)| place).with_context(|| {
+                format!("{name}, field \"{field}\": there is no node {id} so far; put the record of a node before those of its edges")
             })
         };
         let ends = (end("from", edge.from)?, end("to", edge.to)?);
@@ -167,7 +170,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
         let (id, is_used) = (edge.id, edge.in_use());
         let measures = edge.measurement.is_some();
         self.graph.edges.push(edge);
-        self.edges.insert(id, Standing { place, used: None });
+        self.edges.insert(id, Standing { place, line, used: None });
         if is_used && measures {
             self.use_edge(id, place, ends)?;
         } else if is_used && replaces.is_none() {
@@ -183,12 +186,12 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
         };
         measured.kernel = self.kernels.of(measured.kind);
         let used = self.solver.add_edge(measured).with_context(|| edge.name())?;
-        self.edges.insert(id, Standing { place, used: Some(used) });
+        self.edges.entry(id).and_modify(|standing| standing.used = Some(used));
         Ok(())
     }
 
     fn retract(&mut self, id: u64) -> anyhow::Result<()> {
-        let Some(Standing { place, used }) = self.edges.get(&id).copied() else {
+        let Some(Standing { place, used, .. }) = self.edges.get(&id).copied() else {
             bail!(
                 "edge {id} is unknown and cannot be taken back; an edge comes before the record that takes it back"
             );
@@ -207,13 +210,13 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
         };
         self.solver.remove_edge(used)?;
         edge.rejected_by = Some(RETRACT.to_owned());
-        self.edges.insert(id, Standing { place, used: None });
+        self.edges.entry(id).and_modify(|standing| standing.used = None);
         self.retracted += 1;
         Ok(())
     }
 
     fn readmit(&mut self, id: u64) -> anyhow::Result<()> {
-        let Some(Standing { place, used }) = self.edges.get(&id).copied() else {
+        let Some(Standing { place, used, .. }) = self.edges.get(&id).copied() else {
             bail!(
                 "edge {id} is unknown and cannot be readmitted; an edge comes before the record that readmits it"
             );
@@ -224,7 +227,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
             );
         }
         let edge = &self.graph.edges[place];
-        self.use_edge(id, place, (self.nodes[&edge.from], self.nodes[&edge.to]))?;
+        self.use_edge(id, place, (self.nodes[&edge.from].0, self.nodes[&edge.to].0))?;
         self.graph.edges[place].rejected_by = None;
         self.readmitted += 1;
         Ok(())

@@ -191,7 +191,7 @@ fn bad_input_is_refused_by_line() {
     let said = with(7, &node(3, 29));
     assert!(said.contains("line 8") && said.contains("29 lies before 30"), "{said}");
     let said = with(6, &edge("landmark", 6, 0, 3, "[9,9,0]"));
-    assert!(said.contains("line 7") && said.contains("pose 3 has not come yet"), "{said}");
+    assert!(said.contains("line 7") && said.contains("there is no node 3 so far"), "{said}");
     let said = with(9, r#"{"kind":"retract","id":6}"#);
     assert!(said.contains("line 10") && said.contains("field \"edge\""), "{said}");
     let said = with(9, r#"{"kind":"readmit","edge":"six"}"#);
@@ -201,9 +201,9 @@ fn bad_input_is_refused_by_line() {
     let said = with(9, r#"{"kind":"landmark","id":8,"from":0,"to":2,"retract":"six"}"#);
     assert!(said.contains("field \"retract\""), "{said}");
     let said = with(7, &node(2, 40));
-    assert!(said.contains("node 2") && said.contains("has come before"), "{said}");
+    assert!(said.contains("node 2") && said.contains("line 5 has a node with this id"), "{said}");
     let said = with(8, &edge("odometry", 1, 2, 3, "[1,0,0]"));
-    assert!(said.contains("odometry 1") && said.contains("has come before"), "{said}");
+    assert!(said.contains("odometry 1") && said.contains("line 6 has an edge with this id"), "{said}");
     let mut rejected = square();
     rejected[6] = rejected[6].replace('}', r#","rejected_by":"pcm"}"#);
     let said = refuse(&rejected, &[]);
