@@ -5,7 +5,7 @@
 # Usage: pipelines/readmission.sh [--pcm PROGRAM] [--readmit PROGRAM] [--optimize PROGRAM] [--rounds FILE]
 #                                 GRAPH OUTPUT [PCM OPTIONS]
 # PCM OPTIONS are those of the first run [default: --calibrate --grow 0.999999].
-# PROGRAM [default: posecut-pcm, posecut-readmit and posecut-optimize of target/release]; READMIT holds the options of the
+# PROGRAM [default: posecut-pcm, posecut-readmit and posecut-optimize of target/release]; READMISSION holds the options of the
 # rounds [default: --scale auto --apply-scale].
 # OUTPUT is the optimised graph with the rejections of the last round; FILE gets a line of figures a round.
 set -eu
@@ -40,7 +40,7 @@ trap 'rm -rf "$work"' EXIT
 for round in 1 2 3 4 5; do
   "$optimize" --quiet "$work/judged.jsonl" --marginals landmark -o "$work/optimized.jsonl"
   # shellcheck disable=SC2086 # options are words
-  "$readmit" --quiet "$work/optimized.jsonl" ${READMIT---scale auto --apply-scale} $chance -o "$work/judged.jsonl" \
+  "$readmit" --quiet "$work/optimized.jsonl" ${READMISSION---scale auto --apply-scale} $chance -o "$work/judged.jsonl" \
     --stats "$work/stats.json"
   figure() { sed -n "s/^  \"$1\": \([^,]*\),\{0,1\}$/\1/p" "$work/stats.json"; }
   echo "round $round readmitted $(figure readmitted) dropped $(figure dropped) scale $(figure scale)" >> "$work/rounds"

@@ -155,7 +155,7 @@ fn decide(fault: &str, graph: &mut PoseGraph) {
             _ => false,
         };
         if fault == "earlier-marks" && low {
-            edge.rejected_by = None;
+            edge.readmit();
         }
         if low || sees {
             edge.reject(if fault == "own-mark" && number % 2 == 0 { "other" } else { "planted" });

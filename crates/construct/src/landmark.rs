@@ -1,7 +1,6 @@
 //! Landmark edges, correct and incorrect, with their measurements.
 
-use posecut_geometry::{SE2, SE3};
-use posecut_graph::{Dimension, Edge, EdgeKind, EdgeTruth, PoseGraph};
+use posecut_graph::{Edge, EdgeKind, EdgeTruth, PoseGraph, for_dimension};
 use posecut_stage::{Statistics, info, random};
 use rand::seq::SliceRandom as _;
 
@@ -18,10 +17,7 @@ pub fn add_landmark_edges(
     options: &Options,
     statistics: &mut Statistics,
 ) -> Result<(), ConstructError> {
-    match graph.header.dimension {
-        Dimension::Two => add::<SE2, 3>(graph, options, statistics),
-        Dimension::Three => add::<SE3, 6>(graph, options, statistics),
-    }
+    for_dimension!(graph.header.dimension, |G, DOF| add::<G, DOF>(graph, options, statistics))
 }
 
 fn add<G: Headed<DOF>, const DOF: usize>(

@@ -2,8 +2,7 @@
 
 use std::collections::HashMap;
 
-use posecut_geometry::{SE2, SE3};
-use posecut_graph::{Dimension, Edge, EdgeKind, EdgeTruth, PoseGraph};
+use posecut_graph::{Edge, EdgeKind, EdgeTruth, PoseGraph, for_dimension};
 use posecut_stage::{Statistics, info};
 use serde::Serialize;
 
@@ -140,10 +139,7 @@ pub fn add_matches(
     options: &Options,
     statistics: &mut Statistics,
 ) -> Result<(), ConstructError> {
-    match graph.header.dimension {
-        Dimension::Two => add::<SE2, 3>(graph, file, matches, options, statistics),
-        Dimension::Three => add::<SE3, 6>(graph, file, matches, options, statistics),
-    }
+    for_dimension!(graph.header.dimension, |G, DOF| add::<G, DOF>(graph, file, matches, options, statistics))
 }
 
 fn add<G: Headed<DOF>, const DOF: usize>(

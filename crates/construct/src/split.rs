@@ -2,8 +2,8 @@
 
 use std::collections::HashSet;
 
-use posecut_geometry::{LieGroup, SE2, SE3};
-use posecut_graph::{Dimension, EdgeKind, Node, PoseGraph};
+use posecut_geometry::LieGroup;
+use posecut_graph::{Dimension, EdgeKind, Node, PoseGraph, for_dimension};
 
 use crate::ConstructError;
 
@@ -53,8 +53,5 @@ pub(crate) fn restart(dimension: Dimension, start: Option<&[f64]>, node: &mut No
         Some(G::from_components(start)?.between(&G::from_components(pose)?).components())
     }
     let (Some(start), Some(pose)) = (start, node.pose.as_deref()) else { return };
-    node.pose = match dimension {
-        Dimension::Two => relative::<SE2, 3>(start, pose),
-        Dimension::Three => relative::<SE3, 6>(start, pose),
-    };
+    node.pose = for_dimension!(dimension, |G, DOF| relative::<G, DOF>(start, pose));
 }

@@ -1,8 +1,8 @@
 //! The densest clique as a stage: marks the landmark edges outside it, for each pair of odometry chains.
 
 use anyhow::ensure;
-use posecut_geometry::{LieGroup, SE2, SE3};
-use posecut_graph::{Dimension, PoseGraph};
+use posecut_geometry::LieGroup;
+use posecut_graph::{PoseGraph, for_dimension};
 use posecut_pcm::candidate::{Group, group};
 use posecut_pcm::chain::Chains;
 use posecut_pcm::consistency::squared_distance;
@@ -77,10 +77,7 @@ impl GraphStage for Options {
                 "--spread is {spread}, and must be a positive number of standard deviations"
             );
         }
-        let summary = match graph.header.dimension {
-            Dimension::Two => self.reject::<SE2, 3>(graph)?,
-            Dimension::Three => self.reject::<SE3, 6>(graph)?,
-        };
+        let summary = for_dimension!(graph.header.dimension, |G, DOF| self.reject::<G, DOF>(graph)?);
         summary.note(context);
         Ok(())
     }

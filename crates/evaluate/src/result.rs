@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_graph::{Dimension, PoseGraph, StageDoubt};
 use serde::Serialize;
 use serde_json::Value;
@@ -184,20 +183,7 @@ pub fn evaluate(
 
 /// For each node the first node (by index) of its connected component, over the edges in use that measure something.
 fn first_of_component(graph: &PoseGraph) -> Vec<usize> {
-    let mut parts = petgraph::unionfind::UnionFind::<usize>::new(graph.nodes.len());
-    for edge in graph.edges.iter().filter(|edge| edge.in_use() && edge.measurement.is_some()) {
-        if let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to)) {
-            parts.union(from, to);
-        }
-    }
-    let mut first = vec![usize::MAX; graph.nodes.len()];
-    (0..graph.nodes.len())
-        .map(|node| {
-            let representative = &mut first[parts.find(node)];
-            *representative = node.min(*representative);
-            *representative
-        })
-        .collect()
+    graph.first_of_part(|edge| edge.measurement.is_some())
 }
 
 fn components(graph: &PoseGraph) -> usize {
@@ -234,20 +220,13 @@ fn matches(estimate: &PoseGraph, reference: Option<&PoseGraph>) -> Vec<Match> {
                 session: node.session.clone().unwrap_or_default(),
                 frame: node.frame.unwrap_or(i64::try_from(node.id).unwrap_or(i64::MAX)),
                 component: graph.nodes[first[graph.node_index(node.id)?]].id,
-                estimate: spatial(dimension, node.pose.as_deref()?)?,
-                reference: spatial(dimension, known)?,
+                estimate: dimension.spatial(node.pose.as_deref()?)?,
+                reference: dimension.spatial(known)?,
             })
         })
         .collect();
     matches.sort_by(|first, second| (&first.session, first.frame).cmp(&(&second.session, second.frame)));
     matches
-}
-
-fn spatial(dimension: Dimension, components: &[f64]) -> Option<SE3> {
-    match dimension {
-        Dimension::Two => SE2::from_components(components).map(|pose| pose.to_spatial()),
-        Dimension::Three => SE3::from_components(components),
-    }
 }
 
 fn groups(matches: &[Match], scope: Scope) -> BTreeMap<String, Vec<&Match>> {

@@ -7,8 +7,5 @@ use crate::Dimension;
 /// The smallest eigenvalue of an information matrix given by its upper triangle, if it is negative beyond the digits of a
 /// printed file; see [`covariance::negative_eigenvalue`].
 pub fn negative_eigenvalue(dimension: Dimension, upper_triangle: &[f64]) -> Option<f64> {
-    match dimension {
-        Dimension::Two => covariance::negative_eigenvalue::<3>(upper_triangle),
-        Dimension::Three => covariance::negative_eigenvalue::<6>(upper_triangle),
-    }
+    crate::for_dimension!(dimension, |_G, DOF| covariance::negative_eigenvalue::<DOF>(upper_triangle))
 }

@@ -22,6 +22,7 @@
 //! assert!(String::from_utf8(bytes).unwrap().contains(r#""mood":"fine""#));
 //! ```
 
+pub mod connectivity;
 mod definiteness;
 mod dimension;
 mod error;
@@ -31,6 +32,7 @@ mod parse;
 mod read;
 mod record;
 mod schema;
+mod typed;
 mod validate;
 mod write;
 
@@ -42,6 +44,10 @@ pub use header::{Header, InputDigest, NoiseModel, Provenance, StageDoubt, doubts
 pub use read::{Examination, LONGEST_LINE, RecordReader, examine};
 pub use record::{Edge, EdgeKind, EdgeTruth, FIXED, Node, NodeTruth, Record};
 pub use schema::schema;
+pub use typed::UnusableField;
+
+// The groups that `for_dimension!` names.
+pub use posecut_geometry::{SE2, SE3};
 
 /// The fields this crate does not know, in the order read.
 pub type Extra = serde_json::Map<String, serde_json::Value>;

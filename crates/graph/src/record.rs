@@ -124,6 +124,11 @@ impl Edge {
         self.rejected_by.get_or_insert_with(|| stage.to_owned());
     }
 
+    /// Puts the edge in use again, whoever rejected it.
+    pub fn readmit(&mut self) {
+        self.rejected_by = None;
+    }
+
     /// Whether the truth says it is a correct edge; `None` if nobody knows.
     pub fn truth_correct(&self) -> Option<bool> {
         self.truth.as_ref().and_then(|truth| truth.correct)
@@ -166,9 +171,6 @@ impl Node {
 
     /// The estimate, if there is one, else the identity of that dimension.
     pub fn pose_or_identity(&self, dimension: Dimension) -> Vec<f64> {
-        self.pose.clone().unwrap_or_else(|| match dimension {
-            Dimension::Two => vec![0.0; 3],
-            Dimension::Three => vec![0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
-        })
+        self.pose.clone().unwrap_or_else(|| dimension.identity())
     }
 }

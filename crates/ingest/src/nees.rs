@@ -1,11 +1,11 @@
 //! Whether the odometry's covariance describes its errors, over one step and over many.
 
 use nalgebra::SMatrix;
+use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::{
     compose, covariance_from_information, information_from_covariance, unpack_upper_triangle,
 };
-use posecut_geometry::{LieGroup, SE2, SE3};
-use posecut_graph::{Dimension, EdgeKind, PoseGraph};
+use posecut_graph::{EdgeKind, PoseGraph, for_dimension};
 use serde::Serialize;
 
 /// Lengths of the windows, keyframe steps.
@@ -29,10 +29,7 @@ pub struct Nees {
 /// `xi = Log(Z^-1 T)` of the odometry's motion Z over the window and the true one, T; Sigma is that of Z, each step's
 /// carried to the window's end by the adjoint (first order). O(nodes * longest window).
 pub fn nees(graph: &PoseGraph) -> Vec<Nees> {
-    match graph.header.dimension {
-        Dimension::Two => measure::<SE2, 3>(graph),
-        Dimension::Three => measure::<SE3, 6>(graph),
-    }
+    for_dimension!(graph.header.dimension, |G, DOF| measure::<G, DOF>(graph))
 }
 
 /// One odometry step and its covariance.

@@ -22,11 +22,10 @@ use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use nalgebra::Vector3;
 use posecut_evaluate::alignment::{Alignment, Freedom};
-use posecut_geometry::{SE2, SE3};
-use posecut_graph::{Dimension, EdgeKind, PoseGraph};
+use posecut_graph::connectivity::connected_components;
+use posecut_graph::{EdgeKind, PoseGraph, for_dimension};
 use posecut_isam::{EdgeId, IncrementalOptions, IncrementalSolver};
 use posecut_multicut::support::support_counts;
-use posecut_optimize::components::connected_components;
 use posecut_optimize::{Edge, Options, PoseGroup, Problem, optimize, pose_graph};
 use posecut_pcm::candidate::group;
 use posecut_pcm::chain::Chains;
@@ -61,10 +60,7 @@ fn main() -> anyhow::Result<()> {
     anyhow::ensure!(every > 0, "K is 0, and must be a positive number of poses");
     let file = std::fs::File::open(input).with_context(|| format!("{input}: cannot be opened"))?;
     let graph = PoseGraph::read(input, std::io::BufReader::new(file))?;
-    let rows = match graph.header.dimension {
-        Dimension::Two => follow::<SE2, 3>(&graph, every),
-        Dimension::Three => follow::<SE3, 6>(&graph, every),
-    }?;
+    let rows = for_dimension!(graph.header.dimension, |G, DOF| follow::<G, DOF>(&graph, every))?;
     let mut text =
         "node,used,incorrect,added,taken_back,readmitted,gap,online_m,batch_m,perfect_m\n".to_owned();
     for row in &rows {
@@ -100,7 +96,7 @@ fn follow<G: PoseGroup<DOF> + Spatial<DOF>, const DOF: usize>(
 ) -> anyhow::Result<Vec<Row>> {
     let mut all = graph.clone();
     for edge in &mut all.edges {
-        edge.rejected_by = None;
+        edge.readmit();
     }
     let measured = pose_graph::edges::<G, DOF>(&all)?;
     let edges: BTreeMap<usize, Edge<G, DOF>> = measured.places.into_iter().zip(measured.edges).collect();

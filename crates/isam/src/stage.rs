@@ -9,8 +9,8 @@ use std::process::ExitCode;
 
 use anyhow::Context as _;
 use clap::Parser;
-use posecut_geometry::{LieGroup, SE2, SE3};
-use posecut_graph::{Dimension, InputDigest, PoseGraph, RecordReader};
+use posecut_geometry::LieGroup;
+use posecut_graph::{InputDigest, PoseGraph, RecordReader, for_dimension};
 use posecut_optimize::PoseGroup;
 use posecut_optimize::stage::{KernelOptions, doubt_disconnected, significant, warn_of_unmeasured};
 use posecut_stage::{
@@ -160,10 +160,8 @@ impl StageOptions {
         let mut input = open(input)?;
         let source = input.name.clone();
         let reader = RecordReader::new(&source, &mut input)?;
-        let graph = match reader.header().dimension {
-            Dimension::Two => self.follow::<SE2, 3, _>(&source, reader, estimates, context),
-            Dimension::Three => self.follow::<SE3, 6, _>(&source, reader, estimates, context),
-        }?;
+        let graph = for_dimension!(reader.header().dimension, |G, DOF| self
+            .follow::<G, DOF, _>(&source, reader, estimates, context))?;
         let sha256 = input.finish().with_context(|| format!("{source}: cannot be read to its end"))?;
         context.inputs.push(InputDigest { name: "graph".to_owned(), sha256 });
         Ok(graph)

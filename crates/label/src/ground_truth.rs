@@ -9,8 +9,8 @@ mod track;
 use std::collections::HashMap;
 
 use anyhow::{Context as _, bail};
-use posecut_geometry::{LieGroup as _, SE2, SE3};
-use posecut_graph::{Dimension, EdgeKind, NodeTruth, PoseGraph};
+use posecut_geometry::{LieGroup as _, SE3};
+use posecut_graph::{EdgeKind, NodeTruth, PoseGraph};
 use posecut_stage::Context;
 
 use crate::{Options, described, set};
@@ -20,21 +20,6 @@ use crate::{Options, described, set};
 pub struct GroundTruth {
     source: String,
     poses: HashMap<u64, SE3>,
-}
-
-/// A pose of a record as a motion in space.
-pub(crate) fn spatial(dimension: Dimension, components: &[f64]) -> Option<SE3> {
-    match dimension {
-        Dimension::Two => SE2::from_components(components).map(|pose| pose.to_spatial()),
-        Dimension::Three => SE3::from_components(components),
-    }
-}
-
-fn components(dimension: Dimension, pose: &SE3) -> Vec<f64> {
-    match dimension {
-        Dimension::Two => pose.to_planar().components(),
-        Dimension::Three => pose.components(),
-    }
 }
 
 /// Reads the ground truth that the options name; `None` where they name none.
@@ -48,7 +33,7 @@ pub fn read(
         let poses = graph
             .nodes
             .iter()
-            .filter_map(|node| Some((node.id, spatial(dimension, node.pose.as_deref()?)?)))
+            .filter_map(|node| Some((node.id, dimension.spatial(node.pose.as_deref()?)?)))
             .collect();
         return Ok(Some(GroundTruth { source: "the graph".to_owned(), poses }));
     }
@@ -87,7 +72,7 @@ pub fn apply(graph: &mut PoseGraph, truth: &GroundTruth, options: &Options) -> a
             node.pose = None;
         }
         if let Some(pose) = truth.poses.get(&node.id) {
-            node.truth.get_or_insert_with(NodeTruth::default).pose = Some(components(dimension, pose));
+            node.truth.get_or_insert_with(NodeTruth::default).pose = Some(dimension.components(pose));
         }
     }
     for edge in graph.edges.iter_mut().filter(|edge| edge.kind == EdgeKind::Landmark) {
@@ -103,7 +88,7 @@ pub fn apply(graph: &mut PoseGraph, truth: &GroundTruth, options: &Options) -> a
                 described(edge)
             );
         }
-        let Some(measurement) = edge.measurement.as_deref().and_then(|measured| spatial(dimension, measured))
+        let Some(measurement) = edge.measurement.as_deref().and_then(|measured| dimension.spatial(measured))
         else {
             bail!(
                 "{}: has no measurement to compare with the ground truth; use --labels or --correct-pairs",

@@ -15,7 +15,7 @@ pub use options::{Measurements, Options};
 use std::collections::HashMap;
 
 use anyhow::bail;
-use posecut_graph::{Dimension, Edge, EdgeKind, EdgeTruth, PoseGraph};
+use posecut_graph::{Edge, EdgeKind, EdgeTruth, PoseGraph};
 use posecut_stage::{Context, GraphStage, Phase, Place, info};
 
 impl GraphStage for Options {
@@ -39,7 +39,7 @@ impl GraphStage for Options {
             check_labels(graph)?;
         }
         if self.measurements == Measurements::Zero {
-            let identity = identity(graph.header.dimension);
+            let identity = graph.header.dimension.identity();
             landmarks(graph).for_each(|edge| edge.measurement = Some(identity.clone()));
         }
         let all = graph.edges_of(EdgeKind::Landmark).count();
@@ -50,14 +50,6 @@ impl GraphStage for Options {
         context.statistics.note("correct", correct);
         context.statistics.note("incorrect", all - correct);
         Ok(())
-    }
-}
-
-/// The measurement "the same place".
-fn identity(dimension: Dimension) -> Vec<f64> {
-    match dimension {
-        Dimension::Two => vec![0.0; 3],
-        Dimension::Three => vec![0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
     }
 }
 

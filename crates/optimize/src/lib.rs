@@ -3,7 +3,7 @@
 //! Minimises `sum of rho(e^T Omega e)` with `e = Log(Z^-1 X_from^-1 X_to)` over the poses `X` of a graph, where an edge
 //! measures `Z` with information matrix `Omega`, and `rho` is the identity or a robust kernel.
 //!
-//! 1. [`Problem`] checks a graph; [`components`] splits it into parts that edges connect. Each is solved on its own,
+//! 1. [`Problem`] checks a graph; [`connected_components`](posecut_graph::connectivity::connected_components) splits it into parts that edges connect. Each is solved on its own,
 //!    with its first node held where it is.
 //! 2. [`initialisation`] proposes starts: the given poses, a spanning tree, and the chordal relaxation, which finds all
 //!    rotations first. The cheapest in cost is taken.
@@ -52,7 +52,6 @@ pub use certificate::Certificate;
 pub use covariance::marginals::{Joint, Marginals};
 pub use descent::outcome::Termination;
 pub use descent::phases::Phases;
-pub use model::components;
 pub use model::kernel::Kernel;
 pub use model::kernel_name::KernelNameError;
 pub use model::problem::{Edge, EdgeKind, Problem, ProblemError};

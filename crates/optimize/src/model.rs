@@ -2,11 +2,11 @@
 //!
 //! The cost is `sum of rho(e^T Omega e)` with `e = Log(Z^-1 X_from^-1 X_to)`, where an edge measures `Z` with information matrix
 //! `Omega`. [`problem`] checks a graph, [`residual`] gives `e` and its Jacobians, [`kernel`] gives `rho` and [`kernel_name`]
-//! its words, [`components`] the connected parts, [`part`] one of them as a graph, and [`magnitude`] what tolerances are shares of.
+//! its words, [`gauge`] nodes that are held, [`part`] one of them as a graph, and [`magnitude`] what tolerances are shares of.
 //!
 //! Depends on no other module of this crate.
 
-pub mod components;
+pub(crate) mod gauge;
 pub(crate) mod kernel;
 pub(crate) mod kernel_name;
 pub(crate) mod magnitude;

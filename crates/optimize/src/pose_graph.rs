@@ -1,9 +1,6 @@
 //! From a pose graph to what the algorithms take: edges in use that measure something, and fixed nodes.
 
-use anyhow::Context as _;
-use nalgebra::SMatrix;
 use posecut_geometry::LieGroup;
-use posecut_geometry::covariance::unpack_upper_triangle;
 use posecut_graph::{Node, PoseGraph};
 
 use crate::{Edge, EdgeKind};
@@ -50,9 +47,7 @@ pub struct Measured<G, const DOF: usize> {
 pub fn edges<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Result<Measured<G, DOF>> {
     let mut found = Measured { edges: Vec::new(), places: Vec::new(), unmeasured: 0 };
     for (place, edge) in graph.edges.iter().enumerate().filter(|(_, edge)| edge.in_use()) {
-        let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to)) else {
-            continue;
-        };
+        let Some((from, to)) = graph.ends(edge) else { continue };
         let Some(measured) = measured_edge(graph, edge, from, to)? else {
             found.unmeasured += 1;
             continue;
@@ -70,13 +65,7 @@ pub fn measured_edge<G: LieGroup<DOF>, const DOF: usize>(
     from: usize,
     to: usize,
 ) -> anyhow::Result<Option<Edge<G, DOF>>> {
-    let (Some(measurement), Some(packed)) = (&edge.measurement, graph.information(edge)) else {
-        return Ok(None);
-    };
-    let measurement = G::from_components(measurement)
-        .with_context(|| format!("{}: its measurement cannot be used", edge.name()))?;
-    let information: SMatrix<f64, DOF, DOF> = unpack_upper_triangle(packed)
-        .with_context(|| format!("{}: its information cannot be used", edge.name()))?;
+    let Some((measurement, information)) = graph.measurement::<G, DOF>(edge)? else { return Ok(None) };
     let kind = match edge.kind {
         posecut_graph::EdgeKind::Odometry => EdgeKind::Odometry,
         posecut_graph::EdgeKind::Landmark => EdgeKind::Landmark,

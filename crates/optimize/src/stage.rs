@@ -12,9 +12,7 @@ mod unusable;
 
 use std::time::Instant;
 
-use anyhow::Context as _;
-use posecut_geometry::{SE2, SE3};
-use posecut_graph::{Dimension, PoseGraph};
+use posecut_graph::{PoseGraph, for_dimension};
 use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, counted, info, warn};
 use serde::Serialize;
 
@@ -144,10 +142,7 @@ impl GraphStage for StageOptions {
     ];
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
-        match graph.header.dimension {
-            Dimension::Two => run::<SE2, 3>(self, graph, context),
-            Dimension::Three => run::<SE3, 6>(self, graph, context),
-        }
+        for_dimension!(graph.header.dimension, |G, DOF| run::<G, DOF>(self, graph, context))
     }
 }
 
@@ -159,15 +154,7 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
     let library_options = options.library_options(DOF)?;
     let Measured { mut edges, places, unmeasured } = edges::<G, DOF>(graph)?;
     options.robust.set_kernels(&mut edges);
-    let identity = graph.header.dimension;
-    let poses = graph
-        .nodes
-        .iter()
-        .map(|node| {
-            G::from_components(&node.pose_or_identity(identity))
-                .with_context(|| format!("node {}: its pose cannot be used", node.id))
-        })
-        .collect::<anyhow::Result<Vec<G>>>()?;
+    let poses = graph.poses::<G, DOF>()?;
     let fixed = fixed_nodes(graph)?;
     context.statistics.note("fixed", fixed.len());
     let problem = Problem::new(poses, edges)?.hold(fixed)?;

@@ -2,8 +2,7 @@
 
 use std::time::Instant;
 
-use posecut_geometry::{SE2, SE3};
-use posecut_graph::{Dimension, EdgeKind, PoseGraph};
+use posecut_graph::{EdgeKind, PoseGraph, for_dimension};
 
 use crate::budget::Budget;
 use crate::calibration::{NoScales, ScaleEstimate, Scales, divide_information};
@@ -63,10 +62,12 @@ pub fn reject(
     progress: impl FnMut(Progress),
 ) -> Result<Rejection, PcmError> {
     options.check()?;
-    match graph.header.dimension {
-        Dimension::Two => reject_in::<SE2, 3>(options, graph, keep_graphs, progress),
-        Dimension::Three => reject_in::<SE3, 6>(options, graph, keep_graphs, progress),
-    }
+    for_dimension!(graph.header.dimension, |G, DOF| reject_in::<G, DOF>(
+        options,
+        graph,
+        keep_graphs,
+        progress
+    ))
 }
 
 fn reject_in<G: Spatial<DOF>, const DOF: usize>(

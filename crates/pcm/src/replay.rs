@@ -1,7 +1,6 @@
 //! What the stage decides on, for those who show it: the consistency graphs without the decision.
 
-use posecut_geometry::{SE2, SE3};
-use posecut_graph::{Dimension, PoseGraph};
+use posecut_graph::{PoseGraph, for_dimension};
 
 use crate::clique::BitGraph;
 use crate::pairs::candidate::Group;
@@ -41,10 +40,7 @@ pub struct Replay {
 /// options, whatever their scheme. O(candidates^2) time, and as many bits.
 pub fn consistency(options: &Options, graph: &PoseGraph) -> Result<Replay, PcmError> {
     options.check()?;
-    match graph.header.dimension {
-        Dimension::Two => consistency_of::<SE2, 3>(options, graph),
-        Dimension::Three => consistency_of::<SE3, 6>(options, graph),
-    }
+    for_dimension!(graph.header.dimension, |G, DOF| consistency_of::<G, DOF>(options, graph))
 }
 
 fn consistency_of<G: Spatial<DOF>, const DOF: usize>(

@@ -1,8 +1,8 @@
 //! RANSAC as a stage: marks the landmark edges outside the consensus set of each pair of odometry chains.
 
 use anyhow::ensure;
-use posecut_geometry::{LieGroup, SE2, SE3};
-use posecut_graph::{Dimension, PoseGraph};
+use posecut_geometry::LieGroup;
+use posecut_graph::{PoseGraph, for_dimension};
 use posecut_pcm::candidate::group;
 use posecut_pcm::chain::Chains;
 use posecut_pcm::consistency::squared_distance;
@@ -57,10 +57,7 @@ impl GraphStage for Options {
             "--confidence is {}, and must lie between 0 and 1, both excluded",
             self.confidence
         );
-        let summary = match graph.header.dimension {
-            Dimension::Two => self.reject::<SE2, 3>(graph)?,
-            Dimension::Three => self.reject::<SE3, 6>(graph)?,
-        };
+        let summary = for_dimension!(graph.header.dimension, |G, DOF| self.reject::<G, DOF>(graph)?);
         summary.note(context);
         Ok(())
     }

@@ -1,9 +1,9 @@
 //! Every landmark edge against the map that the others make.
 
 use nalgebra::SMatrix;
+use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::unpack_upper_triangle;
-use posecut_geometry::{LieGroup, SE2, SE3};
-use posecut_graph::{Dimension, Edge, EdgeKind, PoseGraph};
+use posecut_graph::{Edge, EdgeKind, PoseGraph, for_dimension};
 use posecut_pcm::calibration::divide_information;
 use posecut_pcm::chain::{Covariances, covariance};
 use posecut_pcm::chance::acceptable;
@@ -75,10 +75,7 @@ struct Judged<const DOF: usize> {
 
 /// Re-admits and drops landmark edges of a graph that the optimiser has given marginals.
 pub fn readmit(graph: &mut PoseGraph, options: &Readmission) -> Result<Readmitted, ReadmitError> {
-    match graph.header.dimension {
-        Dimension::Two => judge::<SE2, 3>(graph, options),
-        Dimension::Three => judge::<SE3, 6>(graph, options),
-    }
+    for_dimension!(graph.header.dimension, |G, DOF| judge::<G, DOF>(graph, options))
 }
 
 fn judge<G: LieGroup<DOF>, const DOF: usize>(
@@ -141,7 +138,7 @@ fn judge<G: LieGroup<DOF>, const DOF: usize>(
             }
             (false, Some(squared)) if squared <= admit => {
                 if false_alarms.is_some_and(|expected| expected <= limit) {
-                    edge.rejected_by = None;
+                    edge.readmit();
                     result.readmitted += 1;
                 } else {
                     result.by_chance += 1;

@@ -61,7 +61,7 @@ pub fn matrix(graph: &PoseGraph) -> anyhow::Result<Option<Matrix>> {
     let mut before = graph.clone();
     for edge in &mut before.edges {
         if edge.rejected_by.as_deref().is_some_and(|stage| !earlier.contains(&stage)) {
-            edge.rejected_by = None;
+            edge.readmit();
         }
     }
     let options = options(&graph.header.provenance[place]["arguments"])?;

@@ -7,14 +7,17 @@ use std::fmt::Write as _;
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
-use clap::{Arg, ArgAction, Command, ValueEnum as _};
+use clap::{Arg, ArgAction, Args as _, Command, ValueEnum as _};
 use clap_complete::Shell;
 
 use crate::program::{answer, fail};
-use crate::{Description, Doubt, Identity, Place};
+use crate::{CommonArguments, Description, Doubt, Identity, Place};
 
 /// The heading of the options that every program has.
 const COMMON_HEADING: &str = "Output";
+
+/// An option of every stage from graph to graph.
+const DROP_REJECTED: &str = "drop_rejected";
 
 /// What can be generated, for the message that refuses anything else.
 const KNOWN: &str =
@@ -137,7 +140,10 @@ fn table_of(command: &Command, keep: impl Fn(&Arg) -> bool) -> String {
 }
 
 fn is_common(argument: &Arg) -> bool {
-    argument.get_help_heading() == Some(COMMON_HEADING)
+    let every_program = CommonArguments::augment_args(Command::new(""));
+    let has = |id| id == DROP_REJECTED || every_program.get_arguments().any(|common| common.get_id() == id);
+    // A program may have an option of its own under a common name, which then stands under another heading.
+    argument.get_help_heading() == Some(COMMON_HEADING) && has(argument.get_id())
         || matches!(
             argument.get_action(),
             ArgAction::Help | ArgAction::HelpShort | ArgAction::HelpLong | ArgAction::Version

@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 
 use anyhow::Context as _;
-use posecut_geometry::{SE2, SE3};
-use posecut_graph::{Dimension, EdgeKind, PoseGraph};
+use posecut_graph::{EdgeKind, PoseGraph, for_dimension};
 use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, counted, info, warn};
 use serde::Serialize;
 
@@ -54,10 +53,7 @@ impl GraphStage for Options {
         &[Doubt::SearchLimit, Doubt::NothingKept, Doubt::CalibrationOnPrior, Doubt::PartsNotConnected];
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
-        match graph.header.dimension {
-            Dimension::Two => self.verify::<SE2, 3>(graph, context),
-            Dimension::Three => self.verify::<SE3, 6>(graph, context),
-        }
+        for_dimension!(graph.header.dimension, |G, DOF| self.verify::<G, DOF>(graph, context))
     }
 }
 

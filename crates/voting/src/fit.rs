@@ -1,7 +1,7 @@
 //! Optimising a pose graph over its odometry and some of its landmark edges.
 
 use posecut_graph::PoseGraph;
-use posecut_optimize::components::connected_components;
+use posecut_graph::connectivity::connected_components;
 use posecut_optimize::{
     Edge, EdgeKind, Initialisation, Marginals, Options, PoseGroup, Problem, ProblemError, Solution, optimize,
     pose_graph, residual,
@@ -90,14 +90,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
     /// Takes the edges in use that have a measurement.
     pub fn of(graph: &PoseGraph) -> anyhow::Result<Self> {
         let measured = pose_graph::edges::<G, DOF>(graph)?;
-        let poses = graph
-            .nodes
-            .iter()
-            .map(|node| {
-                G::from_components(&node.pose_or_identity(graph.header.dimension))
-                    .ok_or_else(|| anyhow::anyhow!("node {}: its pose cannot be used", node.id))
-            })
-            .collect::<anyhow::Result<_>>()?;
+        let poses = graph.poses::<G, DOF>()?;
         let mut parts = Self {
             poses,
             odometry: Vec::new(),

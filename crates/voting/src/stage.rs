@@ -2,8 +2,7 @@
 
 use std::collections::HashMap;
 
-use posecut_geometry::{SE2, SE3};
-use posecut_graph::{Dimension, EdgeKind, PoseGraph};
+use posecut_graph::{EdgeKind, PoseGraph, for_dimension};
 use posecut_islands::{clusters, matches};
 use posecut_optimize::PoseGroup;
 use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, counted, info, warn};
@@ -35,10 +34,7 @@ impl GraphStage for Options {
     const DOUBTS: &'static [Doubt] = &[Doubt::NothingKept];
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
-        match graph.header.dimension {
-            Dimension::Two => self.reject::<SE2, 3>(graph, context),
-            Dimension::Three => self.reject::<SE3, 6>(graph, context),
-        }
+        for_dimension!(graph.header.dimension, |G, DOF| self.reject::<G, DOF>(graph, context))
     }
 }
 

@@ -228,7 +228,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
         }
         let edge = &self.graph.edges[place];
         self.use_edge(id, place, (self.nodes[&edge.from].0, self.nodes[&edge.to].0))?;
-        self.graph.edges[place].rejected_by = None;
+        self.graph.edges[place].readmit();
         self.readmitted += 1;
         Ok(())
     }

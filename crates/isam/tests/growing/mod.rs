@@ -101,7 +101,7 @@ pub(crate) fn distance_from_fresh<G: PoseGroup<DOF>, const DOF: usize>(
     let edges: Vec<_> = solver.edges().into_iter().map(|(_, edge)| edge).collect();
     let estimates = solver.estimates();
     let ends = edges.iter().map(|edge| (edge.from, edge.to));
-    let components = posecut_optimize::components::connected_components(estimates.len(), ends);
+    let components = posecut_graph::connectivity::connected_components(estimates.len(), ends);
     let mut given = vec![G::identity(); estimates.len()];
     for component in &components {
         given[component.nodes[0]] = estimates[component.nodes[0]];

@@ -5,15 +5,13 @@ use std::collections::{HashMap, VecDeque};
 use posecut_geometry::{LieGroup as _, SE3};
 use posecut_graph::{EdgeKind, PoseGraph};
 
-use super::spatial;
-
 /// The poses of a graph's nodes: their ground truth, else their pose, else composed along odometry edges. A chain
 /// without any pose starts at the origin, from its first node. O(nodes + edges).
 pub(super) fn poses(graph: &PoseGraph) -> HashMap<u64, SE3> {
     let dimension = graph.header.dimension;
     let mut neighbours: HashMap<u64, Vec<(u64, SE3)>> = HashMap::new();
     for edge in graph.edges_of(EdgeKind::Odometry) {
-        let measured = edge.measurement.as_deref().and_then(|measured| spatial(dimension, measured));
+        let measured = edge.measurement.as_deref().and_then(|measured| dimension.spatial(measured));
         if let Some(step) = measured {
             neighbours.entry(edge.from).or_default().push((edge.to, step));
             neighbours.entry(edge.to).or_default().push((edge.from, step.inverse()));
@@ -24,7 +22,7 @@ pub(super) fn poses(graph: &PoseGraph) -> HashMap<u64, SE3> {
         .iter()
         .filter_map(|node| {
             let known = node.truth.as_ref().and_then(|truth| truth.pose.as_deref()).or(node.pose.as_deref());
-            Some((node.id, spatial(dimension, known?)?))
+            Some((node.id, dimension.spatial(known?)?))
         })
         .collect();
     let mut reached: VecDeque<u64> =

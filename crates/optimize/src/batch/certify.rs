@@ -1,10 +1,11 @@
 //! The certificates of a graph's connected parts.
 
 use crate::certificate::Certificate;
-use crate::model::components::{Component, connected_components};
+use crate::model::gauge::count_held;
 use crate::model::part::extract;
 use crate::model::problem::Problem;
 use crate::pose_group::PoseGroup;
+use posecut_graph::connectivity::{Component, connected_components};
 
 /// SE-Sync's dual certificate of every connected part, for its cost `F` (chordal, isotropic weights), not for that of
 /// [`optimize`](crate::optimize): the poses are refined for `F` first. Kernels are not looked at. A part with several nodes held is another problem, of
@@ -17,7 +18,7 @@ pub fn certify<G: PoseGroup<DOF>, const DOF: usize>(
     let solved = Problem::from_checked(poses.to_vec(), problem.edges().to_vec(), problem.held().to_vec());
     let mut local = vec![0; poses.len()];
     let certificate = |component: &Component| {
-        if component.held(problem.held()) > 1 {
+        if count_held(component, problem.held()) > 1 {
             return Certificate::NONE;
         }
         for (index, &node) in component.nodes.iter().enumerate() {

@@ -7,7 +7,7 @@ use super::solution::{ComponentReport, Solution, Start};
 use crate::descent::phases::{Phases, timed};
 use crate::descent::workspace::Workspace;
 use crate::initialisation::tree::spanning_tree_from;
-use crate::model::components::connected_components;
+use crate::model::gauge::{count_held, put_held_first};
 use crate::model::kernel::charge;
 use crate::model::magnitude::Magnitude;
 use crate::model::part::extract;
@@ -16,6 +16,7 @@ use crate::model::residual::{chi_square, cost, squared};
 use crate::normal_equations::Pattern;
 use crate::options::{Graduated, Initialisation, Options};
 use crate::pose_group::{PoseGroup, Relaxation};
+use posecut_graph::connectivity::connected_components;
 
 /// Minimises the cost of a graph over its poses.
 ///
@@ -45,7 +46,7 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
     let mut local = vec![0; poses.len()];
     let whole = components.len() == 1;
     for component in &mut components {
-        let held = component.put_held_first(problem.held());
+        let held = put_held_first(component, problem.held());
         for (index, &node) in component.nodes.iter().enumerate() {
             local[node] = index;
         }
@@ -63,7 +64,7 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
         });
         report.phases.total = seconds;
         report.gauge = component.nodes[0];
-        report.held = component.held(problem.held());
+        report.held = count_held(component, problem.held());
         report.undetermined = report.undetermined.map(|(node, axis)| (component.nodes[node], axis));
         for ((&node, start), pose) in component.nodes.iter().zip(start).zip(result) {
             starts[node] = start;

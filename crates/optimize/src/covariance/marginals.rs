@@ -5,10 +5,11 @@ use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::between_correlated;
 use rayon::prelude::*;
 
-use crate::model::components::connected_components;
+use crate::model::gauge::put_held_first;
 use crate::model::problem::{Edge, Problem};
 use crate::normal_equations::{NormalEquations, Pattern};
 use posecut_cholesky::{Factor, SelectedInverse, Symbolic, Workspace};
+use posecut_graph::connectivity::connected_components;
 
 /// Distinct nodes in one request from which inverting at the whole pattern is cheaper than column by column.
 const MANY_NODES: usize = 16;
@@ -74,7 +75,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
         let mut places = vec![(0, 0); poses.len()];
         let mut parts = Vec::with_capacity(components.len());
         for (index, component) in components.iter_mut().enumerate() {
-            let held = component.put_held_first(problem.held());
+            let held = put_held_first(component, problem.held());
             for (number, &node) in component.nodes.iter().enumerate() {
                 places[node] = (index, number);
             }

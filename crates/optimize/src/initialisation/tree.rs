@@ -4,9 +4,9 @@ use std::collections::VecDeque;
 
 use posecut_geometry::LieGroup;
 
-use crate::model::components::Forest;
 use crate::model::problem::{Edge, EdgeKind};
 use posecut_cholesky::Adjacency;
+use posecut_graph::connectivity::Forest;
 
 /// Composes measurements from the first node of every connected part, which keeps its pose from `poses`.
 ///

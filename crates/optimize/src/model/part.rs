@@ -2,8 +2,8 @@
 
 use posecut_geometry::LieGroup;
 
-use super::components::Component;
 use super::problem::{Edge, Problem};
+use posecut_graph::connectivity::Component;
 
 /// The part of the graph with its own numbering.
 pub(crate) fn extract<G: LieGroup<DOF>, const DOF: usize>(
