@@ -1,11 +1,11 @@
 //! Fronts: the numeric phase, multifrontal, so that all arithmetic is dense.
 //!
 //! Duff and Reid, "The multifrontal solution of indefinite sparse symmetric linear equations", 1983. A front is assembled from
-//! the matrix and from the update matrices of its children ([`task`], [`extend_add`]), its columns are eliminated
-//! ([`dense`], [`large_front`]), and what remains is its own update matrix. [`view`] is a front's memory while that
-//! happens, [`factor`] owns it; [`substitution`] solves with the factor, front by front.
+//! the matrix and from the update matrices of its children (`task`, `extend_add`), its columns are eliminated
+//! (`dense`, `large_front`), and what remains is its own update matrix. `view` is a front's memory while that
+//! happens, `factor` owns it; `substitution` solves with the factor, front by front.
 //!
-//! Depends on [`symbolic`](super::symbolic).
+//! Depends on `symbolic`.
 
 pub(crate) mod breakdown;
 mod dense;

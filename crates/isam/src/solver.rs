@@ -85,7 +85,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         Ok(node)
     }
 
-    /// Adds an edge. The errors are those of [`Problem::new`](crate::Problem::new); they name the edge by the number it
+    /// Adds an edge. The errors are those of [`Problem::new`](posecut_optimize::Problem::new); they name the edge by the number it
     /// would have had.
     ///
     /// If it joins two parts, the one with the later gauge moves rigidly so that the edge's residual is zero, which takes

@@ -1,8 +1,8 @@
 //! The model: poses, edges with their residuals and robust kernels, and the graph they make.
 //!
 //! The cost is `sum of rho(e^T Omega e)` with `e = Log(Z^-1 X_from^-1 X_to)`, where an edge measures `Z` with information matrix
-//! `Omega`. [`problem`] checks a graph, [`residual`] gives `e` and its Jacobians, [`kernel`] gives `rho` and [`kernel_name`]
-//! its words, [`gauge`] nodes that are held, [`part`] one of them as a graph, and [`magnitude`] what tolerances are shares of.
+//! `Omega`. `problem` checks a graph, `residual` gives `e` and its Jacobians, `kernel` gives `rho` and `kernel_name`
+//! its words, `gauge` nodes that are held, `part` a connected part as a graph, and `magnitude` what tolerances are shares of.
 //!
 //! Depends on no other module of this crate.
 
