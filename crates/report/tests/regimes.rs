@@ -5,10 +5,11 @@
 use std::fmt::Write as _;
 use std::fs;
 
-use posecut_report::regimes::document::{sections, splice};
+use posecut_report::regimes::document::sections;
 use posecut_report::regimes::table::signed;
 use posecut_report::regimes::{Map, Verdict, table};
 use posecut_report::results::{RunResult, read_all};
+use posecut_report::splice::splice;
 
 fn line(session: &str, method: &str, scale: &str, rate: &str, seed: u32, rmse: f64) -> String {
     format!(
