@@ -21,6 +21,8 @@ import time
 
 import gtsam
 
+from splice import splice
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "results" / "incremental.md"
 BEST = {"M3500": 137.914878247, "sphere2500": 1351.40192585, "city10000": 511.987450599}
@@ -125,9 +127,7 @@ def main():
     table = machine() + "\n\n" + "\n".join(lines) + "\n\n" + "; ".join(ratios) + "."
     print(table)
     if options.write:
-        text = PAGE.read_text(encoding="utf-8")
-        before, rest = text.split("<!-- table -->\n")[0], text.split("<!-- end of table -->")[1]
-        PAGE.write_text(f"{before}<!-- table -->\n{table}\n<!-- end of table -->{rest}", encoding="utf-8")
+        splice(PAGE, "table", table + "\n")
 
 
 if __name__ == "__main__":

@@ -6,7 +6,7 @@ Usage: scripts/bench-multicut-proofs.py [--program NAME=PATH]... [--time-limit S
 Runs every program (default: the release build) on the small instances of $POSECUT_SHARED_DATA/multicut, on generated
 graphs of 1,000 viewpoints, and on complete and on sparse random graphs with costs drawn evenly from -1 to 1. To see what a change
 gains, name a build from before and one from after it. Each certificate is verified by the first program named. Prints a table in Markdown;
---write puts it between the markers `<!-- wheels -->` and `<!-- end of wheels -->` of a file.
+--write puts it between the markers `<!-- begin: wheels -->` and `<!-- end: wheels -->` of a file.
 """
 
 import argparse
@@ -17,6 +17,8 @@ import random
 import subprocess
 import sys
 import tempfile
+
+from splice import splice
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 LARGEST = 25_000
@@ -89,10 +91,7 @@ def main():
     text = "\n".join(lines)
     print(text)
     if arguments.write:
-        page = arguments.write.read_text()
-        before, rest = page.split("<!-- wheels -->")
-        after = rest.split("<!-- end of wheels -->")[1]
-        arguments.write.write_text(f"{before}<!-- wheels -->\n{text}\n<!-- end of wheels -->{after}")
+        splice(arguments.write, "wheels", text + "\n")
 
 
 if __name__ == "__main__":

@@ -335,7 +335,7 @@ def tables(results):
     text = PAGE.read_text()
     for part, rows in out.items():
         if part in results or (part == "phases" and "process" in results):
-            marker = re.compile(rf"(<!-- {part} -->\n).*?(<!-- end of {part} -->)", re.S)
+            marker = re.compile(rf"(<!-- begin: {part} -->\n).*?(<!-- end: {part} -->)", re.S)
             assert marker.search(text), f"{PAGE} has no place for {part}"
             text = marker.sub(lambda match: match[1] + "\n" + "\n".join(rows) + "\n\n" + match[2], text)
     PAGE.write_text(text)

@@ -3,7 +3,7 @@
 
 Usage: scripts/measure-pcm.py bench [--sizes N...] [-o FILE]
 
-Remakes the section of docs/results/pcm.md between `<!-- bench -->` and `<!-- /bench -->`, from the release programs. It can
+Remakes the section of docs/results/pcm.md between `<!-- begin: bench -->` and `<!-- end: bench -->`, from the release programs. It can
 run one size at a time: rows of other sizes stay. `make pcm-gates` remakes the table of graphs with false closures.
 """
 
@@ -85,7 +85,7 @@ def bench(sizes, path):
 def section(path, name):
     """The lines between the markers of a section."""
     text = path.read_text()
-    start, end = f"<!-- {name} -->", f"<!-- /{name} -->"
+    start, end = f"<!-- begin: {name} -->", f"<!-- end: {name} -->"
     if start not in text or end not in text:
         sys.exit(f"{path}: has no section {start} ... {end}")
     return text.split(start, 1)[1].split(end, 1)[0].strip("\n").split("\n")
@@ -93,11 +93,11 @@ def section(path, name):
 
 def splice(path, name, lines):
     text = path.read_text()
-    start, end = f"<!-- {name} -->", f"<!-- /{name} -->"
+    start, end = f"<!-- begin: {name} -->", f"<!-- end: {name} -->"
     if start not in text or end not in text:
         sys.exit(f"{path}: has no section {start} ... {end}")
     before, rest = text.split(start, 1)
-    path.write_text(before + start + "\n" + "\n".join(lines) + "\n" + end + rest.split(end, 1)[1])
+    path.write_text(before + start + "\n\n" + "\n".join(lines) + "\n\n" + end + rest.split(end, 1)[1])
 
 
 def main():
