@@ -38,8 +38,8 @@ checked       := $(foreach name,$(folders) $(words),$(call plain,$(name)))\
                  $(if $(findstring /,$(value SESSIONS)),$(call cannot,SESSIONS,a session contains /))
 
 # ---- programs: swap a stage by naming another program -----------------------------------------------------
-# Every crate with a main.rs is one. To swap a stage for this run: make table PCM=./my-stage
-programs   := $(patsubst crates/%/src/main.rs,%,$(wildcard crates/*/src/main.rs))
+# Every crate with a main.rs is one, except what maintainers run. To swap a stage for this run: make table PCM=./my-stage
+programs   := $(filter-out xtask,$(patsubst crates/%/src/main.rs,%,$(wildcard crates/*/src/main.rs)))
 stages     := $(shell echo $(filter-out posecut conform experiment inspect report,$(programs)) | tr a-z A-Z)
 # Paths of programs become parts of rules and command lines, like the names above.
 checked       += $(foreach name,BIN CARGO_TARGET_DIR REPORT $(stages),$(if $(call foreign,$(name)),\
@@ -245,8 +245,8 @@ check:
 
 documentation:
 	cargo build --release --workspace --bins --locked
-	cargo run --release --quiet --locked -p posecut-contract --example documentation
-	scripts/dependencies.py
+	cargo xtask documentation
+	cargo xtask licences
 
 # Programs, manual pages and completions below PREFIX.
 PREFIX ?= $(HOME)/.local
