@@ -120,7 +120,8 @@ fn is_allowed(expression: &str, allowed: &[Licensee]) -> bool {
 fn linked(metadata: &Metadata) -> HashSet<&str> {
     let nodes: HashMap<&str, &Node> = metadata.resolve.nodes.iter().map(|node| (&*node.id, node)).collect();
     let published = |package: &&Package| {
-        metadata.workspace_members.contains(&package.id) && package.publish.as_ref().is_none_or(|to| !to.is_empty())
+        metadata.workspace_members.contains(&package.id)
+            && package.publish.as_ref().is_none_or(|to| !to.is_empty())
     };
     let mut open: Vec<&str> =
         metadata.packages.iter().filter(published).map(|package| package.id.as_str()).collect();
@@ -185,7 +186,9 @@ mod tests {
         ] {
             assert!(is_allowed(good, &allowed), "{good}");
         }
-        for bad in ["", "GPL-3.0-only", "MIT AND GPL-3.0-only", "GPL-2.0-only WITH Classpath-exception-2.0", "Own"] {
+        for bad in
+            ["", "GPL-3.0-only", "MIT AND GPL-3.0-only", "GPL-2.0-only WITH Classpath-exception-2.0", "Own"]
+        {
             assert!(!is_allowed(bad, &allowed), "{bad}");
         }
     }

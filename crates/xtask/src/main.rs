@@ -1,12 +1,24 @@
 //! `cargo xtask`: what the maintainers of posecut run.
 
-#![allow(clippy::print_stdout, clippy::print_stderr, reason = "this program talks to the person at the terminal")]
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "this program talks to the person at the terminal"
+)]
 
+mod edges_table;
 mod licences;
+mod machine;
+mod markdown;
+mod numbers;
+mod plant_faults;
 mod process;
+mod regimes;
 mod remake;
+mod reproduction;
 mod splicing;
 mod test_data;
+mod time_experiment;
 
 use std::process::ExitCode;
 
@@ -26,6 +38,11 @@ enum Task {
     Documentation(remake::Documentation),
     Licences(licences::Licences),
     TestData(test_data::TestData),
+    EdgesTable(edges_table::EdgesTable),
+    Reproduction(reproduction::Reproduction),
+    Regimes(regimes::Regimes),
+    TimeExperiment(time_experiment::TimeExperiment),
+    PlantFaults(plant_faults::PlantFaults),
 }
 
 /// Whether what was checked holds. Status 1 where it does not, 2 for errors.
@@ -41,6 +58,11 @@ fn main() -> ExitCode {
         Task::Documentation(task) => task.run(),
         Task::Licences(task) => task.run(),
         Task::TestData(task) => task.run(),
+        Task::EdgesTable(task) => task.run(),
+        Task::Reproduction(task) => task.run(),
+        Task::Regimes(task) => task.run(),
+        Task::TimeExperiment(task) => task.run(),
+        Task::PlantFaults(task) => task.run(),
     };
     match verdict {
         Ok(Verdict::Holds) => ExitCode::SUCCESS,

@@ -125,7 +125,8 @@ mod tests {
         let measured = ended.done().unwrap();
         assert_eq!(measured.output, b"out\n");
         assert!(measured.peak > 0);
-        let ended = measure(Command::new("sh").args(["-c", "echo no >&2; exit 3"]), Duration::from_secs(60)).unwrap();
+        let ended =
+            measure(Command::new("sh").args(["-c", "echo no >&2; exit 3"]), Duration::from_secs(60)).unwrap();
         assert!(matches!(ended, Ended::Failed(Some(3), said) if said == "no"));
         let error = must(Command::new("sh").args(["-c", "echo no >&2; exit 3"])).unwrap_err().to_string();
         assert!(error.ends_with("exit 3: no"), "{error}");

@@ -27,7 +27,8 @@ impl Documentation {
 
 /// The schema of the format, by an example of its crate, so that xtask does not have to compile the format.
 fn schema() -> anyhow::Result<serde_json::Value> {
-    let example = ["run", "--release", "--quiet", "--locked", "--package", "posecut-graph", "--example", "schema"];
+    let example =
+        ["run", "--release", "--quiet", "--locked", "--package", "posecut-graph", "--example", "schema"];
     let output = Command::new("cargo").args(example).current_dir(root()).output().context("cargo")?;
     if !output.status.success() {
         bail!("cargo {}: {}", example.join(" "), String::from_utf8_lossy(&output.stderr).trim());

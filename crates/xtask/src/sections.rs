@@ -28,9 +28,12 @@ pub fn rows(document: &Path, name: &str) -> anyhow::Result<Vec<Vec<String>>> {
     let place = || format!("{}: cannot be used", document.display());
     let text = std::fs::read_to_string(document).with_context(place)?;
     let (begin, end) = (format!("<!-- begin: {name} -->\n"), format!("<!-- end: {name} -->"));
-    let (_, rest) =
-        text.split_once(&begin).with_context(|| format!("has no line {}", begin.trim_end())).with_context(place)?;
-    let (section, _) = rest.split_once(&end).with_context(|| format!("has no line {end}")).with_context(place)?;
+    let (_, rest) = text
+        .split_once(&begin)
+        .with_context(|| format!("has no line {}", begin.trim_end()))
+        .with_context(place)?;
+    let (section, _) =
+        rest.split_once(&end).with_context(|| format!("has no line {end}")).with_context(place)?;
     Ok(section.lines().filter_map(cells).collect())
 }
 

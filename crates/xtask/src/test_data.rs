@@ -67,7 +67,8 @@ impl TestData {
 fn rejected(graph: &str, method: &str) -> anyhow::Result<String> {
     let mut ids = String::new();
     for line in graph.lines() {
-        let record: Value = serde_json::from_str(line).context("the method writes something else than JSON Lines")?;
+        let record: Value =
+            serde_json::from_str(line).context("the method writes something else than JSON Lines")?;
         if record["kind"] == "landmark" && record["rejected_by"] == method {
             ids += &format!("{}\n", record["id"]);
         }

@@ -26,6 +26,15 @@ pub fn program(name: &str) -> PathBuf {
     programs_folder().join(format!("posecut-{name}{}", std::env::consts::EXE_SUFFIX))
 }
 
+/// A path given on the command line, as it is from the root, so that what runs there finds it.
+///
+/// # Errors
+/// If there is no current directory.
+pub fn from_root(path: &Path) -> anyhow::Result<PathBuf> {
+    let path = std::path::absolute(path).with_context(|| format!("{}: cannot be found", path.display()))?;
+    Ok(path.strip_prefix(root()).map_or_else(|_| path.clone(), Path::to_path_buf))
+}
+
 /// The folder of graphs and sessions that are not in the repository.
 ///
 /// # Errors
@@ -53,7 +62,9 @@ struct Package {
 pub fn programs() -> anyhow::Result<Vec<String>> {
     let mut names = Vec::new();
     let crates = root().join("crates");
-    for entry in std::fs::read_dir(&crates).with_context(|| format!("{}: cannot be read", crates.display()))? {
+    for entry in
+        std::fs::read_dir(&crates).with_context(|| format!("{}: cannot be read", crates.display()))?
+    {
         let folder = entry?.path();
         if !folder.join("src/main.rs").is_file() {
             continue;
