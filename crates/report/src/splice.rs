@@ -2,7 +2,7 @@
 
 use anyhow::{Context as _, bail};
 
-/// Puts text between the lines `<!-- begin: NAME -->` and `<!-- end: NAME -->` of a document.
+/// Puts text, without empty lines around it, between the lines `<!-- begin: NAME -->` and `<!-- end: NAME -->` of a document.
 pub fn splice(document: &str, name: &str, text: &str) -> anyhow::Result<String> {
     let (begin, end) = (format!("<!-- begin: {name} -->\n"), format!("<!-- end: {name} -->\n"));
     let (before, rest) =
@@ -10,5 +10,5 @@ pub fn splice(document: &str, name: &str, text: &str) -> anyhow::Result<String> 
     let Some((_, after)) = rest.split_once(&end) else {
         bail!("has no line {} after {}", end.trim_end(), begin.trim_end());
     };
-    Ok(format!("{before}{begin}\n{}\n\n{end}{after}", text.trim()))
+    Ok(format!("{before}{begin}\n{}\n\n{end}{after}", text.trim_start_matches('\n').trim_end()))
 }
