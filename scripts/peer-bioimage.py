@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Solves an mc file with bioimage-cpp, for scripts/bench-multicut.py: prints one JSON object.
+"""Solves an mc file with bioimage-cpp, for `cargo xtask measure multicut`: prints one JSON object.
 
-Usage: bench-multicut-peer.py gaec|klj FILE.mc   (needs: pip install bioimage-cpp)
+Usage: peer-bioimage.py gaec|klj FILE.mc   (needs: pip install bioimage-cpp)
 """
 
 import json

@@ -10,6 +10,7 @@ mod edges_table;
 mod licences;
 mod machine;
 mod markdown;
+mod measure;
 mod numbers;
 mod plant_faults;
 mod process;
@@ -19,6 +20,7 @@ mod reproduction;
 mod splicing;
 mod test_data;
 mod time_experiment;
+mod twister;
 
 use std::process::ExitCode;
 
@@ -43,6 +45,7 @@ enum Task {
     Regimes(regimes::Regimes),
     TimeExperiment(time_experiment::TimeExperiment),
     PlantFaults(plant_faults::PlantFaults),
+    Measure(measure::Measure),
 }
 
 /// Whether what was checked holds. Status 1 where it does not, 2 for errors.
@@ -63,6 +66,7 @@ fn main() -> ExitCode {
         Task::Regimes(task) => task.run(),
         Task::TimeExperiment(task) => task.run(),
         Task::PlantFaults(task) => task.run(),
+        Task::Measure(task) => task.run(),
     };
     match verdict {
         Ok(Verdict::Holds) => ExitCode::SUCCESS,

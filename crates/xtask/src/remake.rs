@@ -15,6 +15,7 @@ pub(crate) struct Documentation {}
 
 impl Documentation {
     pub(crate) fn run(self) -> anyhow::Result<Verdict> {
+        let Self {} = self;
         for page in pages(&programs()?, program, &schema()?)? {
             if !page.is_current() {
                 page.write()?;

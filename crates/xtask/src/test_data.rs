@@ -53,9 +53,8 @@ impl TestData {
             let to = [("", &*optimized), ("--reference", &*reference), ("-o", Path::new("/dev/null"))];
             call("evaluate", &[], &[&to[..], &[("--stats", &*stats)]].concat())?;
             let stats = std::fs::read_to_string(&stats)?;
-            let lines = stats.lines().filter(|line| !line.contains("\"seconds\""));
-            let stats: String = lines.map(|line| format!("{line}\n")).collect();
-            std::fs::write(testdata.join(format!("{method}.stats")), stats)?;
+            let lines: Vec<&str> = stats.lines().filter(|line| !line.contains("\"seconds\"")).collect();
+            std::fs::write(testdata.join(format!("{method}.stats")), lines.join("\n") + "\n")?;
             let rejected = rejected(&std::fs::read_to_string(&marked)?, method)?;
             std::fs::write(testdata.join(format!("{method}.rejected")), rejected)?;
         }
