@@ -36,7 +36,6 @@ expect() { # status text argument…
   shift 2
   status=0
   said=$(sh "$script" -o "$work/nclt" "$@" 2>&1 </dev/null) || status=$?
-  [ -z "${VERBOSE:-}" ] || printf '%s\n' "$said" | sed "s/$port/PORT/; s#$work#WORK#g"
   case $status:$said in
     "$wanted:"*"$text"*) ;;
     *) echo "check-fetch: $*: status $status, and not \"$text\": $said"; exit 1 ;;

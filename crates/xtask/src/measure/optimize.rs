@@ -186,3 +186,80 @@ fn named<'de, D: serde::Deserializer<'de>, T: serde::de::DeserializeOwned>(
     let entry = |(name, value)| Ok((name, serde_json::from_value(value).map_err(serde::de::Error::custom)?));
     map.into_iter().map(entry).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    /// What the tables were when a script in Python made them of the same measurements.
+    #[test]
+    fn recorded_measurements_make_the_tables() {
+        let entry = |seconds: f64, cost: Option<f64>| json!({"seconds": seconds, "iterations": 4, "megabytes": 12.4, "cost": cost});
+        let best = 40.550_883_344_1;
+        let run = |cost: f64| {
+            json!({"seconds": 0.0138, "megabytes": 8.44, "certificate": "optimal", "cost": cost, "flops": 838_728.0,
+                "iterations": 3, "factorizations": 4, "termination": "converged", "start": "given",
+                "optimize_seconds": 0.00267, "analysis_seconds": 0.00044, "start_seconds": 0.00064,
+                "linearisation_seconds": 0.00056, "factorisation_seconds": 0.0004, "substitution_seconds": 0.0001})
+        };
+        let parts = json!({
+            "peers": {"CSAIL": {"file": {
+                "posecut": entry(0.002, Some(best)),
+                "arael": entry(0.0031, Some(best * (1.0 + 3e-7))),
+                "factrs": entry(0.001, Some(2.0 * best)),
+                "apex": {"failed": "over 40 s"},
+                "tiny": {"failed": "no word"},
+                "gtsam": {"seconds": 0.02, "iterations": null, "megabytes": 90.0, "cost": best}}}},
+            "process": {"CSAIL": {"poses": 1045, "plain": run(best), "odometry": run(best * (1.0 + 1e-3)),
+                "certify": run(best), "marginals": run(best)}},
+            "peak": {"gigaflops": 41.7, "gigabytes": 11.2},
+            "growth": {"sphere": {
+                "100000": {"poses": 100_000, "edges": 200_001, "seconds": 1.25, "with_two": 1.125, "peak_megabytes": 321.4,
+                    "factor_blocks": 1_234_567, "factor_megabytes": 99.95, "iterations": 4, "factorizations": 6,
+                    "start": "chordal", "chi2_per_freedom": 1.0},
+                "1000000": {"failed": "over 40 s"}}},
+            "robust": {"csail_grouped_10": {"plain": 8.054_49, "Huber": null, "GNC": 2.5e-8}},
+        });
+        let Value::Object(parts) = parts else { panic!("parts") };
+        let results = Results { path: PathBuf::new(), parts };
+        let graphs = best_known().unwrap();
+        assert_eq!(super::best(&graphs, "CSAIL").unwrap(), best);
+        let row = |text: &str, number: usize| text.lines().nth(number).unwrap_or_default().to_owned();
+
+        let found = results.part("peers").unwrap().unwrap();
+        let text = peers::table(&found, &graphs, &|_| Ok(1045)).unwrap();
+        assert_eq!(
+            row(&text, 2),
+            "| CSAIL | 1045 | file | 2 ms (4, 0e+00, 12 MB) | 3.1 ms (4, 3e-07, 12 MB) | *1 ms (4, 1e+00, 12 MB)* | over 40 s | \
+             fails | 20 ms (0e+00, 90 MB) | 1.55 |"
+        );
+        assert!(text.ends_with(
+            "are 1 rows. In 0 no peer gets there; in 0 posecut is at least twice as fast as the fastest peer that does, in 1 faster \
+             by less, in 0 slower. The lowest factors: CSAIL from file 1.55."
+        ));
+
+        let whole = results.part("process").unwrap().unwrap();
+        assert_eq!(
+            row(&whole::table(&whole, &graphs).unwrap(), 2),
+            "| CSAIL | 1045 | 40.5508833441 | 40.5508833441 | 0e+00 | 1e-03 | given | 3 (4) | converged | 0.014 (8) | 0.014 | \
+             optimal | 0.014 |"
+        );
+        let text = phases::table(&whole, &results.part("peak").unwrap().unwrap()).unwrap();
+        assert_eq!(row(&text, 2), "| CSAIL | 2.67 | 0.44 | 0.64 | 0.56 | 0.40 | 0.10 | 0.8 | 8.4 | 20% |");
+        assert!(text.ends_with("One core gives 42 Gflop/s in dense products of order 2000 and 11 Gbyte/s in sums of long vectors (numpy)."));
+
+        let text = growth::table(&results.part("growth").unwrap().unwrap()).unwrap();
+        assert_eq!(
+            row(&text, 2),
+            "| sphere | 100,000 | 200,001 | 1.250 | 1.125 | 321 | 12.3 | 100.0 | 4 (6) | chordal | 1.000 |"
+        );
+        assert_eq!(row(&text, 3), "| sphere | 1,000,000 | | over 40 s | | | | | | | |");
+        let text = robust::table(&results.part("robust").unwrap().unwrap());
+        assert_eq!(
+            row(&text, 2),
+            "| csail_grouped_10 | 8.054 | fails | fails | fails | fails | 0.000 | fails |"
+        );
+    }
+}

@@ -172,3 +172,40 @@ fn beside(ours: Option<&Solved>, theirs: Option<&Peer>, limit: u64) -> Vec<Strin
     }
     cells
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the tables were when a script in Python made them of the same measurements.
+    #[test]
+    fn recorded_measurements_make_the_tables() {
+        let lines = [
+            r#"{"name": "mod_karate", "exact": null, "peer": {"gaec": [null, null]}}"#,
+            r#"{"name": "A n=1000 0.5", "exact": {"cpu": 29.81, "memory": 93.2, "nodes": 2000, "edges": 4990, "kernel_edges": 3733,
+                "objective": -1373.0, "lower_bound": -1379.0, "optimal": false, "gap": 6.0, "work": 1},
+                "peer": {"gaec": [{"cpu": 0.011, "memory": 4.0, "nodes": 2000, "edges": 4990, "kernel_edges": 3733,
+                "objective": -1369.0, "lower_bound": -1379.0, "optimal": false, "gap": 10.0},
+                {"cpu": 0.243, "memory": 40.0, "objective": -1320.0, "solve_cpu_seconds": 0.006, "version": "1"}]}}"#,
+        ];
+        let found: Vec<Found> = lines.iter().map(|line| serde_json::from_str(line).unwrap()).collect();
+        let last = |text: &str| text.lines().last().unwrap_or_default().to_owned();
+        assert!(exact(&found).contains("\n| mod_karate | – | – | failed | | | | | |\n"));
+        assert_eq!(
+            last(&exact(&found)),
+            "| A n=1000 0.5 | 2000 | 4990 | 29.81 | 93 | -1373 | -1379 | no | 74.8 |"
+        );
+        assert!(heuristics(&found, 15).contains("\n| mod_karate | gaec | failed | – | over 15 | | | | |\n"));
+        assert_eq!(
+            last(&heuristics(&found, 15)),
+            "| A n=1000 0.5 | gaec | 0.011 | -1369 | 0.243 | 0.006 | -1320 | 22 | better |"
+        );
+        assert!(growth(&found).contains("\n| A | 0.5 | 29.81 s, 93 MB, 75 %, gap 0.44 % |\n"));
+        assert_eq!(
+            summary(&found),
+            "The solver proves 0 of 2 instances optimal. In the 1 runs that bioimage-cpp finished in time, posecut's value is better in \
+             1, equal in 0, worse in 0. Its whole process, with lower bound, is faster than the whole process of bioimage-cpp in 1 runs, \
+             and than the solver of bioimage-cpp alone in 0."
+        );
+    }
+}

@@ -60,9 +60,7 @@ impl Pinned {
         Ok(match measure(&mut self.command, Duration::try_from_secs_f64(limit)?)? {
             Ended::Done(measured) => Ok(measured),
             Ended::OutOfTime => Err(format!("over {limit:.0} s")),
-            Ended::Failed(said) => {
-                Err(said.lines().last().unwrap_or("no word").chars().take(200).collect())
-            }
+            Ended::Failed(said) => Err(said.lines().last().unwrap_or("no word").chars().take(200).collect()),
         })
     }
 
