@@ -151,4 +151,18 @@ mod tests {
         let ended = measure(Command::new("sleep").arg("600"), Duration::from_millis(50)).unwrap();
         assert!(matches!(ended, Ended::OutOfTime));
     }
+
+    /// Scripts in Python measured their own 15 MB as the peak of small programs.
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn the_peak_of_a_process_is_its_own() {
+        let held = vec![1_u8; 256 << 20];
+        assert_eq!(
+            held.iter().step_by(4096).map(|&byte| usize::from(byte)).sum::<usize>(),
+            held.len() / 4096
+        );
+        drop(held);
+        let measured = measure(&mut Command::new("true"), Duration::from_mins(1)).unwrap().done().unwrap();
+        assert!(measured.peak < 64 << 20, "{} MB", measured.peak >> 20);
+    }
 }
