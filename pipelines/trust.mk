@@ -53,7 +53,7 @@ ablation: $(EXPERIMENTS)
 	@$(EXPERIMENTS) run $(ablation_of) --threads $(threads)
 	@for half in tuning test; do \
 	  $(EXPERIMENTS) collect $(ablation_of) --half $$half --quiet -o $(call quoted,$(trust_results))/ablation-$$half.jsonl && \
-	  scripts/edges-table.py $(call quoted,$(trust_results))/ablation-$$half.jsonl --rows method --columns family \
+	  $(BIN)/xtask edges-table $(call quoted,$(trust_results))/ablation-$$half.jsonl --rows method --columns family \
 	    --cell kept-lost-rmse -o docs/results/verify-ablation.md --section $$half || exit; done
 
 # PCM's constants on the tuning halves: docs/results/constants.md.
@@ -63,7 +63,7 @@ constants: $(EXPERIMENTS)
 	$(marked)
 	@$(EXPERIMENTS) run $(constants_of) --threads $(threads)
 	@$(EXPERIMENTS) collect $(constants_of) --quiet -o $(call quoted,$(trust_results)/constants.jsonl)
-	@scripts/edges-table.py $(call quoted,$(trust_results)/constants.jsonl) --rows method,chance,grow --cell kept-lost-rmse \
+	@$(BIN)/xtask edges-table $(call quoted,$(trust_results)/constants.jsonl) --rows method,chance,grow --cell kept-lost-rmse \
 	  --columns 'clean=[iM][nI]*' 'corrupted=csail_*' 'bicocca=B25b_*' 'kitti=kitti_05_*' 'sessions=20*' \
 	  -o docs/results/constants.md --section constants
 
@@ -74,5 +74,5 @@ pcm-gates: $(EXPERIMENTS)
 	$(marked)
 	@$(EXPERIMENTS) run $(gates_of) --threads $(threads)
 	@$(EXPERIMENTS) collect $(gates_of) --quiet -o $(call quoted,$(RESULTS)/pcm-gates/results.jsonl)
-	@scripts/edges-table.py $(call quoted,$(RESULTS)/pcm-gates/results.jsonl) --rows session --columns method \
+	@$(BIN)/xtask edges-table $(call quoted,$(RESULTS)/pcm-gates/results.jsonl) --rows session --columns method \
 	  -o docs/results/pcm.md --section data

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Opens pages of posecut-report in headless Chromium and checks that they work (scripts/check-report.mjs lists the checks).
+# Opens pages of posecut-report in headless Chromium and checks that they work (scripts/report/ has the checks).
 # Skipped if Chromium or playwright-core is not available.
 # Usage: scripts/check-report.sh PAGE.html…        SHOTS=DIRECTORY keeps screenshots
 set -eu
@@ -23,5 +23,5 @@ if [ ! -d "$environment/node_modules/playwright-core" ]; then
   fi
 fi
 for page; do
-  CHROMIUM=$chromium PLAYWRIGHT=$environment node scripts/check-report.mjs "$page" ${SHOTS:+"$SHOTS"}
+  CHROMIUM=$chromium PLAYWRIGHT=$environment node scripts/report/check.mjs "$page" ${SHOTS:+"$SHOTS"}
 done

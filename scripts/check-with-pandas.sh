@@ -29,11 +29,8 @@ for key, name in names.items():
     if counts.get(key, 0) != edges[name]:
         sys.exit(f"{name}: {edges[name]}, and the recipe counts {counts.get(key, 0)}")
 PYTHON
-awk -v file="$work/shown" '
-  $0 == "<!-- begin: recipe -->" { print; while ((getline line < file) > 0) print line; skip = 1; next }
-  $0 == "<!-- end: recipe -->" { skip = 0 }
-  !skip { print }
-' "$document" >"$work/document"
+cp "$document" "$work/document"
+"$programs/xtask" splice "$work/document" recipe <"$work/shown"
 if [ "$write" ]; then
   cp "$work/document" "$document"
 elif ! diff -uw "$document" "$work/document"; then

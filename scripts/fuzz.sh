@@ -6,5 +6,6 @@ cd "$(dirname "$0")/.."
 seconds=${1:-60}
 [ $# -eq 0 ] || shift
 cargo build --release --quiet --locked --workspace --example fuzz
+# shellcheck disable=SC3045 # dash and bash have -v.
 ulimit -v 3000000
 exec "${CARGO_TARGET_DIR:-target}/release/examples/fuzz" --seconds "$seconds" "$@"

@@ -1,6 +1,5 @@
 //! What the contract tests share: finding the programs, running them, and a small session to run them on.
 
-pub mod documentation;
 pub mod registry;
 
 use std::path::{Path, PathBuf};

@@ -6,6 +6,7 @@
 //! - [`regimes`]: where the graph cut helps, is neutral, or hurts, with intervals and tests over seeds.
 //! - [`trust`]: what every method gets wrong on every family of graphs, and which one to use.
 //! - [`consistency`]: the matrix that PCM decided on.
+//! - [`splice`]: tables between the markers of a document.
 //! - [`figure`]: all of it drawn, as SVG, PDF and PNG.
 //! - [`page`]: all of it as one HTML page.
 
@@ -15,5 +16,6 @@ pub mod page;
 pub mod published;
 pub mod regimes;
 pub mod results;
+pub mod splice;
 pub mod table;
 pub mod trust;

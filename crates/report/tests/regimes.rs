@@ -5,10 +5,11 @@
 use std::fmt::Write as _;
 use std::fs;
 
-use posecut_report::regimes::document::{sections, splice};
+use posecut_report::regimes::document::sections;
 use posecut_report::regimes::table::signed;
 use posecut_report::regimes::{Map, Verdict, table};
 use posecut_report::results::{RunResult, read_all};
+use posecut_report::splice::splice;
 
 fn line(session: &str, method: &str, scale: &str, rate: &str, seed: u32, rmse: f64) -> String {
     format!(
@@ -181,6 +182,11 @@ fn the_tables_of_the_document_stand_between_their_markers_and_say_what_the_map_s
     let once = splice(document, "a", "| new |\n").unwrap();
     assert_eq!(once, "before\n<!-- begin: a -->\n\n| new |\n\n<!-- end: a -->\nafter\n");
     assert_eq!(splice(&once, "a", "| new |\n").unwrap(), once);
+    let command = splice(document, "a", "\n    make table\n").unwrap();
+    assert!(
+        command.contains("-->\n\n    make table\n\n<!--"),
+        "a code block keeps its indentation: {command}"
+    );
     assert!(splice(document, "b", "").unwrap_err().to_string().contains("<!-- begin: b -->"));
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/results/regimes.md");
     let page = std::fs::read_to_string(path).unwrap();

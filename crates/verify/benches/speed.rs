@@ -1,7 +1,7 @@
 //! Verification beside PCM, with its defaults and with `--chance`, on drawn scenarios of two sessions.
 //!
 //! `cargo bench -p posecut-verify -- /1000/` runs one size. The two large sizes take minutes each, and need
-//! `POSECUT_BENCH_LARGE` in the environment; `scripts/measure-verify.py` measures whole processes.
+//! `POSECUT_BENCH_LARGE` in the environment; `cargo xtask measure verify` measures whole processes.
 
 #![allow(clippy::unwrap_used, reason = "a bench may panic")]
 

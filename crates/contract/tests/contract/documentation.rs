@@ -2,13 +2,15 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use posecut_contract::documentation::{generated, pages};
 use posecut_contract::registry::programs;
-use posecut_contract::run;
+use posecut_contract::{program, run};
+use posecut_graph::schema;
+use xtask::documentation::{generated, pages};
 
 #[test]
 fn documents_are_current() {
-    let stale: Vec<String> = pages()
+    let stale: Vec<String> = pages(&programs(), program, &schema())
+        .unwrap()
         .iter()
         .filter(|page| !page.is_current())
         .map(|page| page.path.display().to_string())
@@ -23,10 +25,10 @@ fn documents_are_current() {
 #[test]
 fn every_program_has_a_manual_page_and_completions_that_know_its_options() {
     for name in programs() {
-        let manual = generated(&name, "man");
+        let manual = generated(&program(&name), "man").unwrap();
         assert!(manual.contains(".TH posecut-") && manual.contains("\\-\\-stats"), "{name}: {manual}");
         for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
-            let completions = generated(&name, shell);
+            let completions = generated(&program(&name), shell).unwrap();
             assert!(
                 completions.contains(&format!("posecut-{name}")) && completions.contains("stats"),
                 "{name}: {shell}"
@@ -37,7 +39,7 @@ fn every_program_has_a_manual_page_and_completions_that_know_its_options() {
 
 #[test]
 fn subcommands_have_their_options_in_the_manual() {
-    let manual = generated("report", "man");
+    let manual = generated(&program("report"), "man").unwrap();
     assert!(manual.contains(".SH \"TABLE: OPTIONS\"") && manual.contains("\\-\\-published"), "{manual}");
 }
 

@@ -4,10 +4,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use posecut_contract::documentation::generated;
 use posecut_contract::registry::programs;
 use posecut_contract::{run, workspace};
 use serde_json::Value;
+use xtask::documentation::generated;
 
 use crate::doubtful_inputs::path;
 use crate::table::streams;
@@ -134,7 +134,7 @@ fn signed(graph: &[u8]) -> Vec<String> {
 
 /// The doubts that a program says it may raise.
 fn declared(program: &str) -> BTreeSet<String> {
-    generated(program, "doubts").lines().map(str::to_owned).collect()
+    generated(&posecut_contract::program(program), "doubts").unwrap().lines().map(str::to_owned).collect()
 }
 
 #[test]
@@ -177,7 +177,10 @@ fn every_doubt_of_every_program_has_a_case_and_all_others_have_none() {
         assert_eq!(Some(&declared(&program)), tried.get(program.as_str()), "{program}");
         let silent = tried[program.as_str()].is_empty();
         let sentence = if silent { "It raises no doubts." } else { "Doubts that it may raise:" };
-        assert!(generated(&program, "reference").contains(sentence), "{program}: docs/cli.md");
+        assert!(
+            generated(&posecut_contract::program(&program), "reference").unwrap().contains(sentence),
+            "{program}: docs/cli.md"
+        );
     }
     assert_eq!(tried.len(), programs().len(), "a program of the table does not exist");
 }

@@ -127,9 +127,10 @@ fn the_document_has_every_variable() {
     for variable in VARIABLES {
         assert!(document.contains(&format!("`{variable}`")), "{variable}");
     }
-    let makefile = ["Makefile", "pipelines/trust.mk", "pipelines/online.mk"];
-    for file in makefile {
-        let text = std::fs::read_to_string(workspace().join(file)).unwrap();
+    let rules = std::fs::read_dir(workspace().join("pipelines")).unwrap().map(|entry| entry.unwrap().path());
+    let rules = rules.filter(|path| path.extension().is_some_and(|extension| extension == "mk"));
+    for path in rules.chain([workspace().join("Makefile")]) {
+        let (file, text) = (path.display(), std::fs::read_to_string(&path).unwrap());
         for line in text.lines() {
             if let Some((name, _)) = line.split_once("?=") {
                 assert!(document.contains(&format!("`{}`", name.trim())), "{file}: {name}");

@@ -1,5 +1,5 @@
 //! The stages make of testdata/graph.jsonl what they made before. Remake the expectations on purpose with
-//! scripts/make-testdata.sh.
+//! `cargo xtask test-data`.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

@@ -2,8 +2,6 @@
 
 use std::fmt::Write as _;
 
-use anyhow::{Context as _, bail};
-
 use super::runs::UNIFORM;
 use super::table::{percent, short, signed};
 use super::{Cell, Comparison, Effect, Map, Verdict};
@@ -12,17 +10,6 @@ use crate::table::{grid, metres};
 /// The tables with the names of their markers, Markdown.
 pub fn sections(map: &Map) -> Vec<(&'static str, String)> {
     vec![("verdict", verdict(map)), ("uniform", uniform(map)), ("kinds", kinds(map)), ("edges", edges(map))]
-}
-
-/// Puts text between the lines `<!-- begin: NAME -->` and `<!-- end: NAME -->` of a document.
-pub fn splice(document: &str, name: &str, text: &str) -> anyhow::Result<String> {
-    let (begin, end) = (format!("<!-- begin: {name} -->\n"), format!("<!-- end: {name} -->\n"));
-    let (before, rest) =
-        document.split_once(&begin).with_context(|| format!("has no line {}", begin.trim_end()))?;
-    let Some((_, after)) = rest.split_once(&end) else {
-        bail!("has no line {} after {}", end.trim_end(), begin.trim_end());
-    };
-    Ok(format!("{before}{begin}\n{}\n\n{end}{after}", text.trim()))
 }
 
 fn verdict(map: &Map) -> String {

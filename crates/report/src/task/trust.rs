@@ -7,7 +7,7 @@ use clap::Args;
 use posecut_report::figure::plotting::{Drawing, charts, lanes};
 use posecut_report::figure::regret::{figure, regrets};
 use posecut_report::figure::reliability::figure as diagram;
-use posecut_report::regimes::document::splice;
+use posecut_report::splice::splice;
 use posecut_report::trust::comparison::brief;
 use posecut_report::trust::document::sections;
 use posecut_report::trust::recommendation::recommended;

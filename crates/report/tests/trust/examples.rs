@@ -2,7 +2,7 @@
 
 use posecut_report::figure::plotting::lanes;
 use posecut_report::figure::regret::{figure, position, regrets};
-use posecut_report::regimes::document::splice;
+use posecut_report::splice::splice;
 use posecut_report::trust::Half;
 use posecut_report::trust::comparison::{brief, comparison};
 use posecut_report::trust::document::sections;

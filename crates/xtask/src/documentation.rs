@@ -1,0 +1,114 @@
+//! The documents that are made from the programs themselves.
+//!
+//! Every program describes its own command line (`--generate`), so a new one appears here without a change.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context as _, bail};
+use serde_json::Value;
+
+use crate::splice::splice;
+use crate::workspace::root;
+
+/// The section of a program's README, and the heading above it.
+const SECTION: &str = "options";
+const HEADING: &str = "\n## Options\n";
+
+/// A document and its text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Page {
+    /// The path from the root of the workspace.
+    pub path: PathBuf,
+    /// The text that it should have.
+    pub text: String,
+}
+
+impl Page {
+    /// Whether the document has this text.
+    pub fn is_current(&self) -> bool {
+        std::fs::read_to_string(root().join(&self.path)).is_ok_and(|text| text == self.text)
+    }
+
+    /// Writes the document.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn write(&self) -> anyhow::Result<()> {
+        let path = root().join(&self.path);
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder)?;
+        }
+        std::fs::write(&path, &self.text).with_context(|| format!("{}: cannot be written", path.display()))
+    }
+}
+
+/// What a program writes with `--generate`.
+///
+/// # Errors
+/// If the program cannot be run or fails.
+pub fn generated(program: &Path, what: &str) -> anyhow::Result<String> {
+    let called = || format!("{} --generate {what}", program.display());
+    let output = Command::new(program).args(["--generate", what]).output().with_context(called)?;
+    if !output.status.success() {
+        bail!("{}: {}", called(), String::from_utf8_lossy(&output.stderr).trim());
+    }
+    String::from_utf8(output.stdout).with_context(called)
+}
+
+/// All generated documents. `names` are those of the programs without `posecut-`, `program` finds one by its name, and
+/// `schema` is that of the format.
+///
+/// # Errors
+/// If a program does not run or a README cannot be read.
+pub fn pages(
+    names: &[String],
+    program: impl Fn(&str) -> PathBuf,
+    schema: &Value,
+) -> anyhow::Result<Vec<Page>> {
+    let mut pages = vec![reference(names, &program)?, schema_page(schema)?];
+    for name in names {
+        pages.extend(readme(name, &program(name))?);
+    }
+    Ok(pages)
+}
+
+fn reference(names: &[String], program: impl Fn(&str) -> PathBuf) -> anyhow::Result<Page> {
+    let mut text = "# Command line reference\n\nMade from the programs by `make documentation`.\n\n\
+        Every program takes the options of the first table beside its own. Exit status 0: done; 1: what was checked does\n\
+        not hold; 2: an error, told in one sentence; 3, with `--strict`: done, and the result is doubtful\n\
+        ([doubts.md](doubts.md)). `make install PREFIX=DIR` puts programs, manual pages and shell\n\
+        completions into place; `posecut-pcm --generate man` prints one (also `bash`, `zsh`, `fish`, `elvish`, `powershell`).\n\n\
+        ## Every program\n\n"
+        .to_owned();
+    if let Some(first) = names.first() {
+        text += &generated(&program(first), "common")?;
+    }
+    for name in names {
+        text.push('\n');
+        text += &generated(&program(name), "reference")?;
+    }
+    Ok(Page { path: "docs/cli.md".into(), text })
+}
+
+fn schema_page(schema: &Value) -> anyhow::Result<Page> {
+    let text = serde_json::to_string_pretty(schema)? + "\n";
+    Ok(Page { path: "docs/schema/pose-graph-1.schema.json".into(), text })
+}
+
+/// A README with its table of options. One without the section gets it: under the heading `## Options`, before the text
+/// there, or at its end.
+fn readme(name: &str, program: &Path) -> anyhow::Result<Option<Page>> {
+    let path = Path::new("crates").join(name).join("README.md");
+    let Ok(mut text) = std::fs::read_to_string(root().join(&path)) else { return Ok(None) };
+    let (begin, end) = (format!("<!-- begin: {SECTION} -->\n"), format!("<!-- end: {SECTION} -->\n"));
+    if !text.contains(&begin) {
+        if !text.contains(HEADING) {
+            text += HEADING;
+        }
+        text = text.replacen(HEADING, &format!("{HEADING}\n{begin}{end}"), 1);
+    }
+    let options = generated(program, "options")?;
+    let text = splice(&text, SECTION, &options).with_context(|| path.display().to_string())?;
+    Ok(Some(Page { path, text }))
+}

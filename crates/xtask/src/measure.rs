@@ -1,0 +1,52 @@
+//! `cargo xtask measure`: seconds and memory of programs, in tables of documents.
+
+mod incremental;
+mod memory;
+mod multicut;
+mod optimize;
+mod pcm;
+mod peers;
+mod proofs;
+mod simulation;
+mod verify;
+
+use clap::{Args, Subcommand};
+
+use crate::Verdict;
+
+/// Measure programs, beside other tools too, and regenerate the tables of docs/results
+#[derive(Args)]
+pub(crate) struct Measure {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Subcommand)]
+enum What {
+    Memory(memory::Memory),
+    #[command(hide = true)]
+    Graph(memory::graph::Graph),
+    Pcm(pcm::Pcm),
+    Verify(verify::Verify),
+    Optimize(optimize::Optimize),
+    Incremental(incremental::Incremental),
+    Multicut(multicut::Multicut),
+    MulticutProofs(proofs::Proofs),
+    Simulation(simulation::Simulation),
+}
+
+impl Measure {
+    pub(crate) fn run(self) -> anyhow::Result<Verdict> {
+        match self.what {
+            What::Memory(task) => task.run(),
+            What::Graph(task) => task.run(),
+            What::Pcm(task) => task.run(),
+            What::Verify(task) => task.run(),
+            What::Optimize(task) => task.run(),
+            What::Incremental(task) => task.run(),
+            What::Multicut(task) => task.run(),
+            What::MulticutProofs(task) => task.run(),
+            What::Simulation(task) => task.run(),
+        }
+    }
+}

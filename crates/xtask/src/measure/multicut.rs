@@ -1,0 +1,168 @@
+//! posecut-partition, the multicut solver, as a whole process on generated and published instances, for docs/results/multicut.md.
+
+mod instances;
+mod running;
+mod tables;
+
+use std::collections::HashMap;
+use std::fs::OpenOptions;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+use anyhow::Context as _;
+use clap::Args;
+use xtask::sections::replace;
+use xtask::workspace::root;
+
+use crate::Verdict;
+use crate::machine::{Machine, today};
+use crate::process::visibly;
+use instances::{Instance, instances};
+use running::{Found, Limits, measure};
+
+/// Measure posecut-partition, the multicut solver, as a whole process on generated and published instances
+///
+/// Builds the release program, generates graphs of the families F, S, A (10^3 to N viewpoints) and D (to 10^5) with 10, 50 and 90 %
+/// false edges, and adds every instance of $POSECUT_SHARED_DATA/multicut. CPU seconds and peak memory are those that the system
+/// counts for the whole process, reading and writing included, on one thread. Regenerates the sections of docs/results/multicut.md.
+#[derive(Args)]
+pub(crate) struct Multicut {
+    /// Viewpoints of the largest generated graph
+    #[arg(long, default_value_t = 1_000_000)]
+    largest: u64,
+    /// Viewpoints of the largest generated graph that the peer solves
+    #[arg(long, default_value_t = 1_000_000)]
+    largest_peer: u64,
+    /// The Python of an environment with bioimage-cpp, whose GAEC and GAEC + KL run on the same files
+    #[arg(long, value_name = "PYTHON")]
+    peer: Option<PathBuf>,
+    /// Seconds for each published instance
+    #[arg(long, default_value_t = 60)]
+    time_limit: u64,
+    /// Seconds for each generated instance
+    #[arg(long, default_value_t = 60)]
+    generated_limit: u64,
+    /// Seconds for each run of the peer
+    #[arg(long, default_value_t = 120)]
+    peer_limit: u64,
+    /// Keep measurements in this file, one JSON object an instance, and use those in it
+    #[arg(long, value_name = "FILE")]
+    measured: Option<PathBuf>,
+    /// Only instances with this text in their names
+    #[arg(long, default_value = "", value_name = "TEXT")]
+    only: String,
+    /// Measure nothing new after this many seconds
+    #[arg(long, value_name = "SECONDS")]
+    r#for: Option<f64>,
+    /// Document with the sections [default: docs/results/multicut.md]
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+}
+
+impl Multicut {
+    pub(crate) fn run(self) -> anyhow::Result<Verdict> {
+        let mut cargo = Command::new("cargo");
+        cargo.args([
+            "build",
+            "--release",
+            "--locked",
+            "-q",
+            "-p",
+            "posecut-partition",
+            "-p",
+            "posecut-multicut",
+            "--bins",
+            "--example",
+            "generate_mc",
+        ]);
+        visibly(cargo.current_dir(root()))?;
+        let folder = tempfile::tempdir()?;
+        let mut instances = instances(self.largest, folder.path())?;
+        instances.retain(|instance| instance.name.contains(&self.only));
+        let found = self.found(&instances, folder.path())?;
+        let missing: Vec<&str> = instances
+            .iter()
+            .map(|instance| instance.name.as_str())
+            .filter(|name| !found.iter().any(|found| found.name == *name))
+            .collect();
+        let document = self.output.clone().unwrap_or_else(|| root().join("docs/results/multicut.md"));
+        replace(&document, "summary", &tables::summary(&found))?;
+        replace(&document, "measured", &self.conditions(&Machine::here(), &today()?, &missing))?;
+        replace(&document, "growth", &tables::growth(&found))?;
+        replace(&document, "exact", &tables::exact(&found))?;
+        replace(&document, "heuristics", &tables::heuristics(&found, self.peer_limit))?;
+        Ok(Verdict::Holds)
+    }
+
+    /// What is known from before and what is measured now, in the order of the instances.
+    fn found(&self, instances: &[Instance], folder: &Path) -> anyhow::Result<Vec<Found>> {
+        let began = Instant::now();
+        let mut known = self.known()?;
+        let mut all = Vec::new();
+        for instance in instances {
+            let in_time = self.r#for.is_none_or(|seconds| began.elapsed().as_secs_f64() < seconds);
+            let found = match known.remove(&instance.name) {
+                Some(found) => found,
+                None if in_time => self.measure(instance, folder)?,
+                None => continue,
+            };
+            all.push(found);
+        }
+        Ok(all)
+    }
+
+    fn known(&self) -> anyhow::Result<HashMap<String, Found>> {
+        let Some(path) = self.measured.as_ref().filter(|path| path.exists()) else {
+            return Ok(HashMap::new());
+        };
+        let place = || format!("{}: cannot be used", path.display());
+        let text = std::fs::read_to_string(path).with_context(place)?;
+        let found = |line: &str| {
+            let found: Found = serde_json::from_str(line).with_context(place)?;
+            Ok((found.name.clone(), found))
+        };
+        text.lines().map(found).collect()
+    }
+
+    fn measure(&self, instance: &Instance, folder: &Path) -> anyhow::Result<Found> {
+        eprintln!("{}", instance.name);
+        instance.generate()?;
+        let viewpoints = instance.drawn.map(|drawn| drawn.viewpoints);
+        let peer = self.peer.as_deref().filter(|_| viewpoints.is_none_or(|size| size <= self.largest_peer));
+        let own = if instance.drawn.is_some() { self.generated_limit } else { self.time_limit };
+        let found = measure(instance, peer, Limits { own, peer: self.peer_limit }, folder)?;
+        if let Some(path) = &self.measured {
+            let mut file = OpenOptions::new().create(true).append(true).open(path)?;
+            writeln!(file, "{}", serde_json::to_string(&found)?)?;
+        }
+        Ok(found)
+    }
+
+    /// When, on what and how it was measured, and what is missing.
+    fn conditions(&self, machine: &Machine, date: &str, missing: &[&str]) -> String {
+        let options = [
+            ("--largest", self.largest),
+            ("--largest-peer", self.largest_peer),
+            ("--peer-limit", self.peer_limit),
+            ("--generated-limit", self.generated_limit),
+            ("--time-limit", self.time_limit),
+        ];
+        let options: Vec<String> =
+            options.iter().map(|(option, value)| format!("{option} {value}")).collect();
+        let system = if cfg!(target_os = "linux") { "Linux" } else { std::env::consts::OS };
+        let mut text = format!(
+            "Measured {date} on {} cores, {}, {system} {}, one thread. Made by:\n\n    cargo xtask measure multicut {}{}\n",
+            machine.cores,
+            machine.model,
+            std::env::consts::ARCH,
+            options.join(" "),
+            if self.peer.is_some() { " --peer python" } else { "" }
+        );
+        if !missing.is_empty() {
+            text += &format!("\nNot measured: {}.\n", missing.join(", "));
+        }
+        text
+    }
+}

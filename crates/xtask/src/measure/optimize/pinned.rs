@@ -1,0 +1,91 @@
+//! Processes held to one processor or two, and where they work.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
+
+use anyhow::bail;
+use xtask::workspace::{program, shared_data, target};
+
+use crate::process::{Ended, Measured, measure};
+
+/// The folder of graphs and estimates.
+pub(super) fn work() -> PathBuf {
+    target().join("comparison")
+}
+
+/// A number from the environment.
+pub(super) fn given(name: &str, default: f64) -> anyhow::Result<f64> {
+    match std::env::var(name) {
+        Err(_) => Ok(default),
+        Ok(text) => match text.parse() {
+            Ok(number) => Ok(number),
+            Err(_) => bail!("{name}={text}: is no number"),
+        },
+    }
+}
+
+/// A command on as many processors as it has threads.
+pub(super) struct Pinned {
+    command: Command,
+}
+
+impl Pinned {
+    pub(super) fn new(program: &Path, threads: usize) -> Self {
+        let mut command = Command::new("taskset");
+        command.args(["-c", &format!("0-{}", threads - 1)]).arg(program);
+        command.env("RAYON_NUM_THREADS", threads.to_string()).env("OPENBLAS_NUM_THREADS", "1");
+        Self { command }
+    }
+
+    /// A program of posecut, on one processor, quiet.
+    pub(super) fn posecut(name: &str) -> Self {
+        Self::new(&program(name), 1).words(&["-q"])
+    }
+
+    pub(super) fn words(mut self, words: &[&str]) -> Self {
+        self.command.args(words);
+        self
+    }
+
+    pub(super) fn path(mut self, path: impl AsRef<OsStr>) -> Self {
+        self.command.arg(path);
+        self
+    }
+
+    /// The measurement, or in a few words why there is none.
+    pub(super) fn run(mut self) -> anyhow::Result<Result<Measured, String>> {
+        let limit = given("LIMIT", 40.0)?;
+        Ok(match measure(&mut self.command, Duration::try_from_secs_f64(limit)?)? {
+            Ended::Done(measured) => Ok(measured),
+            Ended::OutOfTime => Err(format!("over {limit:.0} s")),
+            Ended::Failed(said) => Err(said.lines().last().unwrap_or("no word").chars().take(200).collect()),
+        })
+    }
+
+    /// The measurement; an error if there is none.
+    pub(super) fn must(self) -> anyhow::Result<Measured> {
+        let called = crate::process::shown(&self.command);
+        match self.run()? {
+            Ok(measured) => Ok(measured),
+            Err(why) => bail!("{called}: {why}"),
+        }
+    }
+}
+
+/// A benchmark graph as JSON Lines.
+pub(super) fn converted(name: &str) -> anyhow::Result<PathBuf> {
+    let source = shared_data()?.join(format!("g2o/{name}.g2o"));
+    let graph = work().join(format!("{name}.jsonl"));
+    Pinned::posecut("convert").path(source).words(&["-o"]).path(&graph).must()?;
+    Ok(graph)
+}
+
+/// A start without an optimisation.
+pub(super) fn started(graph: &Path, initialisation: &str, output: &Path) -> anyhow::Result<()> {
+    let optimize =
+        Pinned::posecut("optimize").words(&["--initialisation", initialisation, "--max-iterations", "0"]);
+    optimize.path(graph).words(&["-o"]).path(output).must()?;
+    Ok(())
+}
