@@ -85,7 +85,6 @@ impl PoseGraph {
 
     /// What an edge measures: its motion, and the information of its error in the order translation, rotation. `None` if it lacks
     /// one of them.
-    #[expect(clippy::type_complexity, reason = "a motion and its matrix")]
     pub fn measurement<G: LieGroup<DOF>, const DOF: usize>(
         &self,
         edge: &Edge,
