@@ -20,8 +20,10 @@
 pub mod affinity;
 pub mod ascent;
 pub mod clique;
+#[cfg(feature = "cli")]
 pub mod stage;
 
 pub use affinity::Affinity;
 pub use clique::{Densest, densest_clique};
+#[cfg(feature = "cli")]
 pub use stage::{Options, Select, Weight};

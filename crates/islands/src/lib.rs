@@ -9,7 +9,9 @@
 //! - [`stage`]: which islands are long enough, on a pose graph.
 
 pub mod cluster;
+#[cfg(feature = "cli")]
 pub mod stage;
 
 pub use cluster::{FrameError, Match, clusters, matches};
+#[cfg(feature = "cli")]
 pub use stage::Options;

@@ -68,7 +68,8 @@ impl Registry {
     /// The name that is most like this one, if it is like it at all.
     pub fn nearest(&self, name: &str) -> Option<&str> {
         let likeness = |known: &str| strsim::jaro(name, known);
-        let known = self.beside.keys().chain(self.elsewhere.keys()).map(String::as_str);
+        let programs = self.beside.keys().chain(self.elsewhere.keys()).map(String::as_str);
+        let known = programs.chain(["help", "version"]);
         known
             .filter(|known| likeness(known) > 0.7)
             .max_by(|one, other| likeness(one).total_cmp(&likeness(other)))

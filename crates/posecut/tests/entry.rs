@@ -147,6 +147,7 @@ fn an_unknown_program_is_an_error_with_the_nearest_name() {
     let place = &*PLACE;
     for (arguments, part) in [
         (&["secnd"][..], "(did you mean second?)"),
+        (&["hlep"], "(did you mean help?)"),
         (&["../posecut-first"], "there is no program posecut-../posecut-first"),
         (
             &["help", "xyz"],

@@ -7,7 +7,9 @@
 //!   through both edges and the odometry between them ([`posecut_pcm::consistency`]).
 
 pub mod consensus;
+#[cfg(feature = "cli")]
 pub mod stage;
 
 pub use consensus::{Consensus, Search, largest_consensus};
+#[cfg(feature = "cli")]
 pub use stage::Options;

@@ -3,7 +3,8 @@
 use serde::Serialize;
 
 /// A part of the method.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Ingredient {
     /// Factors on covariances, from the graph's loops; without them covariances are used as claimed

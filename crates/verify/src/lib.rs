@@ -35,6 +35,7 @@ mod prior;
 mod renumber;
 mod rivals;
 mod rounds;
+#[cfg(feature = "cli")]
 pub mod stage;
 mod trials;
 mod usual;
@@ -45,5 +46,6 @@ pub use calibration::Calibration;
 pub use ingredients::Ingredient;
 pub use model::Motion;
 pub use rivals::Rival;
+#[cfg(feature = "cli")]
 pub use stage::{Options, Undecided};
 pub use verification::{Verification, verify, verify_by};

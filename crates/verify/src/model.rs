@@ -7,7 +7,6 @@ use posecut_optimize::PoseGroup;
 use posecut_pcm::candidate::{Candidate, Group, group_with};
 use posecut_pcm::chain::{Chain, Chains, Covariances};
 use posecut_pcm::{PcmError, Spatial};
-use posecut_stage::warn;
 
 use crate::calibration::Calibration;
 
@@ -76,9 +75,6 @@ pub(crate) struct Loop<const DOF: usize> {
 impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
     pub(crate) fn of(graph: &PoseGraph, without: &[Ingredient]) -> Result<Self, PcmError> {
         let chains = Chains::with(graph, Covariances::Repaired)?;
-        if let Some(warning) = chains.warning() {
-            warn!("{warning}");
-        }
         let grouped = group_with(graph, &chains, Covariances::Repaired)?;
         let mut nodes: Vec<Vec<usize>> =
             chains.chains.iter().map(|chain| vec![0; chain.poses.len()]).collect();

@@ -96,6 +96,9 @@ impl Options {
 }
 
 fn report(verification: &Verification) {
+    if let Some(warning) = &verification.warning {
+        warn!("{warning}");
+    }
     let Verification { findings, rivals, broken, .. } = verification;
     info!(
         "{} judged: {} accepted, {} rejected, {} undecided",

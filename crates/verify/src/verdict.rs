@@ -147,8 +147,9 @@ fn witnesses(ties: &[Tie], accepted: &[bool]) -> Vec<Vec<usize>> {
 }
 
 impl Finding {
-    /// Writes the finding to the fields of its edge.
-    pub(crate) fn mark(&self, graph: &mut PoseGraph, stage: &str, keep_undecided: bool) -> bool {
+    /// Writes the finding to the fields of its edge, and rejects the edge in the name of the stage unless it is accepted, or undecided
+    /// and such edges are kept. Returns whether it is rejected.
+    pub fn mark(&self, graph: &mut PoseGraph, stage: &str, keep_undecided: bool) -> bool {
         let rejected = match self.verdict {
             Verdict::Accepted => false,
             Verdict::Rejected => true,
@@ -172,7 +173,7 @@ impl Finding {
     }
 
     /// The story of the edge, a line a fact.
-    pub(crate) fn story(&self, graph: &PoseGraph) -> Vec<String> {
+    pub fn story(&self, graph: &PoseGraph) -> Vec<String> {
         let edge = &graph.edges[self.edge];
         let ratio = self.ratio.map_or_else(
             || "no other closure and no odometry predicts what it measures".to_owned(),

@@ -41,6 +41,8 @@ pub struct Verification {
     pub cut_gap: f64,
     /// Rounds of map and verdicts.
     pub rounds: usize,
+    /// A sentence on odometry that no chain can hold, if there is such.
+    pub warning: Option<String>,
 }
 
 impl Verification {
@@ -102,6 +104,7 @@ pub fn verify_by<G: Motion<DOF>, const DOF: usize>(
         broken,
         cut_gap: judged.cut_gap,
         rounds: judged.rounds,
+        warning: model.chains.warning(),
     })
 }
 

@@ -11,7 +11,8 @@ use crate::{Fit, Quantiles};
 ///
 /// Largest first costs about one optimisation a refused cluster and a logarithm of those accepted; all together, at most one
 /// for each rejection in each round.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Election {
     /// That of most edges first: each stays if all still passes with it

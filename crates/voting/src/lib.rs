@@ -13,10 +13,12 @@ mod chains;
 pub mod election;
 pub mod fit;
 pub mod forecast;
+#[cfg(feature = "cli")]
 pub mod stage;
 pub mod vote;
 
 pub use election::Election;
 pub use forecast::Forecast;
+#[cfg(feature = "cli")]
 pub use stage::Options;
 pub use vote::{Fit, Optimiser, Quantiles, Verdict, vote};
