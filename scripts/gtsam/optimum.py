@@ -21,7 +21,10 @@ parameters.setAbsoluteErrorTol(1e-14)
 best = gtsam.LevenbergMarquardtOptimizer(graph, ours, parameters).optimize()
 improved = 2.0 * graph.error(best)
 moved = max((ours.atPose2(key).translation() - best.atPose2(key).translation()).__abs__().max() for key in ours.keys())
-print(f"chi_square: posecut {chi_square!r}, gtsam at our poses {theirs!r}, gtsam optimised from there {improved!r}; poses moved {moved:.1e} m")
+print(
+    f"chi_square: posecut {chi_square!r}, gtsam at our poses {theirs!r}, "
+    f"gtsam optimised from there {improved!r}; poses moved {moved:.1e} m"
+)
 if abs(theirs - chi_square) > 1e-9 * chi_square:
     sys.exit("posecut and gtsam disagree on the cost of the same poses")
 if chi_square - improved > 1e-8 * chi_square or moved > 1e-3:
