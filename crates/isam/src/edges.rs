@@ -171,6 +171,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Edges<G, DOF> {
     /// Begins a check of the linear models' errors.
     pub(crate) fn begin_check(&mut self) {
         self.checks += 1;
+        // One infinite or NaN summand would stay in the running sums for good: compute them anew.
         if !(self.sums.error + self.sums.cost + self.sums.size).is_finite() {
             self.sums = Share::default();
             for &slot in self.by_id.values() {

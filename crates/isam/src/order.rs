@@ -148,6 +148,7 @@ impl QuotientGraph {
         self.stamp += 1;
         let stamp = self.stamp;
         self.mark[pivot] = stamp;
+        // The new element absorbs the pivot's elements: its boundary is the union of theirs and the pivot's neighbours.
         let mut boundary = Vec::new();
         let mut size = 0;
         let children = std::mem::take(&mut self.elements[pivot]);
@@ -198,6 +199,7 @@ impl QuotientGraph {
             let alive = &self.alive;
             self.elements[variable].retain(|&other| alive[other]);
             for &other in &self.elements[variable] {
+                // Counts the variables of `other` outside the new boundary, the set differences of equation (4.1).
                 let (outside, pivot) = &mut self.outside[other];
                 if *pivot != element {
                     (*outside, *pivot) = (self.sizes[other], element);

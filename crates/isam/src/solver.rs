@@ -62,8 +62,8 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         self.add(pose, false)
     }
 
-    /// Adds a pose that is a constant for good: g2o's `FIX`. An edge that joins a component with such a pose to another does
-    /// not move it. An edge between two such components is a constraint on both.
+    /// Adds a pose that is a constant for good: g2o's `FIX`. A component with such a pose does not move when an edge joins it
+    /// to another; an edge between two such components constrains both.
     pub fn add_held_pose(&mut self, pose: G) -> Result<usize, IncrementalError> {
         self.add(pose, true)
     }

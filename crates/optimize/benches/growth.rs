@@ -36,8 +36,8 @@ fn measured<G: LieGroup<DOF>, const DOF: usize>(
     Edge::new(from, to, measurement, SMatrix::identity() / (NOISE * NOISE), kind)
 }
 
-/// A walk along the streets of a city whose area grows with the walk. It turns at one crossing in three, and every second
-/// crossing that it meets again gets a landmark edge to the last visit.
+/// A walk along the streets of a city whose area grows with the walk. It turns at one crossing in three; half of the
+/// positions that it meets again get a landmark edge to the last visit.
 fn manhattan(poses: usize, random: &mut ChaCha8Rng) -> Graph<SE2, 3> {
     const BLOCK: i64 = 4;
     let side = ((poses as f64).sqrt() as i64 / BLOCK).max(2) * BLOCK;

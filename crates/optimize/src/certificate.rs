@@ -85,6 +85,7 @@ where
             return Certificate { cost: outcome.cost, tolerance, ..Certificate::NONE };
         }
     }
+    // `S + shift I` is positive definite, so `lambda > -shift`: this gives the lower bound.
     Certificate {
         global: shift <= tolerance,
         cost: outcome.cost,
