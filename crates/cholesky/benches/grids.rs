@@ -4,7 +4,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use nalgebra::{SMatrix, SVector};
 use posecut_cholesky::{Factor, SelectedInverse, Symbolic};
 
-/// The number of variables and the pairs of neighbours of a grid with so many variables along each axis.
+/// The number of variables of a grid with these sides, and the pairs of neighbours.
 fn grid(sides: [usize; 3]) -> (usize, Vec<(usize, usize)>) {
     let at = |x: usize, y: usize, z: usize| (z * sides[1] + y) * sides[0] + x;
     let mut pairs = Vec::new();
@@ -26,7 +26,7 @@ fn grid(sides: [usize; 3]) -> (usize, Vec<(usize, usize)>) {
 fn measure<const D: usize>(criterion: &mut Criterion, name: &str, sides: [usize; 3]) {
     let (variables, pairs) = grid(sides);
     let symbolic = Symbolic::new(variables, &pairs, D);
-    // Six neighbours at most, with entries up to one half: dominated by the diagonal.
+    // At most six neighbours, with entries up to one half: the matrix is diagonally dominant.
     let entry = |index: usize| {
         SMatrix::<f64, D, D>::from_fn(|row, column| 0.5 * ((index * D + row * 3 + column) as f64).sin())
     };

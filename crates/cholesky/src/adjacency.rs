@@ -1,13 +1,14 @@
-//! Neighbours of vertices, as lists one after the other.
+//! Neighbours of vertices, as lists stored one after the other.
 
-/// For every vertex a list of other ends: of its edges, of its children, or of whatever arcs it was made from.
+/// For every vertex the list of the other ends of its arcs: neighbours, children, or others.
 pub struct Adjacency {
     starts: Vec<usize>,
     neighbours: Vec<usize>,
 }
 
 impl Adjacency {
-    /// Lists, for each vertex, the other ends of the arcs `(vertex, other)` in their order. Goes through the arcs twice. O(vertices + arcs).
+    /// Lists, for each vertex, the other ends of the arcs `(vertex, other)` in their order. Iterates twice over the arcs.
+    /// O(vertices + arcs).
     pub fn new(vertices: usize, arcs: impl Iterator<Item = (usize, usize)> + Clone) -> Self {
         let mut starts = vec![0; vertices + 1];
         for (vertex, _) in arcs.clone() {

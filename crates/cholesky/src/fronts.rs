@@ -1,9 +1,9 @@
-//! Fronts: the numeric phase, multifrontal, so that all arithmetic is dense.
+//! Fronts: the numeric phase. It is multifrontal, so that all arithmetic is dense.
 //!
-//! Duff and Reid, "The multifrontal solution of indefinite sparse symmetric linear equations", 1983. A front is assembled from
-//! the matrix and from the update matrices of its children (`task`, `extend_add`), its columns are eliminated
-//! (`dense`, `large_front`), and what remains is its own update matrix. `view` is a front's memory while that
-//! happens, `factor` owns it; `substitution` solves with the factor, front by front.
+//! Duff and Reid, "The multifrontal solution of indefinite sparse symmetric linear equations", 1983. A front is assembled
+//! from the matrix and the update matrices of its children (`task`, `extend_add`). Its columns are eliminated (`dense`,
+//! `large_front`), and the rest is its own update matrix. `view` is a front's memory during this, `factor` owns the memory,
+//! and `substitution` solves with the factor, front by front.
 //!
 //! Depends on `symbolic`.
 

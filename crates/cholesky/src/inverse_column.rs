@@ -1,4 +1,4 @@
-//! Single blocks of the inverse, wherever they lie.
+//! Single blocks of the inverse, also those where the factor has none.
 
 #![allow(
     clippy::inline_always,
@@ -12,7 +12,7 @@ use crate::fronts::factor::Factor;
 use crate::fronts::substitution::{backward, forward};
 use crate::symbolic::Symbolic;
 
-/// What solves along the elimination tree work on: a right-hand side, and the rows of one front.
+/// The working memory of solves along the elimination tree: a right-hand side, and the rows of one front.
 #[derive(Clone)]
 pub struct Workspace {
     values: Vec<f64>,
@@ -27,7 +27,7 @@ impl<const D: usize> Factor<D> {
 
     /// The blocks of `A^-1` in block column `column` and the given block rows.
     ///
-    /// The triangular solves visit only the fronts on the ways from these variables to the roots of the elimination tree.
+    /// The triangular solves visit only the fronts on the paths from these variables to the roots of the elimination tree.
     pub fn inverse_column(
         &self,
         symbolic: &Symbolic,
@@ -56,8 +56,8 @@ impl<const D: usize> Factor<D> {
     }
 }
 
-/// Both triangular solves along some ways to the root, for one set of vector instructions: without them every product is a
-/// call of a function.
+/// Both triangular solves along some paths to the root, for one set of vector instructions: otherwise every product would be
+/// a function call.
 struct Along<'a, const D: usize> {
     symbolic: &'a Symbolic,
     own: &'a [usize],

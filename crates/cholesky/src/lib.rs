@@ -2,12 +2,14 @@
 //!
 //! The matrix `A` is positive definite, and a block row belongs to one variable: a pose, say, with blocks of 3 x 3 or 6 x 6.
 //!
-//! 1. [`Symbolic::new`] looks at the pattern alone. It chooses an order `P` of the variables in which little fills in, by approximate
-//!    minimum degree (Amestoy, Davis, Duff, 1996) or nested dissection (George, 1973), whichever takes fewer operations. From the
-//!    elimination tree (Liu, 1990) follow the structure of the factor and its *fronts*: variables that are eliminated together as one
-//!    dense matrix. All of this counts blocks, 9 to 36 times fewer than scalars. One analysis serves every block size.
-//! 2. [`Factor::factorize`] computes `P A P^T = L L^T` (Duff and Reid, 1983). Each front gathers its columns of the matrix and what its
-//!    children have left over, eliminates its columns `[A_11; A_21]`, and leaves its *update matrix* to its parent:
+//! 1. [`Symbolic::new`] looks only at the pattern. It chooses a fill-reducing order `P` of the variables: approximate minimum
+//!    degree (Amestoy, Davis, Duff, 1996) or nested dissection (George, 1973), whichever takes fewer operations. The
+//!    elimination tree (Liu, 1990) gives the structure of the factor and its *fronts*: sets of variables that are eliminated
+//!    together as one dense matrix. All of this counts blocks, 9 to 36 times fewer than scalars. One analysis serves every
+//!    block size.
+//! 2. [`Factor::factorize`] computes `P A P^T = L L^T` (Duff and Reid, 1983). Each front gathers its columns of the matrix and
+//!    the update matrices of its children, eliminates its columns `[A_11; A_21]`, and leaves its own *update matrix* to its
+//!    parent:
 //!
 //!    ```text
 //!    A_11 = L L^T,   M = A_21 L^-T,   U = A_22 - M M^T
@@ -22,20 +24,20 @@
 //!
 //!    [`Factor::inverse_column`] solves for any other block, along the paths of the tree alone.
 //!
-//! [`fronts`] has the dense kernels by themselves, for a program that keeps its own tree of fronts.
+//! [`fronts`] has the dense kernels for a program that keeps its own tree of fronts.
 //!
 //! # Complexity
 //!
-//! With `n` variables, `|L|` blocks in the factor and blocks of order `D`: analysis takes time proportional to `|L|`, plus that of the
-//! order. Factorisation takes the sum over columns of the square of their length, [`Symbolic::flops`]; solving takes `4 D^2 |L|`
-//! operations and the selected inverse about twice those of the factorisation. Nested dissection leaves O(n log n) blocks and O(n^1.5)
-//! operations on a planar grid, and O(n^(4/3)) and O(n^2) on a grid in space. [`Factor::new`] reserves all memory; nothing that
-//! follows allocates.
+//! With `n` variables, `|L|` blocks in the factor and blocks of order `D`: analysis takes time proportional to `|L|`, plus
+//! the time of the ordering. Factorisation takes [`Symbolic::flops`] operations, the sum over columns of their squared
+//! length. Solving takes `4 D^2 |L|` operations, and the selected inverse about twice those of the factorisation. Nested
+//! dissection gives O(n log n) blocks and O(n^1.5) operations on a planar grid, and O(n^(4/3)) and O(n^2) on a grid in space.
+//! [`Factor::new`] reserves all memory; factorising and solving allocate nothing.
 //!
 //! # The same bits
 //!
-//! Results depend on the input alone, not on the number of threads: subtrees that threads take, and the strips of very large fronts, are
-//! cut by fixed rules, and every sum has a fixed order.
+//! Results depend only on the input, not on the number of threads: fixed rules choose the subtrees that threads take and the
+//! strips of very large fronts, and every sum has a fixed order.
 //!
 //! # Example
 //!

@@ -12,7 +12,7 @@ use nalgebra::SMatrix;
 use crate::fronts::factor::Factor;
 use crate::symbolic::{Front, Symbolic};
 
-/// The blocks of `A^-1` at all places where the factor of `A` has one, the pattern of `A` among them.
+/// The blocks of `A^-1` wherever the factor of `A` has one, which includes the pattern of `A`.
 pub struct SelectedInverse<const D: usize> {
     panels: Vec<f64>,
 }
@@ -24,13 +24,13 @@ impl<const D: usize> std::fmt::Debug for SelectedInverse<D> {
 }
 
 impl<const D: usize> SelectedInverse<D> {
-    /// Inverts from a factor. Takes about twice the operations of the factorisation and as much memory again.
+    /// Computes the blocks from a factor. Takes about twice the operations of the factorisation, and as much memory again.
     ///
     /// With a front's columns `[L; M]`, and `Z_RR` the inverse over the rows `R` below, known from the parent:
     /// `Z_RJ = -Z_RR W` and `Z_JJ = L^-T L^-1 - W^T Z_RJ`, where `W = M L^-1`.
     pub fn new(symbolic: &Symbolic, factor: &Factor<D>) -> Self {
         let mut panels = vec![0.0; factor.panels.len()];
-        // A child's `Z_RR` lives where its update matrix lived, in the opposite order of time.
+        // A child's `Z_RR` is stored where its update matrix was. Fronts come in the opposite order, so the stacks still fit.
         let mut stacks = symbolic.stack_blocks.map(|blocks| vec![0.0; blocks * D * D]);
         let largest = symbolic.fronts.iter().map(|front| front.below() * front.columns).max().unwrap_or(0);
         let mut product = vec![0.0; largest * D * D];

@@ -1,8 +1,9 @@
-//! Everything about a factorisation that depends on the pattern alone.
+//! The part of a factorisation that depends only on the pattern of the matrix.
 //!
 //! [`elimination`]: the elimination tree and the structure of columns (Liu, SIAM J. Matrix Anal. Appl. 11, 1990);
-//! [`supernodes`]: columns eliminated together as one [`front`]; [`links`]: parents and children of fronts; [`subtrees`]: what threads
-//! take; [`stacks`]: where updates wait; [`entries`]: where blocks of the matrix go. Depends on [`ordering`](super::ordering).
+//! [`supernodes`]: columns eliminated together as one [`front`]; [`links`]: parents and children of fronts; [`subtrees`]: the
+//! work of threads; [`stacks`]: memory of update matrices; [`entries`]: positions of the matrix's blocks in the fronts.
+//! Depends on [`ordering`](super::ordering).
 
 mod elimination;
 mod entries;
@@ -23,8 +24,8 @@ use supernodes::{Supernode, amalgamate, maximal};
 
 pub(crate) use front::{Front, NO_PARENT, Stretch};
 
-/// Operations by minimum degree from which nested dissection is tried too: its analysis takes several times as long, and a
-/// cheap factorisation would not pay that back.
+/// If minimum degree needs more operations than this, nested dissection is tried too. Its analysis takes several times as
+/// long, which a cheap factorisation would not pay back.
 const WORTH_DISSECTION: f64 = 2e8;
 
 /// Order of elimination, fronts, and the map from matrix to fronts, for one pattern of blocks.
@@ -43,7 +44,7 @@ pub struct Symbolic {
     pub(crate) front_of: Vec<usize>,
     pub(crate) panel_blocks: usize,
     pub(crate) stack_blocks: [usize; 2],
-    /// What threads may take side by side, and as the last one the rest, which comes after all others.
+    /// Stretches that threads may factorise in parallel; the last one is the rest, which comes after all others.
     pub(crate) stretches: Vec<Stretch>,
     flops: f64,
 }
@@ -51,10 +52,10 @@ pub struct Symbolic {
 impl Symbolic {
     /// Analyses a symmetric pattern of `variables` diagonal blocks and the off-diagonal blocks `pairs`.
     ///
-    /// Each pair is given once, smaller variable first; the numeric phase takes its blocks in the same order. `block`
-    /// is the block size that fronts are tuned for, not a limit. The order is by approximate minimum degree or, where that
-    /// leaves much to do, by nested dissection, whichever takes fewer operations. Takes time proportional to the factor's blocks, plus
-    /// the ordering's.
+    /// Each pair is given once, smaller variable first; the numeric phase takes its blocks in the same order. `block` is the
+    /// block size that fronts are tuned for, not a limit. The order is that of approximate minimum degree or, if this needs
+    /// many operations, of nested dissection if it needs fewer. Takes time proportional to the factor's blocks, plus the time
+    /// of the ordering.
     pub fn new(variables: usize, pairs: &[(usize, usize)], block: usize) -> Self {
         let order = approximate_minimum_degree(variables, pairs);
         let symbolic = Self::with_order(pairs, &order, block);
@@ -80,8 +81,8 @@ impl Symbolic {
         symbolic
     }
 
-    /// A front for each supernode, one panel after the other, so that the factor is one piece of memory in the order in which fronts
-    /// are eliminated. What follows from the fronts' relations is still missing.
+    /// Makes a front of each supernode, one panel after the other, so that the factor is one piece of memory in the order in
+    /// which fronts are eliminated. Links between fronts are still missing.
     fn of_supernodes(order: Vec<usize>, supernodes: &[Supernode]) -> Self {
         let mut symbolic = Self {
             position: Vec::new(),
@@ -134,7 +135,7 @@ impl Symbolic {
         self.flops
     }
 
-    /// The fronts on the ways from these variables to the roots, children before parents.
+    /// The fronts on the paths from these variables to the roots, children before parents.
     pub(crate) fn path_to_root(&self, variables: impl Iterator<Item = usize>) -> Vec<usize> {
         let mut path = BTreeSet::new();
         for variable in variables {
@@ -149,8 +150,8 @@ impl Symbolic {
 
 /// An order with the same factor in which every subtree of the elimination tree is contiguous, and the tree by position.
 ///
-/// Fronts need that: a supernode is a run of columns, a subtree a range of fronts, and updates can wait on a stack. A postorder
-/// of the tree fills in the same places, renamed (Liu, 1990).
+/// Fronts need this: a supernode is a run of columns, a subtree is a range of fronts, and updates can wait on a stack. A
+/// postorder of the tree has the same fill, with variables renamed (Liu, 1990).
 fn in_postorder(pairs: &[(usize, usize)], order: &[usize]) -> (Vec<usize>, Vec<usize>) {
     let position = inverse(order);
     let lower = pairs.iter().map(|&pair| placed(&position, pair)).map(|(a, b)| (b, a));

@@ -23,7 +23,7 @@ fn matrix<const D: usize>(variables: usize, pairs: &[(usize, usize)], random: &m
             }
         }
     }
-    // Diagonally dominant by a little.
+    // Slightly diagonally dominant.
     for index in 0..variables * D {
         dense[(index, index)] = dense.row(index).iter().map(|entry| entry.abs()).sum::<f64>() + 0.5;
     }
@@ -36,7 +36,7 @@ fn check<const D: usize>(variables: usize, pairs: &[(usize, usize)], seed: u64) 
     let (diagonal, off_diagonal, dense) = matrix::<D>(variables, pairs, &mut random);
     let symbolic = Symbolic::new(variables, pairs, D);
     let mut factor = Factor::<D>::new(&symbolic);
-    // Twice, so that what the first run leaves behind would show.
+    // Two runs, so that leftovers of the first one would show.
     for damping in [0.3, 0.0] {
         factor.factorize(&symbolic, &diagonal, &off_diagonal, damping, [0.0; D]).unwrap();
         let mut values: Vec<SVector<f64, D>> =
@@ -129,7 +129,7 @@ fn indefinite_and_singular_matrices_are_told_by_variable() {
     assert!(breakdown.to_string().contains("component 1 of variable 2"), "{breakdown}");
     last[(1, 1)] = f64::NAN;
     assert!(factor.factorize(&symbolic, &[identity, identity, last], &[zero, zero], 0.0, [0.0; 2]).is_err());
-    // The chain 0 - 1 - 2 pulled together but held nowhere.
+    // The chain 0 - 1 - 2 without any fixed variable: singular.
     let laplacian = [identity, identity * 2.0, identity * (1.0 + 1e-15)];
     if factor.factorize(&symbolic, &laplacian, &[-identity, -identity], 0.0, [0.0; 2]).is_ok() {
         assert!(factor.smallest_pivot().0 < 1e-14);
@@ -137,7 +137,8 @@ fn indefinite_and_singular_matrices_are_told_by_variable() {
     factor.factorize(&symbolic, &[zero; 3], &[zero, zero], 1.0, [1.0; 2]).unwrap();
 }
 
-/// A grid whose factorisation is divided among threads: the solution solves, and is the same to the bit on any number of them.
+/// On a grid whose factorisation is divided among threads, the solution is right, and the same to the bit on any number of
+/// them.
 #[test]
 fn threads_change_no_bit() {
     let side = 70;
@@ -146,7 +147,7 @@ fn threads_change_no_bit() {
     let mut random = ChaCha8Rng::seed_from_u64(5);
     let off_diagonal: Vec<SMatrix<f64, 6, 6>> =
         pairs.iter().map(|_| SMatrix::from_fn(|_, _| random.random_range(-1.0..1.0))).collect();
-    // Each of four neighbours has six entries of at most one in a row.
+    // Each of the four neighbours contributes six entries of at most one to a row.
     let diagonal = vec![SMatrix::<f64, 6, 6>::identity() * 25.0; variables];
     let right: Vec<SVector<f64, 6>> =
         (0..variables).map(|_| SVector::from_fn(|_, _| random.random_range(-1.0..1.0))).collect();
@@ -155,7 +156,7 @@ fn threads_change_no_bit() {
     let solve = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let mut values = right.clone();
-        // The analysis, too, depends on whether there are threads.
+        // The analysis, too, depends on whether there are several threads.
         let symbolic = pool.install(|| Symbolic::new(variables, &pairs, 6));
         let mut factor = Factor::<6>::new(&symbolic);
         pool.install(|| factor.factorize(&symbolic, &diagonal, &off_diagonal, 0.0, [0.0; 6])).unwrap();
@@ -172,7 +173,7 @@ fn threads_change_no_bit() {
     assert!(largest < 1e-12, "{largest}");
     assert_eq!(solve(2), (values.clone(), pivot));
     assert_eq!(solve(3), (values, pivot));
-    // Of several blocks that fail, in subtrees and above them, the same one is reported.
+    // If several blocks fail, in subtrees and above them, the error names the same one at any number of threads.
     for count in [1, 7, 300] {
         let mut indefinite = diagonal.clone();
         for _ in 0..count {

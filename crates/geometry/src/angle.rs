@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 /// Brings an angle into `(-pi, pi]`, in radians.
 ///
-/// Angles already there keep their bits. The error is that of the argument: an angle of many turns has lost as many
-/// digits before it arrives here. NaN and infinity give NaN.
+/// Angles that are already in this range keep their bits. The error is that of the argument: an angle of many turns has lost
+/// as many digits before the call. NaN and infinity give NaN.
 ///
 /// ```
 /// use posecut_geometry::wrap_angle;

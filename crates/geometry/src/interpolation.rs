@@ -1,12 +1,11 @@
-//! Poses between the stamps of a track.
+//! Poses between the time stamps of a track.
 
 use crate::lie_group::LieGroup;
 
-/// The pose of a track at a time, interpolated on the group between the two stamps that enclose it.
+/// The pose of a track at a time, interpolated on the group between the stamps before and after it.
 ///
-/// `stamps` are strictly increasing (microseconds, or any other unit that `time` shares) and `poses` goes with them.
-/// `None` outside the track, for an empty track, and if the two lengths differ: it never extrapolates.
-/// Takes O(log n).
+/// `stamps` are strictly increasing (microseconds, or any other unit that `time` shares), with one pose of `poses` for each.
+/// `None` outside the track (no extrapolation), for an empty track, and if the two lengths differ. Takes O(log n).
 ///
 /// ```
 /// use posecut_geometry::{SE2, interpolation::sample};
@@ -27,7 +26,7 @@ pub fn sample<G: LieGroup<DOF>, const DOF: usize>(stamps: &[i64], poses: &[G], t
     }
     let before = after.checked_sub(1)?;
     let lower = *stamps.get(before)?;
-    // Differences in i128: stamps of opposite extremes would overflow, and f64 alone would lose microseconds.
+    // Differences in i128: stamps near opposite limits would overflow i64, and f64 alone would lose microseconds.
     let elapsed = (i128::from(time) - i128::from(lower)) as f64;
     let period = (i128::from(upper) - i128::from(lower)) as f64;
     Some(poses.get(before)?.interpolate(poses.get(after)?, elapsed / period))

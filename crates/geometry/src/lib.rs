@@ -4,9 +4,9 @@
 //!
 //! # Conventions
 //!
-//! - Metres and radians, right-handed frames; a pose maps coordinates of its own frame to the frame it is given in.
+//! - Metres and radians, right-handed frames; a pose maps coordinates in its own frame to coordinates in its reference frame.
 //! - A tangent vector holds the translation first, then the rotation: `[x, y, theta]` and `[x, y, z, rx, ry, rz]`.
-//! - Errors are *right* perturbations, `T = T_hat Exp(xi)`, and every covariance is that of such a `xi`.
+//! - Errors are *right* perturbations, `T = T_hat Exp(xi)`, and every covariance is the covariance of such a `xi`.
 //! - [`LieGroup::exp`] is the exponential of the group, not the product of a translation and a rotation.
 //!
 //! ```

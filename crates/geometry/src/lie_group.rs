@@ -1,27 +1,27 @@
-//! What SE(2) and SE(3) have in common.
+//! The operations that SE(2) and SE(3) share.
 
 use nalgebra::{SMatrix, SVector};
 
 /// A group of rigid motions with `DOF` degrees of freedom: 3 for [`SE2`](crate::SE2), 6 for [`SE3`](crate::SE3).
 ///
-/// Notation and Jacobians follow J. Solà, J. Deray, D. Atchuthan, "A micro Lie theory for state estimation in
-/// robotics", 2018; numbers of equations below are theirs.
+/// Notation and Jacobians follow J. Solà, J. Deray, D. Atchuthan, "A micro Lie theory for state estimation in robotics",
+/// 2018; equation numbers below refer to this paper.
 pub trait LieGroup<const DOF: usize>:
     Copy + Clone + std::fmt::Debug + PartialEq + Send + Sync + 'static
 {
     /// Number of stored components: 3, `[x, y, theta]`, or 7, `[x, y, z, qx, qy, qz, qw]`.
     const COMPONENTS: usize;
 
-    /// The motion that changes nothing.
+    /// The identity.
     fn identity() -> Self;
 
     /// Reads stored components (metres, radians or quaternion).
     ///
     /// `None` if there are not [`COMPONENTS`](Self::COMPONENTS) of them, if one is not finite, or if the norm of the
-    /// quaternion is further than 1e-3 from 1. A quaternion nearer than that is normalised.
+    /// quaternion differs from 1 by more than 1e-3. Otherwise the quaternion is normalised.
     fn from_components(components: &[f64]) -> Option<Self>;
 
-    /// The stored components; theta lies in `(-pi, pi]`.
+    /// The stored components; theta is in `(-pi, pi]`.
     fn components(&self) -> Vec<f64>;
 
     /// Exponential of a tangent vector (translation, rotation).

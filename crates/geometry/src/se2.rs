@@ -33,7 +33,7 @@ impl SE2 {
     }
 }
 
-/// `V`, which takes the tangent's translation to the group's. Solà equation (158).
+/// `V`, which maps the tangent's translation to the group's. Solà equation (158).
 fn translation_jacobian(theta: f64, functions: &Trigonometric) -> Matrix2<f64> {
     let sine = functions.c1;
     let versine = theta * functions.c2;
@@ -95,7 +95,7 @@ impl LieGroup<3> for SE2 {
     #[inline]
     fn compose(&self, other: &Self) -> Self {
         let product = self.rotation.complex() * other.rotation.complex();
-        // One Newton step towards norm 1, or long chains would drift away from rotations.
+        // One Newton step towards norm 1; otherwise long chains would drift away from rotations.
         let scale = 0.5 * (3.0 - product.norm_sqr());
         Self {
             translation: self.translation + self.rotation * other.translation,

@@ -7,7 +7,7 @@ use crate::se2::SE2;
 use crate::so3;
 use crate::trigonometric::Trigonometric;
 
-/// A quaternion whose norm is further from 1 than this is not a rotation.
+/// A quaternion whose norm differs from 1 by more than this is not a rotation.
 const NORM_TOLERANCE: f64 = 1e-3;
 
 /// A pose in space: translation in metres, rotation as a unit quaternion. Tangent order `[x, y, z, rx, ry, rz]`.
@@ -35,7 +35,7 @@ impl SE3 {
     /// At a pitch of +-pi/2 only the sum or difference of roll and yaw is defined; roll is 0 there.
     pub fn euler(&self) -> (f64, f64, f64) {
         let matrix = self.rotation.to_rotation_matrix().into_inner();
-        // atan2 of the column's parts keeps the digits near +-pi/2 that asin loses.
+        // atan2 of the column's entries keeps the digits near +-pi/2 that asin loses.
         let cosine = matrix.m11.hypot(matrix.m21);
         let pitch = (-matrix.m31).atan2(cosine);
         if cosine < 1e-12 {
@@ -44,7 +44,7 @@ impl SE3 {
         (matrix.m32.atan2(matrix.m33), pitch, matrix.m21.atan2(matrix.m11))
     }
 
-    /// The pose seen from above: `(x, y, yaw)`; z, roll and pitch are lost.
+    /// The pose projected to the plane: `(x, y, yaw)`; z, roll and pitch are lost.
     pub fn to_planar(&self) -> SE2 {
         let (_, _, yaw) = self.euler();
         SE2::new(self.translation.x, self.translation.y, yaw)
@@ -103,7 +103,7 @@ impl LieGroup<6> for SE3 {
         if (squared.sqrt() - 1.0).abs() > NORM_TOLERANCE {
             return None;
         }
-        // A quaternion that is already normal to rounding keeps its bits, so that reading and writing is idempotent.
+        // A quaternion of norm 1 up to rounding keeps its bits, so that reading and writing is idempotent.
         let rotation = if (squared - 1.0).abs() <= 8.0 * f64::EPSILON {
             UnitQuaternion::new_unchecked(quaternion)
         } else {
@@ -133,7 +133,7 @@ impl LieGroup<6> for SE3 {
     #[inline]
     fn compose(&self, other: &Self) -> Self {
         let mut rotation = self.rotation * other.rotation;
-        // One Newton step towards norm 1, or long chains would drift away from rotations.
+        // One Newton step towards norm 1; otherwise long chains would drift away from rotations.
         rotation.renormalize_fast();
         Self::new(self.translation + self.rotation * other.translation, rotation)
     }

@@ -1,4 +1,4 @@
-//! Rotations of space: what SE(3) needs of SO(3).
+//! Rotations of space: the operations of SO(3) that SE(3) uses.
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
@@ -11,22 +11,22 @@ pub(crate) fn hat(vector: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::new(0.0, -z, y, z, 0.0, -x, -y, x, 0.0)
 }
 
-/// The rotation about `rotation` by its length (radians): `q = (cos(a/2), sin(a/2)/a * rotation)`.
+/// The rotation about the axis `rotation` by its length `a` (radians): `q = (cos(a/2), sin(a/2)/a * rotation)`.
 #[inline]
 pub(crate) fn exp(rotation: &Vector3<f64>) -> UnitQuaternion<f64> {
     let angle = rotation.norm();
     let (sine, cosine) = (0.5 * angle).sin_cos();
-    // sin(a/2)/a is exact to rounding for every representable a > 0; only 0/0 needs care.
+    // sin(a/2)/a is exact to rounding for every representable a > 0; only 0/0 needs another value.
     let scale = if angle > 0.0 { sine / angle } else { 0.5 };
     UnitQuaternion::new_unchecked(Quaternion::from_parts(cosine, rotation * scale))
 }
 
 /// The rotation vector, of length at most pi.
 ///
-/// From the quaternion by `2 atan2(|v|, w)`, which keeps every digit at pi, where the trace of the matrix has none.
+/// Computed from the quaternion by `2 atan2(|v|, w)`, which keeps all digits at pi; the trace of the matrix has none there.
 #[inline]
 pub(crate) fn log(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
-    // q and -q are the same rotation; w >= 0 is the shorter way.
+    // q and -q are the same rotation; w >= 0 is the shorter one.
     let sign = if rotation.w < 0.0 { -1.0 } else { 1.0 };
     let vector = rotation.imag() * sign;
     let scalar = rotation.w * sign;

@@ -1,13 +1,13 @@
-//! The entire functions that closed forms of exp, log and their Jacobians are made of.
+//! The entire functions in the closed forms of exp, log and their Jacobians.
 
-/// Below this square of an angle the power series is used; above it the closed form loses less than two digits.
+/// If the squared angle is below this, the power series is used; above it the closed form loses less than two digits.
 const SERIES_LIMIT: f64 = 1.0;
 
 /// `c_n(a) = sum_k (-1)^k a^(2k) / (2k + n)!` for n = 0 to 5, at one angle `a` (radians).
 ///
 /// `c_0 = cos a`, `c_1 = sin a / a`, `c_2 = (1 - cos a) / a^2`, `c_3 = (a - sin a) / a^3`,
-/// `c_4 = (a^2/2 - 1 + cos a) / a^4`, `c_5 = (a^3/6 - a + sin a) / a^5`. They are even, smooth at 0, and linked by
-/// `c_n = 1/n! - a^2 c_(n+2)`, so that two series serve all six near zero.
+/// `c_4 = (a^2/2 - 1 + cos a) / a^4`, `c_5 = (a^3/6 - a + sin a) / a^5`. They are even, smooth at 0, and related by
+/// `c_n = 1/n! - a^2 c_(n+2)`, so that near zero two series give all six.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Trigonometric {
     pub(crate) c1: f64,
@@ -18,7 +18,7 @@ pub(crate) struct Trigonometric {
 }
 
 impl Trigonometric {
-    /// The functions at the angle whose square is given. Relative error about 1e-15.
+    /// The functions at the angle with this square. Relative error about 1e-15.
     #[inline]
     pub(crate) fn of_squared_angle(squared: f64) -> Self {
         if squared < SERIES_LIMIT {
@@ -44,7 +44,7 @@ fn series(x: f64, coefficients: &[f64; 9]) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
 }
 
-/// `(-1)^k / (2k + n)!`, worked out before the program runs: a division takes as long as the rest of a term.
+/// `(-1)^k / (2k + n)!`, computed at compile time: a division takes as long as the rest of a term.
 const fn coefficients(n: u32) -> [f64; 9] {
     let mut coefficients = [0.0; 9];
     let mut k = 0;
@@ -107,7 +107,8 @@ mod tests {
         assert!((half_cotangent(0.04) / half_cotangent(0.04 - 1e-17) - 1.0).abs() < 1e-13);
     }
 
-    /// The relative error of the closed form grows as the inverse square of the angle: judge the series by it from above.
+    /// The relative error of the closed form grows as the inverse square of the angle, so it can check the series only near
+    /// the limit.
     #[test]
     fn the_series_of_the_half_cotangent_is_right_to_its_last_term() {
         for squared in [0.02_f64, 0.03, 0.039] {

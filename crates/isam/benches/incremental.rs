@@ -1,10 +1,10 @@
-//! Benchmark graphs as sessions: one pose a step, with its edges. Times per step, and gaps to the batch optimum at
+//! Benchmark graphs as sessions: one pose per step, with its edges. Times per step, and gaps to the batch optimum at
 //! checkpoints.
 //!
 //! `POSECUT_SHARED_DATA=... cargo bench -p posecut-isam --bench incremental [NAME...] [THRESHOLD=VALUE...]`
 //!
-//! Thresholds: `translation`, `rotation`, `propagate`, `error`, `every`, `iterations`; `checkpoints=N` says how many, 0 leaves only
-//! times. Prints one JSON object a graph.
+//! Thresholds: `translation`, `rotation`, `propagate`, `error`, `every`, `iterations`. `checkpoints=N` sets the number of
+//! checkpoints; with 0 it measures only times. Prints one JSON object per graph.
 
 #![allow(clippy::print_stdout, reason = "a bench prints its figures")]
 
@@ -20,7 +20,7 @@ use std::time::Instant;
 use posecut_isam::{IncrementalOptions, IncrementalSolver, UpdateReport};
 use posecut_optimize::{Edge, Initialisation, Options, PoseGroup, Problem, optimize};
 
-/// The times of the steps, milliseconds for each update; seconds for all estimates of the newest pose, and of all poses.
+/// The times of the steps: milliseconds for each update, and seconds for all estimates of the newest pose and of all poses.
 #[derive(Default)]
 struct Times {
     update: Vec<f64>,
@@ -99,7 +99,7 @@ fn measure<G: PoseGroup<DOF>, const DOF: usize>(
     Ok(())
 }
 
-/// Relinearises, finishes, and prints what came of it all.
+/// Relinearises, finishes, and prints the results.
 #[allow(clippy::too_many_arguments, reason = "all of it is printed once")]
 fn print<G: PoseGroup<DOF>, const DOF: usize>(
     name: &str,

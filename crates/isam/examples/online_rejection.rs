@@ -1,12 +1,12 @@
-//! Online rejection: poses and landmark edges come one at a time; every k poses PCM and the multicut decide on all landmark
-//! edges so far, and edges go into the map or are taken back.
+//! Online rejection: poses and landmark edges arrive one at a time. After every k poses, PCM and the multicut decide about
+//! all landmark edges so far; edges enter the map or are retracted.
 //!
-//! `online_rejection GRAPH.jsonl FIGURE.svg SERIES.csv [K]` follows a graph of posecut-construct. The series has, at every
-//! decision: the edges used and how many of them are incorrect, added, taken back, and readmitted (added after they were
-//! taken back); the share by which the online map's cost exceeds that of a batch solution of the same decisions; and the
-//! root mean square distance of positions (after the best rigid motion of each connected part) from the reference, for the map kept online, for that
-//! batch solution, and for a batch solution with exactly the correct edges so far. The reference is the whole graph without the
-//! edges that the truth calls incorrect. Decisions do not look at the truth.
+//! `online_rejection GRAPH.jsonl FIGURE.svg SERIES.csv [K]` follows a graph of posecut-construct. The series has a row per
+//! decision: the number of edges in use, and how many of them are incorrect, added, retracted, and re-admitted (added after a
+//! retraction); the share by which the online map's cost exceeds the cost of a batch solution of the same decisions; and
+//! three root mean square distances of positions from the reference, after the best rigid motion of each connected component:
+//! of the online map, of this batch solution, and of a batch solution with exactly the correct edges so far. The reference is
+//! the whole graph without the edges that are incorrect by the ground truth. Decisions do not use the ground truth.
 
 #![allow(clippy::print_stdout, reason = "an example prints what it found")]
 
@@ -33,7 +33,7 @@ use posecut_pcm::clique::{Limits, maximum_clique};
 use posecut_pcm::consistency::consistency_graph;
 use posecut_pcm::{Gate, Spatial, Test};
 
-/// A decision and what the map was like after it.
+/// A decision, and the state of the map after it.
 #[derive(Clone, Copy, Default)]
 struct Row {
     node: usize,
@@ -48,7 +48,7 @@ struct Row {
     perfect: f64,
 }
 
-/// Most updates after a decision, until poses move no more.
+/// Maximum number of updates after a decision; they end when no pose moves any more.
 const MOST_UPDATES: usize = 20;
 
 fn main() -> anyhow::Result<()> {
@@ -151,7 +151,7 @@ fn follow<G: PoseGroup<DOF> + Spatial<DOF>, const DOF: usize>(
                 row.readmitted += usize::from(returned.remove(&place));
             }
         }
-        // A step takes few linear solutions; where a decision swings the map it takes several steps.
+        // A step takes few linear solutions; if a decision swings the map, it needs several steps.
         for _ in 0..MOST_UPDATES {
             if solver.update().relinearised == 0 {
                 break;
@@ -187,7 +187,7 @@ fn ends<G, const DOF: usize>(edges: &[Edge<G, DOF>]) -> impl Iterator<Item = (us
     edges.iter().map(|edge| (edge.from, edge.to))
 }
 
-/// The graph up to a node, with nothing rejected. Places of edges are kept: those to come are marked.
+/// The graph up to a node, with nothing rejected. Edges keep their indices: later ones are marked.
 fn prefix(all: &PoseGraph, last: usize) -> PoseGraph {
     let mut graph = all.clone();
     for edge in &mut graph.edges {
@@ -199,7 +199,7 @@ fn prefix(all: &PoseGraph, last: usize) -> PoseGraph {
     graph
 }
 
-/// The places of the landmark edges that PCM and then the multicut keep, with the paper's costs.
+/// The indices of the landmark edges that PCM and then the multicut keep, with the paper's costs.
 fn decide<G: Spatial<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Result<Vec<usize>> {
     let mut graph = graph.clone();
     let gate = Gate::new(Test::Mahalanobis, 0.99, DOF)?;
@@ -226,8 +226,8 @@ fn decide<G: Spatial<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Resul
     Ok(support.into_iter().map(|(edge, _)| edge).filter(|&edge| joined(edge)).collect())
 }
 
-/// Root mean square distance of positions, after the best rigid motion of each part that edges connect: where a part lies
-/// against another is not in the map. The reference may have more poses.
+/// Root mean square distance of positions, after the best rigid motion of each connected component: the map does not
+/// determine the relative pose of components. The reference may have more poses.
 fn error<G: Spatial<DOF>, const DOF: usize>(
     poses: &[G],
     edges: impl Iterator<Item = (usize, usize)> + Clone,
@@ -253,7 +253,7 @@ fn draw(rows: &[Row]) -> String {
             .with_stroke_width(width)
             .with_legend(legend)
     };
-    // The wider line lies below, so that both are seen where they agree.
+    // The wider line is drawn first, so that both are visible where they agree.
     let plots: Vec<Plot> = vec![
         line("batch, perfect decisions", "#e69f00", 2.5, |row| row.perfect).into(),
         line("batch, the same decisions", "#bbbbbb", 5.0, |row| row.batch).into(),

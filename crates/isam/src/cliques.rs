@@ -1,24 +1,24 @@
-//! From pivots to cliques: pivots join their parents where few zeros come of it.
+//! Makes cliques of pivots: a pivot joins its parent's clique where this adds few explicit zeros.
 
 use crate::order::Pivot;
 
-/// A clique to be made. Variables are those of the quotient graph.
+/// The plan of a clique. Variables are numbered as in the quotient graph.
 #[derive(Debug, Default)]
 pub(crate) struct Plan {
     /// Frontal variables, then the separator, each in the order of elimination.
     pub(crate) variables: Vec<usize>,
     /// Number of frontal variables.
     pub(crate) frontals: usize,
-    /// Place of the parent among the plans.
+    /// Index of the parent among the plans.
     pub(crate) parent: Option<usize>,
-    /// Given elements that become children.
+    /// Given elements (subtrees that stay) that become children.
     pub(crate) given: Vec<usize>,
     /// Explicit zeros that joining has put into the clique's trapezoid, in blocks.
     zeros: usize,
 }
 
-/// Plans in the order of elimination, children before parents. `elements` is the number of given elements, `variables` of
-/// variables, `block` the number of scalars in one.
+/// Plans the cliques, in the order of elimination, children before parents. `elements` is the number of given elements,
+/// `variables` the number of variables, and `block` the number of scalars of a variable.
 pub(crate) fn plan(pivots: Vec<Pivot>, elements: usize, variables: usize, block: usize) -> Vec<Plan> {
     let mut parents = vec![None; pivots.len()];
     for (index, pivot) in pivots.iter().enumerate() {
@@ -26,7 +26,7 @@ pub(crate) fn plan(pivots: Vec<Pivot>, elements: usize, variables: usize, block:
             parents[child - elements] = Some(index);
         }
     }
-    // Roots first, so that a parent has its final height when a child asks to join it. Frontals are gathered backwards.
+    // Roots come first, so that a parent has its final height when a child asks to join it. Frontals are collected backwards.
     let mut plans: Vec<Plan> = Vec::with_capacity(pivots.len());
     let mut boundaries: Vec<Vec<usize>> = Vec::with_capacity(pivots.len());
     let mut place = vec![0; pivots.len()];
@@ -69,7 +69,7 @@ pub(crate) fn plan(pivots: Vec<Pivot>, elements: usize, variables: usize, block:
     plans
 }
 
-/// Whether a pivot should be eliminated in its parent's clique: larger fronts cost some arithmetic and save bookkeeping.
+/// Whether to eliminate a pivot in its parent's clique: larger fronts cost some arithmetic and save bookkeeping.
 fn joins(pivot: &Pivot, parent: &Plan, boundary: &[usize], block: usize) -> bool {
     let height = parent.variables.len() + boundary.len();
     let zeros = parent.zeros + pivot.variables.len() * (height - pivot.boundary.len());

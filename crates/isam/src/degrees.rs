@@ -1,13 +1,13 @@
-//! Variables in lists by their degree.
+//! Lists of variables by degree.
 
 /// No variable.
 const NONE: usize = usize::MAX;
 
-/// Degrees, and doubly linked lists of the variables that wait for elimination, one a degree. Every operation but
+/// The degrees, and for each degree a doubly linked list of the variables that wait for elimination. Every operation but
 /// [`least`](Self::least) takes constant time.
 #[derive(Debug, Default)]
 pub(crate) struct Degrees {
-    /// The degree of each variable. That of a variable in a list must not be changed.
+    /// The degree of each variable. It must not change while the variable is in a list.
     pub(crate) of: Vec<usize>,
     heads: Vec<usize>,
     next: Vec<usize>,
@@ -15,7 +15,7 @@ pub(crate) struct Degrees {
 }
 
 impl Degrees {
-    /// Degrees of zero and empty lists.
+    /// Sets all degrees to zero and empties the lists.
     pub(crate) fn clear(&mut self, variables: usize) {
         refill(&mut self.of, variables, 0);
         refill(&mut self.heads, variables + 1, NONE);
@@ -28,7 +28,7 @@ impl Degrees {
         self.heads.iter().copied().find(|&head| head != NONE)
     }
 
-    /// Puts a variable first into the list of its degree.
+    /// Inserts a variable at the head of the list of its degree.
     pub(crate) fn insert(&mut self, variable: usize) {
         let head = std::mem::replace(&mut self.heads[self.of[variable]], variable);
         self.next[variable] = head;
@@ -38,7 +38,7 @@ impl Degrees {
         }
     }
 
-    /// Takes a variable out of its list, if it is in one.
+    /// Removes a variable from its list, if it is in one.
     pub(crate) fn withdraw(&mut self, variable: usize) {
         let (previous, next) = (self.previous[variable], self.next[variable]);
         if previous != NONE {
@@ -54,7 +54,7 @@ impl Degrees {
     }
 }
 
-/// Empties a list and fills it again; its memory stays.
+/// Empties a list and fills it again, in the memory it has.
 pub(crate) fn refill<T: Clone>(values: &mut Vec<T>, count: usize, value: T) {
     values.clear();
     values.resize(count, value);

@@ -1,4 +1,4 @@
-//! Edges that come and go, with their linearisations.
+//! The edges of the graph and their linearisations.
 
 #![allow(
     clippy::inline_always,
@@ -27,20 +27,20 @@ struct Incident {
 struct Slot<G, const DOF: usize> {
     edge: Edge<G, DOF>,
     model: LinearModel<DOF>,
-    /// Whether the model is waiting in the list of those to be made.
+    /// Whether the edge waits in the list of edges to linearise.
     outdated: bool,
     share: Share,
-    /// The check in which it was last looked at.
+    /// The last check that looked at this edge.
     checked: usize,
 }
 
-/// What an edge adds to sums, as it was when it was last linearised or checked.
+/// What an edge adds to the sums, as of its last linearisation or check.
 #[derive(Clone, Copy, Debug, Default)]
 struct Share {
-    /// The square by which its model is off.
+    /// The squared error of the linear model.
     error: f64,
     cost: f64,
-    /// The cost if it had measured nothing, and a radian were its error.
+    /// The cost of a residual as long as the measured distance along each axis, and of one radian about each axis.
     size: f64,
 }
 
@@ -54,7 +54,7 @@ impl Share {
     }
 }
 
-/// Edges in slots that are used again, listed at both ends.
+/// Edges in slots that are reused, listed at both ends.
 pub(crate) struct Edges<G, const DOF: usize> {
     slots: Vec<Slot<G, DOF>>,
     free: Vec<usize>,
@@ -137,14 +137,14 @@ impl<G: LieGroup<DOF>, const DOF: usize> Edges<G, DOF> {
         self.at[node].iter().map(|incident| incident.other)
     }
 
-    /// The edges that are there with their numbers, ascending.
+    /// The current edges with their numbers, ascending.
     pub(crate) fn list(&self) -> impl Iterator<Item = (u64, &Edge<G, DOF>)> {
         let mut live: Vec<_> = self.by_id.iter().map(|(&id, &slot)| (id, slot)).collect();
         live.sort_unstable();
         live.into_iter().map(|(id, slot)| (id, &self.slots[slot].edge))
     }
 
-    /// Has the edges at a node linearised again.
+    /// Marks the edges at a node for linearisation.
     pub(crate) fn outdate(&mut self, node: usize) {
         for incident in &self.at[node] {
             if !std::mem::replace(&mut self.slots[incident.slot].outdated, true) {
@@ -153,7 +153,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Edges<G, DOF> {
         }
     }
 
-    /// Linearises what is outdated and returns the number of edges.
+    /// Linearises the outdated edges and returns their number.
     pub(crate) fn linearise(&mut self, points: &[G]) -> usize {
         let mut count = 0;
         for index in self.outdated.drain(..) {
@@ -168,9 +168,10 @@ impl<G: LieGroup<DOF>, const DOF: usize> Edges<G, DOF> {
         count
     }
 
-    /// Begins to look at how far models are off.
+    /// Begins a check of the linear models' errors.
     pub(crate) fn begin_check(&mut self) {
         self.checks += 1;
+        // One infinite or NaN summand would stay in the running sums for good: compute them anew.
         if !(self.sums.error + self.sums.cost + self.sums.size).is_finite() {
             self.sums = Share::default();
             for &slot in self.by_id.values() {
@@ -182,7 +183,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Edges<G, DOF> {
         }
     }
 
-    /// Looks at the edges of a node. Those that have been looked at since the check began are not looked at again.
+    /// Computes the errors of a node's edges anew, each edge once per check.
     pub(crate) fn check(&mut self, node: usize, estimate: &Estimate<G, DOF>) {
         let here = estimate.pose(node);
         for incident in &self.at[node] {
@@ -199,13 +200,13 @@ impl<G: LieGroup<DOF>, const DOF: usize> Edges<G, DOF> {
         }
     }
 
-    /// Sums over the edges as they were when last linearised or checked: the squares by which models are off, and costs, but
-    /// of these at least the share `least` of what they were if edges had measured nothing.
+    /// The sums of squared model errors and of costs, each edge as of its last linearisation or check. The cost is at least
+    /// `least` times the sum of `size`.
     pub(crate) fn error_and_cost(&self, least: f64) -> (f64, f64) {
         (self.sums.error, self.sums.cost.max(least * self.sums.size))
     }
 
-    /// Memory held, bytes.
+    /// Memory used, bytes.
     pub(crate) fn bytes(&self) -> usize {
         let incidents: usize = self.at.iter().map(Vec::capacity).sum();
         self.slots.capacity() * size_of::<Slot<G, DOF>>()

@@ -14,7 +14,7 @@ use posecut_optimize::model::{Linearised, translations};
 
 use crate::tree::{Clique, Tree};
 
-/// Rounds that hold one direction each.
+/// Number of rounds that hold only one more direction each.
 const SINGLE_ROUNDS: usize = 8;
 
 /// Where the elimination of a clique failed.
@@ -23,7 +23,7 @@ struct Failure {
     column: usize,
     /// Rows of the panel.
     height: usize,
-    /// Whether elimination ended there.
+    /// Whether elimination stopped at this column.
     broke_down: bool,
 }
 
@@ -33,11 +33,11 @@ pub(crate) trait Incidence<const D: usize> {
     fn for_each(&self, node: usize, each: impl FnMut(usize, &Linearised<D>, bool));
 }
 
-/// Memory of elimination.
+/// The working memory of elimination.
 pub(crate) struct Elimination<const D: usize> {
-    /// Place of each node in the clique that is being made.
+    /// Position of each node in the current clique.
     place: Vec<usize>,
-    /// The clique for which the place was set.
+    /// Stamp of the clique for which a node's `place` was set.
     clique: Vec<usize>,
     stamp: usize,
     scratch: MemBuffer,
@@ -84,10 +84,10 @@ impl<const D: usize> Elimination<D> {
         Arch::new().dispatch(Eliminate { elimination: self, tree, cliques, edges, deltas });
     }
 
-    /// Assembles a clique of edges and children, and eliminates its frontal variables.
+    /// Assembles a clique's front from edges and children, and eliminates its frontal variables.
     ///
-    /// The front is the lower triangle of `[H, -g; -g^T, .]`. Its diagonal blocks hold all edges of a frontal variable, also
-    /// those to variables eliminated before, whose updates take away their part.
+    /// The front is the lower triangle of `[H, -g; -g^T, .]`. The diagonal block of a frontal variable holds all its edges,
+    /// also those to variables eliminated earlier: the updates of these variables subtract what they account for.
     #[inline(always)]
     fn eliminate_clique(
         &mut self,
@@ -105,13 +105,14 @@ impl<const D: usize> Elimination<D> {
         self.held.clear();
         self.held.resize(columns, false);
         clique.undetermined.clear();
-        // Each round holds one more direction, and after some rounds twice as many as the one before: a clique of hundreds of
-        // ill-conditioned directions would take as many rounds. Nearly always there is one round.
+        // One round is nearly always enough. Each further round holds one more direction, and after `SINGLE_ROUNDS` twice as
+        // many as the round before: otherwise a clique with hundreds of ill-conditioned directions would take hundreds of
+        // rounds.
         let mut most = 1;
         for round in 0.. {
             let Some(failure) = self.attempt(tree, &mut clique, edges, deltas) else { break };
             if self.held[failure.column] {
-                // Numbers have overflowed: nothing can be learnt from this clique.
+                // Numbers have overflowed: the equations of this clique are of no use.
                 hold_all(&mut clique, deltas);
                 break;
             }
@@ -156,7 +157,7 @@ impl<const D: usize> Elimination<D> {
             self.assemble_node(panel, height, place, node, edges);
         }
         if self.held.contains(&true) {
-            // Translations and rotations have different units.
+            // Translations and rotations have different units, so each kind has its own stiffness.
             let stiffness = [true, false].map(|along| {
                 let alike = (0..columns).filter(|column| (column % D < translations(D)) == along);
                 let largest = alike.map(|column| self.diagonal[column]).fold(0.0, f64::max);
@@ -180,15 +181,15 @@ impl<const D: usize> Elimination<D> {
         Some(Failure { column, height, broke_down: false })
     }
 
-    /// Whether elimination has left next to nothing of a column that is not held.
+    /// Whether elimination has left only rounding of a column's diagonal entry; false for a column that is held.
     #[inline(always)]
     fn is_singular(&self, panel: &[f64], height: usize, column: usize) -> bool {
         let pivot = panel[column * height + column];
         !(pivot * pivot > SINGULAR * self.diagonal[column]) && !self.held[column]
     }
 
-    /// At most so many columns to hold after a failure: the one that failed, and of those after it the ones that failed too, or,
-    /// where elimination broke down and they are unknown, the next ones.
+    /// The columns to hold after a failure, at most `most`: the failed column, then later ones that failed too. If
+    /// elimination broke down, nothing is known of later columns: then the next ones that are not held.
     fn failing(&self, failure: &Failure, panel: &[f64], most: usize) -> Vec<usize> {
         let Failure { column, height, broke_down } = *failure;
         let others = (column + 1..self.held.len()).filter(|&other| {
@@ -197,8 +198,8 @@ impl<const D: usize> Elimination<D> {
         std::iter::once(column).chain(others).take(most).collect()
     }
 
-    /// The column to hold after elimination broke down there: itself, or, where it is held already, the next one that is
-    /// not, so that every round holds one more.
+    /// The column to hold after elimination broke down at `column`: this column or, if it is held already, the next one that
+    /// is not. So every round holds one more.
     fn not_held(&self, column: usize) -> usize {
         let count = self.held.len();
         (0..count)
@@ -261,14 +262,14 @@ impl<const D: usize> Elimination<D> {
         extend_add(&child.update, order, 0..order, &self.runs, front);
     }
 
-    /// Adds the update of a child whose separator has been put in another order since.
+    /// Adds the update of a child whose separator is no longer in the order of elimination.
     #[inline(always)]
     fn add_unsorted_child(&self, child: &Clique, front: FrontView<'_>) {
         let below = front.below();
         let FrontView { panel, height, columns, update, .. } = front;
         let separator = &child.variables[child.frontals..];
         let order = separator.len() * D + 1;
-        // Block by block, so that the two places are compared once for all of a block's entries.
+        // Block by block: the two positions are compared once for all entries of a block.
         for (block_column, &node) in separator.iter().enumerate() {
             let column = self.place[node] * D;
             let values = |component: usize| &child.update[(block_column * D + component) * order..][..order];
@@ -276,7 +277,7 @@ impl<const D: usize> Elimination<D> {
                 let (source, row) = ((block_column + offset) * D, self.place[node] * D);
                 for component in 0..D {
                     let block = &values(component)[source..source + D];
-                    // Of a diagonal block, the lower triangle is meant.
+                    // Only the lower triangle of a diagonal block is valid.
                     let first = if offset == 0 { component } else { 0 };
                     for (along, value) in block.iter().enumerate().skip(first) {
                         let (target, below_target) = if row >= column {
@@ -304,14 +305,14 @@ impl<const D: usize> Elimination<D> {
     }
 }
 
-/// [`Elimination::eliminate`] for one set of vector instructions. Not a closure: the call of one is not inlined, and what
-/// it calls would be compiled for the least of all machines.
+/// [`Elimination::eliminate`] for one set of vector instructions. Not a closure: a closure would not be inlined, and the
+/// functions it calls would be compiled for the baseline instruction set.
 struct Eliminate<'a, E, const D: usize> {
     elimination: &'a mut Elimination<D>,
     tree: &'a mut Tree,
     cliques: &'a [usize],
     edges: &'a E,
-    /// Linear updates before.
+    /// The current linear updates; held directions keep theirs.
     deltas: &'a [SVector<f64, D>],
 }
 
@@ -326,7 +327,7 @@ impl<E: Incidence<D>, const D: usize> WithSimd for Eliminate<'_, E, D> {
     }
 }
 
-/// Makes a clique of which all frontal variables stay where they are.
+/// Makes a clique that keeps the linear updates of all its frontal variables.
 fn hold_all<const D: usize>(clique: &mut Clique, deltas: &[SVector<f64, D>]) {
     let columns = clique.frontals * D;
     let height = columns + clique.update.len().isqrt();

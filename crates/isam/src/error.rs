@@ -1,15 +1,15 @@
-//! What can be wrong with a change.
+//! Why a change can be refused.
 
 use posecut_optimize::ProblemError;
 use thiserror::Error;
 
-/// Why a change cannot be made. The solver is as it was before.
+/// Why a change was refused. The solver is unchanged.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum IncrementalError {
     /// A threshold is negative or not finite.
     #[error("the {name} is {value}: it must be zero or a positive number")]
     Threshold {
-        /// Which.
+        /// Its name.
         name: &'static str,
         /// Its value.
         value: f64,
@@ -17,10 +17,10 @@ pub enum IncrementalError {
     /// A count is zero.
     #[error("the number of {name} is zero: it must be at least 1")]
     Zero {
-        /// Which.
+        /// Its name.
         name: &'static str,
     },
-    /// A pose or an edge cannot be used as it stands.
+    /// A pose or an edge is not usable.
     #[error(transparent)]
     Problem(#[from] ProblemError),
     /// The edge was never added.
@@ -29,7 +29,7 @@ pub enum IncrementalError {
         /// Its number.
         edge: u64,
     },
-    /// The edge is no longer there.
+    /// The edge was removed before.
     #[error("edge {edge} cannot be removed: it was removed before; add it again first")]
     RemovedEdge {
         /// Its number.

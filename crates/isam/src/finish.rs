@@ -1,4 +1,4 @@
-//! Full solutions: the closing one, and fresh starts.
+//! Full solutions: the final one, and fresh starts.
 
 use nalgebra::SVector;
 use posecut_optimize::model::{Magnitude, Term as _, translations};
@@ -6,15 +6,16 @@ use posecut_optimize::{Initialisation, Options, PoseGroup, Problem, optimize};
 
 use crate::{FinishReport, IncrementalSolver};
 
-/// Most full relinearisations in [`IncrementalSolver::finish`].
+/// Maximum number of full relinearisations in [`IncrementalSolver::finish`].
 const MOST_ITERATIONS: usize = 100;
-/// Components of a step that end [`IncrementalSolver::finish`], shares of the median measured distance and radians.
+/// [`IncrementalSolver::finish`] ends when no component of a step exceeds this: shares of the median measured distance, and
+/// radians.
 const STEP_TOLERANCE: f64 = 1e-10;
-/// Slope, as a cosine, that directions may have which the equations leave undetermined.
+/// Largest slope, as a cosine, that is accepted in directions that the equations leave undetermined.
 const SLOPE: f64 = 1e-6;
-/// Steps below this that no longer shrink are rounding.
+/// Steps below this that no longer shrink are rounding errors.
 const ROUNDING: f64 = 1e-7;
-/// Share of the cost by which a fresh start must be better to be taken.
+/// A fresh start is taken if it lowers the cost by more than this share.
 const BETTER: f64 = 1e-9;
 
 /// How a fresh solution by the batch solver went.
@@ -29,12 +30,11 @@ pub(crate) struct FreshStart {
 }
 
 impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
-    /// Relinearises everything until the estimate stands still: it is then that of a fresh solution of the edges that are
-    /// there.
+    /// Relinearises everything until no pose moves: the estimate is then that of a fresh solution of the current edges.
     ///
-    /// If edges were taken back since the last time, or a step was too long to be trusted, or full steps do not converge,
-    /// the batch solver starts anew (see [`restart`](Self::restart)), so that a false edge leaves no trace even where it
-    /// had folded the map into another basin.
+    /// If edges were removed since the last call, if a step was too long to be trusted, or if full steps do not converge, the
+    /// batch solver starts anew (see [`restart`](Self::restart)). So a false edge leaves no trace, even if it had folded the
+    /// map into another basin.
     pub fn finish(&mut self) -> FinishReport {
         let cost_before = self.cost();
         let mut report = FinishReport {
@@ -57,7 +57,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         report
     }
 
-    /// Gauss-Newton until it stands still, or goes uphill.
+    /// Takes Gauss-Newton steps until they converge or lead uphill.
     fn iterate(&mut self, report: &mut FinishReport) {
         let (mut cost, mut last_step) = (self.cost(), f64::INFINITY);
         let magnitude = self.magnitude();
@@ -85,13 +85,13 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         }
     }
 
-    /// Solves by the batch solver, from its best start, and takes the result if it costs less than the estimate. Says
-    /// whether it did. Takes as long as a batch solution.
+    /// Runs the batch solver from its best start, and takes the result if it costs less than the estimate. Returns whether it
+    /// did. Takes as long as a batch solution.
     pub fn restart(&mut self) -> bool {
         self.fresh_start().is_better
     }
 
-    /// [`restart`](Self::restart), and how it went.
+    /// Does [`restart`](Self::restart), and returns how it went.
     pub(crate) fn fresh_start(&mut self) -> FreshStart {
         let estimates = self.estimates();
         let cost = self.cost_at(&estimates);
@@ -104,7 +104,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         if is_better {
             self.go_to(solution.poses);
             self.relinearise_all();
-            // An undamped step from there can lead uphill where the batch solver had to damp.
+            // Where the batch solver had to damp, an undamped step from its result can lead uphill.
             if !(self.cost() <= solution.cost + gain) {
                 self.go_to(self.estimate.points.clone());
             }
@@ -112,7 +112,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         FreshStart { is_better, converged: solution.converged, steps: solution.iterations }
     }
 
-    /// The largest `|g_k| / sqrt(H_kk cost)` over all components of poses that are not fixed, as
+    /// The largest `|g_k| / sqrt(H_kk cost)` over all components of the poses that are not fixed, as in
     /// [`Options::gradient_tolerance`]. O(edges).
     fn cosine(&self) -> f64 {
         let poses = self.estimates();
@@ -135,13 +135,13 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         (squares.fold(0.0, f64::max) / cost).sqrt()
     }
 
-    /// What tolerances are shares of. O(edges).
+    /// The magnitude that tolerances refer to. O(edges).
     fn magnitude(&self) -> Magnitude {
         let edges: Vec<_> = self.edges.list().map(|(_, edge)| *edge).collect();
         Magnitude::of(edges.iter())
     }
 
-    /// Makes these the estimates and the points of linearisation.
+    /// Sets both the estimates and the points of linearisation to these poses.
     pub(crate) fn go_to(&mut self, poses: Vec<G>) {
         for (node, pose) in poses.into_iter().enumerate() {
             self.estimate.reset(node, pose);

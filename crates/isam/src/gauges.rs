@@ -1,41 +1,41 @@
-//! Which poses are constants: those that are held, and the gauge of every connected part.
+//! Which poses are constants: the held ones, and the gauge of every connected component.
 
 use std::collections::BTreeSet;
 
 use crate::Split;
 use crate::parts::Parts;
 
-/// Connected parts, and the poses in them that are no variables.
+/// The connected components, and their poses that are not variables.
 #[derive(Debug, Default)]
 pub(crate) struct Gauges {
     parts: Parts,
-    /// Poses that stay where they are, and are no variables: the gauges, and what is held.
+    /// The poses that are not variables: gauges and held poses.
     pub(crate) fixed: Vec<bool>,
-    /// Held for good. The gauge of a part with such a pose is one.
+    /// The poses held for good. The gauge of a component with held poses is one of them.
     held: Vec<bool>,
-    /// Parts split off since the last report.
+    /// Components split off since the last report.
     splits: Vec<Split>,
 }
 
 impl Gauges {
-    /// A pose without edges: a part of its own, and its gauge.
+    /// Adds a pose without edges: a component of its own, and its gauge.
     pub(crate) fn add_node(&mut self, held: bool) {
         self.parts.add_node();
         self.fixed.push(true);
         self.held.push(held);
     }
 
-    /// Whether two nodes are in one part.
+    /// Whether two nodes are in one component.
     pub(crate) fn are_one(&self, first: usize, second: usize) -> bool {
         self.parts.are_one(first, second)
     }
 
-    /// The gauge of a node's part.
+    /// The gauge of a node's component.
     pub(crate) fn of(&self, node: usize) -> usize {
         self.parts.of(node).gauge
     }
 
-    /// The nodes of a node's part.
+    /// The nodes of a node's component.
     pub(crate) fn part(&self, node: usize) -> &[usize] {
         &self.parts.of(node).nodes
     }
@@ -45,18 +45,18 @@ impl Gauges {
         self.held[node]
     }
 
-    /// What decides which of two parts stays: the lesser one.
+    /// Decides which of two components stays when they are joined: the one of lower rank.
     pub(crate) fn rank(&self, node: usize) -> (bool, usize) {
         let gauge = self.of(node);
         (!self.held[gauge], gauge)
     }
 
-    /// Joins the part of `gone` to that of `kept`.
+    /// Joins the component of `gone` to that of `kept`.
     pub(crate) fn join(&mut self, kept: usize, gone: usize) {
         self.parts.join(kept, gone);
     }
 
-    /// Looks whether two nodes are still connected. If not, a new part begins, and this is its gauge.
+    /// Checks whether two nodes are still connected. If not, splits their component and returns the gauge of the new one.
     pub(crate) fn split<'a, I: Iterator<Item = usize> + 'a>(
         &mut self,
         first: usize,
@@ -68,17 +68,17 @@ impl Gauges {
         Some(gauge)
     }
 
-    /// The parts split off since the last call.
+    /// Takes the components split off since the last call.
     pub(crate) fn take_splits(&mut self) -> Vec<Split> {
         std::mem::take(&mut self.splits)
     }
 
-    /// Number of parts.
+    /// Number of components.
     pub(crate) fn parts(&self) -> usize {
         self.parts.count()
     }
 
-    /// Number of parts that hold no pose but their first. O(nodes log nodes).
+    /// Number of components without held poses. O(nodes log nodes).
     pub(crate) fn floating(&self) -> usize {
         let gauges: BTreeSet<usize> = (0..self.held.len()).map(|node| self.of(node)).collect();
         gauges.into_iter().filter(|&gauge| !self.held[gauge]).count()

@@ -1,31 +1,30 @@
-//! Incremental optimisation: poses and edges come one at a time, edges can be taken back, and the estimate stays current.
+//! Incremental optimisation: poses and edges are added one at a time, edges can be retracted, and the estimate stays current.
 //!
-//! The estimate is kept as iSAM2 keeps it (Kaess, Johannsson, Roberts, Ila, Leonard, Dellaert, "iSAM2: Incremental
-//! smoothing and mapping using the Bayes tree", IJRR 2012): a tree of cliques, each the elimination of its *frontal*
-//! variables given its *separator*. A change to an edge touches the cliques of its two ends and their ancestors. That
-//! top is taken away, its variables are ordered anew with the newest last, and eliminated again; subtrees below it stay
-//! and enter by what they have left over on their separators.
+//! The solver keeps the estimate as iSAM2 does (Kaess, Johannsson, Roberts, Ila, Leonard, Dellaert, "iSAM2: Incremental
+//! smoothing and mapping using the Bayes tree", IJRR 2012): in a tree of cliques. Each clique is the elimination of its
+//! *frontal* variables given its *separator*. A change to an edge affects the cliques of its two ends and their ancestors.
+//! The solver removes this top of the tree, orders its variables anew with the newest last, and eliminates them again. The
+//! subtrees below stay: each contributes the update that it left on its separator.
 //!
-//! What differs from the paper, and why the result is the same:
+//! Differences from the paper, and why the result is the same:
 //!
-//! - A clique is a dense front of the multifrontal Cholesky factorisation of the normal equations, with the right-hand
-//!   side as one more row, instead of a QR factorisation of Jacobians. What a subtree leaves over on its separator is the
-//!   front's update matrix, which stays stored with it: the information form of the paper's boundary factor. The factor
-//!   `L` of both is the same up to signs.
-//! - The order comes from a minimum-degree algorithm on the quotient graph, in which the remaining subtrees are elements
-//!   from the start; nothing is expanded to pairs.
-//! - Linearised edges are kept until one of their ends is relinearised. Thresholds per variable tell which variables may be;
-//!   they are, all at once, when the differences between residuals and linear models add up to more than a share of
-//!   the cost ([`IncrementalOptions::linearisation_error`]). A part that swings rigidly leaves its linear models exact.
-//! - What comes last in the order is not only the ends of the newest edges but half of what is eliminated again, by distance
-//!   from them in the graph: the next edges come there.
-//! - The gauge is not a prior: the first pose of every connected part stays where it is and is no variable. When an edge
-//!   joins two parts, the later one moves rigidly so that the edge fits. Errors are right perturbations, so that
-//!   nothing needs to be linearised again. When a removal splits a part, the one without gauge stays where it is and gets
-//!   one, and the report says so.
+//! - A clique is a dense front of the multifrontal Cholesky factorisation of the normal equations, with the right-hand side
+//!   as one more row, instead of a QR factorisation of Jacobians. The front's update matrix is stored with it: it is what a
+//!   subtree leaves on its separator, the information form of the paper's boundary factor. Both methods have the same factor
+//!   `L` up to signs.
+//! - The order comes from a minimum-degree algorithm on the quotient graph. The remaining subtrees are elements from the
+//!   start and are not expanded to pairs.
+//! - A linearised edge is kept until one of its ends is relinearised. Thresholds per variable decide which variables may be
+//!   relinearised. All of them are, at once, when the differences between residuals and linear models add up to more than a
+//!   share of the cost ([`IncrementalOptions::linearisation_error`]). A component that swings rigidly has no such
+//!   differences.
+//! - Not only the ends of the newest edges come last in the order, but the nearest half (by distance in the graph) of all
+//!   nodes that are eliminated again: the next edges will probably end there.
+//! - The gauge is not a prior: the first pose of every connected component is a constant. When an edge joins two components,
+//!   the later one moves rigidly so that the edge fits; since errors are right perturbations, nothing is relinearised. When a
+//!   removal splits a component, the side without a gauge keeps its poses and gets a gauge, and the report names it.
 //!
-//! Removal is no approximation. After [`IncrementalSolver::finish`] the estimate is that of a fresh solution of the edges
-//! that are left.
+//! Removal is exact: after [`IncrementalSolver::finish`] the estimate is that of a fresh solution of the remaining edges.
 //!
 //! ```
 //! use nalgebra::Matrix3;

@@ -1,4 +1,4 @@
-//! The linear model that stands for an edge, and how far it is off.
+//! The linear model of an edge, and its error.
 
 use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
@@ -12,12 +12,12 @@ pub(crate) struct LinearModel<const DOF: usize> {
     constant: SVector<f64, DOF>,
     from: SMatrix<f64, DOF, DOF>,
     to: SMatrix<f64, DOF, DOF>,
-    /// The kernel's.
+    /// The weight of the robust kernel.
     weight: f64,
 }
 
 impl<const DOF: usize> LinearModel<DOF> {
-    /// What stands in until an edge is linearised.
+    /// A placeholder until an edge is linearised.
     pub(crate) fn none() -> Self {
         Self {
             blocks: Linearised {
@@ -35,18 +35,18 @@ impl<const DOF: usize> LinearModel<DOF> {
         }
     }
 
-    /// Linearises at these poses.
+    /// Linearises an edge at these poses.
     pub(crate) fn new<G: LieGroup<DOF>>(edge: &Edge<G, DOF>, poses: &[G]) -> Self {
         let expansion = Expansion::new(edge, &poses[edge.from], &poses[edge.to]);
         let (blocks, weight) = expansion.model(edge);
         Self { blocks, constant: expansion.error, from: expansion.from(), to: expansion.to, weight }
     }
 
-    /// The squared difference, in standard deviations, between the weighted residual at two poses and what the model says of it
-    /// at their linear updates; and the edge's cost there.
+    /// The squared difference, in standard deviations, between the weighted residual at two poses and the model's residual at
+    /// their linear updates; and the edge's cost at these poses.
     ///
-    /// If the linear system is solved, what is left of the gradient is `J^T Omega d` with the differences `d` of all edges,
-    /// and `(dJ)^T Omega e` of derivatives that have changed. The squares measure the first of the two.
+    /// After the linear system is solved, the remaining gradient is the sum over all edges of `J^T Omega d`, with these
+    /// differences `d`, and of `(dJ)^T Omega e`, from derivatives that have changed. The squares measure the first term.
     pub(crate) fn error<G: LieGroup<DOF>>(
         &self,
         edge: &Edge<G, DOF>,

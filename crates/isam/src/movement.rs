@@ -1,4 +1,4 @@
-//! How far poses have moved from where their edges were linearised and last looked at.
+//! How far poses have moved since their edges were linearised and last checked.
 
 #![allow(
     clippy::inline_always,
@@ -13,24 +13,24 @@ use crate::IncrementalOptions;
 use crate::edges::Edges;
 use crate::estimate::Estimate;
 
-/// A rotation beyond which a Gauss-Newton step is not trusted without a look at the cost, radians. Translations beyond all measured
-/// distances together are not, either.
+/// A Gauss-Newton step with a larger rotation than this, in radians, is trusted only if it lowers the cost. The same holds
+/// for a translation longer than all measured distances together.
 const LONG_ROTATION: f64 = 0.5;
 
-/// What relinearisation goes by.
+/// The movements that decide about relinearisation.
 #[derive(Debug)]
 pub(crate) struct Movement<const DOF: usize> {
     /// Thresholds by component: metres, then radians.
     thresholds: [f64; DOF],
-    /// Linear updates for which edges have been looked at.
+    /// Linear updates at the last check of a node's edges.
     checked: Vec<SVector<f64, DOF>>,
-    /// Nodes whose linear update has changed by more than a threshold since edges have been looked at.
+    /// Nodes whose linear update has changed by more than a threshold since that check.
     moved: Vec<usize>,
     /// Nodes whose linear update may exceed a threshold.
     candidates: Vec<usize>,
-    /// Whether the last solution turned a pose too far to be trusted.
+    /// Whether the last solution moved a pose too far to be trusted.
     pub(crate) long_step: bool,
-    /// The sum of all measured distances, those of edges taken back included.
+    /// The sum of all measured distances, including those of removed edges.
     pub(crate) reach: f64,
 }
 
@@ -50,12 +50,12 @@ impl<const DOF: usize> Movement<DOF> {
         self.checked.push(SVector::zeros());
     }
 
-    /// Notes that a pose is its own point of linearisation.
+    /// Notes that a pose was relinearised: its linear update is zero.
     pub(crate) fn reset(&mut self, node: usize) {
         self.checked[node] = SVector::zeros();
     }
 
-    /// Forgets who has moved: everything is linearised again.
+    /// Forgets which poses have moved, since everything is linearised again.
     pub(crate) fn clear(&mut self) {
         self.moved.clear();
         self.candidates.clear();
@@ -64,11 +64,12 @@ impl<const DOF: usize> Movement<DOF> {
     /// Whether a component exceeds its threshold.
     #[inline(always)]
     pub(crate) fn is_beyond(&self, value: &SVector<f64, DOF>) -> bool {
-        // Written so that NaN is beyond.
+        // Written so that NaN exceeds every threshold.
         value.iter().zip(&self.thresholds).any(|(value, threshold)| !(value.abs() <= *threshold))
     }
 
-    /// Notes a new linear update: whether it has moved far since its edges were looked at, and how long the step is.
+    /// Notes whether a new linear update has moved far since the last check of the node's edges, and whether the step is
+    /// long.
     #[inline(always)]
     pub(crate) fn note(&mut self, node: usize, value: &SVector<f64, DOF>) {
         if self.is_beyond(&(value - self.checked[node])) {
@@ -79,7 +80,7 @@ impl<const DOF: usize> Movement<DOF> {
         }
     }
 
-    /// Looks at the edges of variables that have moved.
+    /// Checks the edges of variables that have moved.
     pub(crate) fn look<G: LieGroup<DOF>>(
         &mut self,
         fixed: &[bool],
@@ -98,12 +99,12 @@ impl<const DOF: usize> Movement<DOF> {
         }
     }
 
-    /// The nodes whose linear update may exceed a threshold; none are left.
+    /// Takes the nodes whose linear update may exceed a threshold, and empties their list.
     pub(crate) fn take_candidates(&mut self) -> Vec<usize> {
         std::mem::take(&mut self.candidates)
     }
 
-    /// Memory held, bytes.
+    /// Memory used, bytes.
     pub(crate) fn bytes(&self) -> usize {
         (self.moved.capacity() + self.candidates.capacity()) * size_of::<usize>()
     }

@@ -1,4 +1,4 @@
-//! What the caller may choose.
+//! The options of the solver.
 
 use posecut_optimize::model::translations;
 
@@ -13,23 +13,22 @@ pub struct IncrementalOptions {
     pub relinearise_rotation: f64,
     /// Relinearisation is considered in every so many updates.
     pub relinearise_every: usize,
-    /// A subtree is solved again when a component of the linear update of a variable on its separator has changed by more
-    /// than this since the last time (metres, radians). Zero solves wherever something changed at all.
+    /// A subtree is solved again when the linear update of a variable on its separator has changed in a component by more
+    /// than this since the last time (metres, radians). Zero means any change.
     pub propagate: f64,
-    /// The share of the cost that linearisation errors may amount to, as the sum of squared differences between residuals and
-    /// linear models over the edges at variables beyond the thresholds. Once they amount to more, all these variables
-    /// are relinearised. Zero relinearises every such variable at once, as iSAM2 does. The gap to the optimum grows with
-    /// it, but it is no bound of the gap: derivatives are stale, too, and a chain of poses amplifies what is out of balance at
-    /// one of them.
+    /// Limit of the linearisation errors as a share of the cost: the sum of squared differences between residuals and linear
+    /// models, over the edges at variables beyond the thresholds. Above the limit, all these variables are relinearised. Zero
+    /// relinearises each of them at once, as iSAM2 does. A larger limit means a larger gap to the optimum, but the limit is
+    /// no bound of this gap: derivatives are out of date, too, and a chain of poses amplifies an imbalance at one of them.
     pub linearisation_error: f64,
-    /// Most linear solutions in one update: above 1, relinearisation and solution are repeated while variables exceed
-    /// the thresholds.
+    /// Maximum number of linear solutions in one update. Above 1, relinearisation and solution are repeated while variables
+    /// exceed the thresholds.
     pub iterations: usize,
 }
 
 impl Default for IncrementalOptions {
-    /// Relinearisation beyond 0.05 m or 0.01 rad, considered in every update, once linearisation errors
-    /// amount to 1e-5 of the cost; propagation of changes beyond 1e-4; two solutions.
+    /// Relinearisation beyond 0.05 m or 0.01 rad, checked in every update, once linearisation errors exceed 1e-5 of the cost;
+    /// propagation of changes beyond 1e-4; two solutions.
     fn default() -> Self {
         Self {
             relinearise_translation: 0.05,
@@ -43,7 +42,7 @@ impl Default for IncrementalOptions {
 }
 
 impl IncrementalOptions {
-    /// Refuses what makes no sense.
+    /// Checks that thresholds are finite and not negative, and that counts are positive.
     pub(crate) fn check(&self) -> Result<(), IncrementalError> {
         for (name, value) in [
             ("translation threshold of relinearisation", self.relinearise_translation),

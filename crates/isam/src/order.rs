@@ -1,4 +1,4 @@
-//! A fill-reducing order of a part of the variables, in which subtrees that stay are elements from the start.
+//! A fill-reducing order of some of the variables, in which the subtrees that stay are elements from the start.
 //!
 //! Approximate minimum degree on the quotient graph (P. R. Amestoy, T. A. Davis, I. S. Duff, "An approximate minimum
 //! degree ordering algorithm", SIAM J. Matrix Anal. Appl. 17, 1996), with supervariables, and with a group of variables
@@ -8,40 +8,40 @@ use crate::degrees::{Degrees, refill};
 
 const NONE: usize = usize::MAX;
 
-/// Variables that are eliminated together, and what that leaves connected.
+/// Variables that are eliminated together, and the variables that this connects.
 #[derive(Debug, Default)]
 pub(crate) struct Pivot {
     /// The variables eliminated, in order.
     pub(crate) variables: Vec<usize>,
-    /// The variables left, all connected now.
+    /// The remaining variables that are now all connected to each other.
     pub(crate) boundary: Vec<usize>,
-    /// Elements absorbed: below the number of given elements, those; above it, pivots counted from there.
+    /// The absorbed elements. Numbers below the number of given elements are given elements, higher ones are pivots.
     pub(crate) children: Vec<usize>,
 }
 
 /// A quotient graph and the memory to eliminate it.
 #[derive(Debug, Default)]
 pub(crate) struct QuotientGraph {
-    /// Variables adjacent by an edge that no element covers.
+    /// Neighbours by edges that no element covers.
     pub(crate) neighbours: Vec<Vec<usize>>,
     /// Elements at a variable.
     pub(crate) elements: Vec<Vec<usize>>,
     /// Principal variables of an element.
     boundaries: Vec<Vec<usize>>,
-    /// Number of variables of an element, all members counted.
+    /// Number of variables of an element, counting all members of supervariables.
     sizes: Vec<usize>,
     alive: Vec<bool>,
-    /// Members of a supervariable; 0 for a variable that is a member of another.
+    /// Number of members of a supervariable; 0 for a variable that is a member of another one.
     pub(crate) weights: Vec<usize>,
     pub(crate) members: Vec<Vec<usize>>,
     pub(crate) degrees: Degrees,
     pub(crate) last: Vec<bool>,
-    /// Whether only those that come last are left.
+    /// Whether only the variables that come last remain.
     late: bool,
-    // Marks.
+    // A variable is marked if `mark` holds the current `stamp`.
     pub(crate) mark: Vec<usize>,
     pub(crate) stamp: usize,
-    /// Per element: the number of its variables outside of the pivot's boundary, and for which pivot.
+    /// Per element: the number of its variables outside the pivot's boundary, and the pivot for which it was counted.
     outside: Vec<(usize, usize)>,
 }
 
@@ -55,7 +55,7 @@ fn renew(lists: &mut Vec<Vec<usize>>, count: usize) {
 }
 
 impl QuotientGraph {
-    /// Starts anew with so many variables and elements, nothing connected.
+    /// Resets the graph to so many variables and elements, without connections.
     pub(crate) fn clear(&mut self, variables: usize, elements: usize) {
         renew(&mut self.neighbours, variables);
         renew(&mut self.elements, variables);
@@ -72,19 +72,19 @@ impl QuotientGraph {
         self.late = false;
     }
 
-    /// Connects two variables; once a direction, doubles allowed.
+    /// Adds a neighbour to a variable's list. Call it once per direction; duplicates are allowed.
     pub(crate) fn connect(&mut self, variable: usize, neighbour: usize) {
         self.neighbours[variable].push(neighbour);
     }
 
-    /// Puts a variable among those of a given element.
+    /// Adds a variable to a given element.
     pub(crate) fn include(&mut self, element: usize, variable: usize) {
         self.elements[variable].push(element);
         self.boundaries[element].push(variable);
         self.sizes[element] += 1;
     }
 
-    /// Asks for a variable to come last.
+    /// Puts a variable into the group that comes last.
     pub(crate) fn put_last(&mut self, variable: usize) {
         self.last[variable] = true;
     }
@@ -103,7 +103,7 @@ impl QuotientGraph {
             self.degrees.of[variable] = (self.neighbours[variable].len() + covered).min(variables - 1);
         }
         for late in [false, true] {
-            // Backwards, so that of equals the oldest comes first.
+            // In reverse, so that the oldest variable comes first among equal degrees.
             for variable in (0..variables).rev() {
                 if self.last[variable] == late && self.weights[variable] > 0 {
                     self.degrees.insert(variable);
@@ -113,7 +113,7 @@ impl QuotientGraph {
             while remaining > 0 {
                 let Some(pivot) = self.degrees.least() else { break };
                 if self.degrees.of[pivot] + self.weights[pivot] >= remaining {
-                    // Everything left is connected to everything, as far as degrees tell.
+                    // By their degrees, all remaining variables are connected to each other.
                     pivots.push(self.rest());
                     return pivots;
                 }
@@ -124,7 +124,7 @@ impl QuotientGraph {
         pivots
     }
 
-    /// One dense pivot of all that is left, those that come last at its end.
+    /// One dense pivot of all remaining variables, those that come last at its end.
     fn rest(&mut self) -> Pivot {
         let mut pivot = Pivot::default();
         let principal: Vec<usize> =
@@ -148,6 +148,7 @@ impl QuotientGraph {
         self.stamp += 1;
         let stamp = self.stamp;
         self.mark[pivot] = stamp;
+        // The new element absorbs the pivot's elements: its boundary is the union of theirs and the pivot's neighbours.
         let mut boundary = Vec::new();
         let mut size = 0;
         let children = std::mem::take(&mut self.elements[pivot]);
@@ -190,7 +191,7 @@ impl QuotientGraph {
         Pivot { variables: std::mem::take(&mut self.members[pivot]), boundary: structure, children }
     }
 
-    /// Takes from the boundary's lists what the new element covers.
+    /// Removes from the lists of the boundary's variables what the new element covers.
     fn prune(&mut self, element: usize, boundary: &[usize]) {
         for &variable in boundary {
             let (mark, stamp, weights) = (&self.mark, self.stamp, &self.weights);
@@ -198,6 +199,7 @@ impl QuotientGraph {
             let alive = &self.alive;
             self.elements[variable].retain(|&other| alive[other]);
             for &other in &self.elements[variable] {
+                // Counts the variables of `other` outside the new boundary, the set differences of equation (4.1).
                 let (outside, pivot) = &mut self.outside[other];
                 if *pivot != element {
                     (*outside, *pivot) = (self.sizes[other], element);
@@ -208,7 +210,7 @@ impl QuotientGraph {
         }
     }
 
-    /// Amestoy, Davis, Duff, equation (4.1).
+    /// The approximate degrees of the boundary: Amestoy, Davis, Duff, equation (4.1).
     fn update_degrees(&mut self, element: usize, boundary: &[usize], size: usize, remaining: usize) {
         for &variable in boundary {
             let weight = self.weights[variable];
@@ -232,7 +234,7 @@ mod tests {
     /// Eliminates by hand and compares every boundary with the pivot's.
     fn check(variables: usize, edges: &[(usize, usize)], elements: &[Vec<usize>], last: &[usize]) {
         let mut graph = QuotientGraph::default();
-        // Twice: memory is used again.
+        // Twice, since the second run reuses the memory of the first.
         for _ in 0..2 {
             graph.clear(variables, elements.len());
             for &(a, b) in edges {

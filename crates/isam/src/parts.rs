@@ -1,30 +1,30 @@
-//! Connected parts of a graph that changes.
+//! Connected components of a graph that changes.
 
 use std::collections::VecDeque;
 
-/// A connected part.
+/// A connected component.
 #[derive(Debug, Default)]
 pub(crate) struct Part {
-    /// Its lowest node at the time it came to be, or the lowest that is held: fixed.
+    /// Its fixed node: the lowest one at the time the component was made, or the lowest held one.
     pub(crate) gauge: usize,
     /// Its nodes.
     pub(crate) nodes: Vec<usize>,
 }
 
-/// Parts by number; numbers are used again.
+/// Components by number. Numbers are reused.
 #[derive(Debug, Default)]
 pub(crate) struct Parts {
     all: Vec<Part>,
     free: Vec<usize>,
-    /// Part of each node.
+    /// Component of each node.
     of: Vec<usize>,
-    /// Marks of the search: twice the stamp, plus the side.
+    /// Marks of the search for a connection: twice the stamp, plus the side.
     mark: Vec<usize>,
     stamp: usize,
 }
 
 impl Parts {
-    /// A node without edges, a part of its own.
+    /// Adds a node without edges, a component of its own.
     pub(crate) fn add_node(&mut self) {
         let node = self.of.len();
         let part = self.new_part(Part { gauge: node, nodes: vec![node] });
@@ -40,7 +40,7 @@ impl Parts {
         self.of[first] == self.of[second]
     }
 
-    /// Number of parts.
+    /// Number of components.
     pub(crate) fn count(&self) -> usize {
         self.all.len() - self.free.len()
     }
@@ -55,7 +55,7 @@ impl Parts {
         }
     }
 
-    /// Joins the part of `second` to that of `first`. O(nodes that change their part).
+    /// Joins the component of `second` to that of `first`. O(nodes that change their component).
     pub(crate) fn join(&mut self, first: usize, second: usize) {
         let (kept, gone) = (self.of[first], self.of[second]);
         let Part { nodes, .. } = std::mem::take(&mut self.all[gone]);
@@ -66,9 +66,9 @@ impl Parts {
         self.free.push(gone);
     }
 
-    /// Looks whether two nodes of a part are still connected, and if not, makes the side without the gauge a part of its
-    /// own and returns its number of nodes and new gauge: the lowest of them, of those that are held if any are. Both sides are searched in turn, so that the smaller one bounds
-    /// the work.
+    /// Checks whether two nodes of a component are still connected. If not, makes the side without the gauge a component of
+    /// its own, and returns its new gauge and its number of nodes. The gauge is the lowest held node or, if none is held, the
+    /// lowest node. The search alternates between both sides, so that the smaller one bounds the work.
     pub(crate) fn split<'a, I: Iterator<Item = usize> + 'a>(
         &mut self,
         first: usize,

@@ -1,4 +1,4 @@
-//! What an update did.
+//! Reports of updates.
 
 /// What one [`update`](crate::IncrementalSolver::update) did.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -13,15 +13,15 @@ pub struct UpdateReport {
     pub cliques: usize,
     /// Variables whose linear update was solved for.
     pub solved: usize,
-    /// Parts split off by removals since the last update.
+    /// Components split off by removals since the last update.
     pub splits: Vec<Split>,
-    /// Whether a step was not taken because it went too far uphill, and the batch solver started anew.
+    /// Whether a step was refused because it led too far uphill, so that the batch solver started anew.
     pub restarted: bool,
-    /// Nodes that the edges leave undetermined in some direction, ascending: they are held where they are in it.
+    /// Nodes that the edges leave undetermined in some direction, ascending. They keep their value in this direction.
     pub undetermined: Vec<usize>,
 }
 
-/// A part of the graph that lost its connection to the rest when an edge was removed. It stays where it was.
+/// A component that lost its connection to the rest when an edge was removed. Its poses stay the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Split {
     /// Its first node, which is held fixed from now on.
@@ -39,7 +39,7 @@ pub struct FinishReport {
     pub converged: bool,
     /// Whether the batch solver found a lower cost from a fresh start.
     pub restarted: bool,
-    /// Cost before, kernels applied.
+    /// Cost before, with kernels.
     pub cost_before: f64,
     /// Cost after.
     pub cost: f64,

@@ -1,28 +1,29 @@
-//! When to solve anew inside of an update.
+//! When an update may restart the batch solver.
 
 use crate::finish::FreshStart;
 
-/// Steps of the batch solver that restarts may take for each update, on average over the session. Restarts that are of use are
-/// far rarer.
+/// Budget of restarts: steps of the batch solver per update, on average over the session. Useful restarts are far rarer.
 const STEPS_PER_UPDATE: usize = 2;
 
-/// When to solve anew inside of an update. A restart takes as long as a batch solution: one that did not help, or did not
-/// converge and so will not hold, makes the next ones rarer, and all of them together have a budget.
+/// When an update may restart the batch solver.
+///
+/// A restart takes as long as a batch solution. One that does not help, or does not converge and so will not last, makes the
+/// next ones rarer, and all restarts share a budget.
 #[derive(Debug, Default)]
 pub(crate) struct Restarts {
     not_before: usize,
     pause: usize,
-    /// Whether the last long step was not taken, and could not be answered by a restart.
+    /// Whether the last long step was refused and no restart could replace it.
     pub(crate) stuck: bool,
-    /// Whether the estimate may be in a wrong basin: a step was too long to trust, or an edge was taken back.
+    /// Whether the estimate may be in a wrong basin: a step was too long to be trusted, or an edge was removed.
     pub(crate) strained: bool,
-    /// Poses times steps: what has been spent, and what may be.
+    /// What restarts have spent and may spend, in poses times steps.
     spent: usize,
     allowance: usize,
 }
 
 impl Restarts {
-    /// Adds to the budget what an update of so many poses allows.
+    /// Adds the share of an update of so many poses to the budget.
     pub(crate) fn allow(&mut self, poses: usize) {
         self.allowance += STEPS_PER_UPDATE * poses;
     }
@@ -32,7 +33,7 @@ impl Restarts {
         updates >= self.not_before && self.spent <= self.allowance
     }
 
-    /// Counts a restart in this update, over so many poses.
+    /// Counts a restart of this update, over so many poses.
     pub(crate) fn count(&mut self, fresh: FreshStart, updates: usize, poses: usize) {
         self.spent += fresh.steps * poses;
         let helped = fresh.is_better && fresh.converged;

@@ -14,15 +14,14 @@ use crate::top::Top;
 use crate::tree::Tree;
 use crate::{IncrementalError, IncrementalOptions};
 
-/// The number of an edge, given when it is added and never again.
+/// The number of an edge. Numbers are never reused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct EdgeId(pub u64);
 
-/// Poses and edges that come and go, and the estimate of the poses.
+/// Poses and edges that are added and removed, and the estimate of the poses.
 ///
-/// Changes are taken by [`add_pose`](Self::add_pose), [`add_edge`](Self::add_edge) and
-/// [`remove_edge`](Self::remove_edge), and enter the estimate at the next [`update`](Self::update). The result depends on
-/// the sequence of calls alone.
+/// [`add_pose`](Self::add_pose), [`add_edge`](Self::add_edge) and [`remove_edge`](Self::remove_edge) record changes; the next
+/// [`update`](Self::update) applies them to the estimate. The result depends only on the sequence of calls.
 #[derive(Debug)]
 pub struct IncrementalSolver<G, const DOF: usize> {
     pub(crate) options: IncrementalOptions,
@@ -57,14 +56,14 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         })
     }
 
-    /// Adds a pose and returns its number: poses are counted from 0. It is a part of its own, held at `pose`, until an
-    /// edge joins it to another: that edge, not `pose`, places it then, if it is the later of the two.
+    /// Adds a pose and returns its number, counted from 0. The pose is a component of its own, fixed at `pose`, until an edge
+    /// joins it to another component. If it is the later of the two, it then moves to where the edge puts it.
     pub fn add_pose(&mut self, pose: G) -> Result<usize, IncrementalError> {
         self.add(pose, false)
     }
 
-    /// Adds a pose that stays where it is for good, as a constant: g2o's `FIX`. A part with such a pose is moved by no edge that
-    /// joins it to another; an edge between two of them pulls at both.
+    /// Adds a pose that is a constant for good: g2o's `FIX`. A component with such a pose does not move when an edge joins it
+    /// to another; an edge between two such components constrains both.
     pub fn add_held_pose(&mut self, pose: G) -> Result<usize, IncrementalError> {
         self.add(pose, true)
     }
@@ -85,11 +84,11 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         Ok(node)
     }
 
-    /// Adds an edge. The errors are those of [`Problem::new`](posecut_optimize::Problem::new); they name the edge by the number it
-    /// would have had.
+    /// Adds an edge. The errors are those of [`Problem::new`](posecut_optimize::Problem::new); they name the edge by the
+    /// number that it would get.
     ///
-    /// If it joins two parts, the one with the later gauge moves rigidly so that the edge's residual is zero, which takes
-    /// time proportional to its nodes. Parts with poses that are held do not move.
+    /// If the edge joins two components, the one with the later gauge moves rigidly so that the edge's residual is zero. This
+    /// takes time proportional to its nodes. Components with held poses do not move.
     pub fn add_edge(&mut self, edge: Edge<G, DOF>) -> Result<EdgeId, IncrementalError> {
         check_edge(self.edges.next_id() as usize, &edge, self.poses())?;
         if !self.gauges.are_one(edge.from, edge.to) {
@@ -101,11 +100,11 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         Ok(EdgeId(self.edges.add(edge)))
     }
 
-    /// Takes an edge back and returns it, so that it can be added again.
+    /// Removes an edge and returns it, so that it can be added again.
     ///
-    /// If that disconnects a part of the graph, the part stays where it is, its first node is fixed from now on unless others are
-    /// held, and
-    /// the next [`UpdateReport`](crate::UpdateReport) says so. Looking for another connection takes time proportional to the smaller side.
+    /// If this splits a component, the side without a gauge keeps its poses. Its first node is fixed from now on, unless
+    /// other nodes of it are held, and the next [`UpdateReport`](crate::UpdateReport) names it. The search for another
+    /// connection takes time proportional to the smaller side.
     pub fn remove_edge(&mut self, id: EdgeId) -> Result<Edge<G, DOF>, IncrementalError> {
         let edge = self.edges.remove(id.0)?;
         self.top.touch([edge.from, edge.to]);
@@ -117,8 +116,8 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         Ok(edge)
     }
 
-    /// Moves the part of one end so that the edge fits, and releases its gauge, unless poses of it are held: then, if those of the
-    /// other end are not, that one moves.
+    /// Moves the component of one end so that the edge fits, and releases its gauge. The component with held poses stays, and
+    /// the other one moves; if both have held poses, neither moves.
     fn join(&mut self, edge: &Edge<G, DOF>) {
         let (from, to) = (self.estimate(edge.from), self.estimate(edge.to));
         let (kept, gone, motion) = if self.gauges.rank(edge.from) < self.gauges.rank(edge.to) {
@@ -140,13 +139,13 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         }
     }
 
-    /// Makes a variable of a gauge, or a gauge of a variable, where it is.
+    /// Turns a variable into a gauge or a gauge into a variable, at its current pose.
     fn fix(&mut self, node: usize, fixed: bool) {
         self.gauges.fixed[node] = fixed;
         self.relinearise(node);
     }
 
-    /// Moves the point of linearisation to the estimate.
+    /// Makes the estimate the point of linearisation.
     pub(crate) fn relinearise(&mut self, node: usize) {
         self.estimate.reset(node, self.estimate.pose(node));
         self.movement.reset(node);
@@ -176,17 +175,17 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         self.estimate.points.len()
     }
 
-    /// The edges that are there, by number.
+    /// The current edges, by number.
     pub fn edges(&self) -> Vec<(EdgeId, Edge<G, DOF>)> {
         self.edges.list().map(|(id, edge)| (EdgeId(id), *edge)).collect()
     }
 
-    /// Number of connected parts.
+    /// Number of connected components.
     pub fn parts(&self) -> usize {
         self.gauges.parts()
     }
 
-    /// Number of connected parts that hold no pose but their first, which nothing else places. O(nodes log nodes).
+    /// Number of connected components without held poses: only their gauge fixes their position. O(nodes log nodes).
     pub fn floating_parts(&self) -> usize {
         self.gauges.floating()
     }
@@ -200,8 +199,8 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         self.edges.list().map(|(_, edge)| edge.cost(poses)).fold(0.0, |sum, cost| sum + cost)
     }
 
-    /// Memory held for cliques and edges, bytes. It depends on the graph and on how large it has been, not on how often
-    /// edges came and went.
+    /// Memory used for cliques and edges, bytes. It depends on the graph and on its largest size so far, not on how often
+    /// edges were added and removed.
     pub fn bytes(&self) -> usize {
         self.tree.scalars() * size_of::<f64>() + self.edges.bytes() + self.movement.bytes() + self.top.bytes()
     }

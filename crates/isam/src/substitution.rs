@@ -15,7 +15,7 @@ use crate::estimate::Estimate;
 use crate::movement::Movement;
 use crate::tree::{Clique, Tree};
 
-/// Lanes of a sum: one vector register.
+/// Number of partial sums: the lanes of one vector register.
 const LANES: usize = 4;
 
 /// Solves a clique for its frontal variables: `x_1 = L^-T (y - M^T x_2)`.
@@ -46,20 +46,20 @@ fn solve<const D: usize>(clique: &Clique, values: &[SVector<f64, D>], known: &mu
     }
 }
 
-/// What a solution is about.
+/// The cliques that a solution visits.
 pub(crate) struct Below<'a> {
     /// New cliques, children before parents: all are solved.
     pub(crate) made: &'a [usize],
-    /// Roots of the subtrees below them, which are solved as far as their separators change.
+    /// Roots of the subtrees below them. A subtree is solved only as far as its separators change.
     pub(crate) orphans: Vec<usize>,
-    /// Changes up to this do not count, metres and radians.
+    /// Changes up to this are not propagated, metres and radians.
     pub(crate) threshold: f64,
 }
 
 /// What back-substitution keeps from one solution to the next.
 #[derive(Debug, Default)]
 pub(crate) struct Substitution<const DOF: usize> {
-    /// Linear updates that subtrees below were last solved with.
+    /// Linear updates with which the subtrees below were last solved.
     propagated: Vec<SVector<f64, DOF>>,
     /// The last solution that changed a node's linear update by more than the threshold.
     changed: Vec<usize>,
@@ -74,12 +74,12 @@ impl<const DOF: usize> Substitution<DOF> {
         self.changed.push(0);
     }
 
-    /// Notes that a pose is its own point of linearisation.
+    /// Notes that a pose was relinearised: its linear update is zero.
     pub(crate) fn reset(&mut self, node: usize) {
         self.propagated[node] = SVector::zeros();
     }
 
-    /// Solves the new cliques, and the subtrees below them as far as their separators change.
+    /// Solves the new cliques, and the subtrees below them only as far as their separators change.
     pub(crate) fn solve<G: LieGroup<DOF>>(
         &mut self,
         below: Below<'_>,
@@ -93,8 +93,8 @@ impl<const DOF: usize> Substitution<DOF> {
     }
 }
 
-/// Substitution for one set of vector instructions. Not a closure: the call of one is not inlined, and what it calls would
-/// be compiled for the least of all machines.
+/// Substitution for one set of vector instructions. Not a closure: a closure would not be inlined, and the functions it calls
+/// would be compiled for the baseline instruction set.
 struct Solve<'a, G, const DOF: usize> {
     substitution: &'a mut Substitution<DOF>,
     below: Below<'a>,
@@ -117,7 +117,8 @@ impl<G: LieGroup<DOF>, const DOF: usize> Solve<'_, G, DOF> {
         self.substitution.known = known;
     }
 
-    /// Takes a new linear update of a variable: whether subtrees below have to follow, and whether it has moved far.
+    /// Stores a new linear update of a variable, and notes whether subtrees below have to follow and whether the pose has
+    /// moved far.
     #[inline(always)]
     fn take(&mut self, node: usize, value: SVector<f64, DOF>) {
         let Substitution { propagated, changed, solutions, .. } = &mut *self.substitution;

@@ -1,9 +1,9 @@
-//! Supervariables of the quotient graph: variables that are alike and are eliminated together.
+//! Supervariables of the quotient graph: indistinguishable variables that are eliminated together.
 
 use crate::order::QuotientGraph;
 
 impl QuotientGraph {
-    /// Merges variables of the boundary with the same neighbours and elements: they stay alike for good.
+    /// Merges variables of the boundary with the same neighbours and elements: they stay indistinguishable for good.
     pub(crate) fn merge_alike(&mut self, boundary: &[usize]) {
         let mut keyed: Vec<(usize, usize)> = boundary
             .iter()
@@ -47,13 +47,13 @@ impl QuotientGraph {
         }
     }
 
-    /// Whether two variables have the same lists; the neighbours of the first are marked.
+    /// Whether two variables have the same lists. The caller has marked the neighbours of the first one.
     fn is_alike(&self, variable: usize, other: usize) -> bool {
         self.last[variable] == self.last[other]
             && self.neighbours[variable].len() == self.neighbours[other].len()
             && self.neighbours[other].iter().all(|&neighbour| self.mark[neighbour] == self.stamp)
-            // Elements are appended in the order of their making, so equal sets are equal lists from the second on; given
-            // ones are included in the order of their numbers.
+            // Elements are appended in the order in which they are made, and given ones are included by number. So equal sets
+            // are equal lists.
             && self.elements[variable] == self.elements[other]
     }
 }

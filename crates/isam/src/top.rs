@@ -1,4 +1,4 @@
-//! The part of the tree that an update makes anew.
+//! The top of the tree, which an update makes anew.
 
 use posecut_geometry::LieGroup;
 
@@ -8,21 +8,21 @@ use crate::edges::Edges;
 use crate::order::QuotientGraph;
 use crate::tree::{NONE, Tree};
 
-/// Least number of nodes around the newest edges that are eliminated last. Where more is eliminated again it is half of
-/// that: what comes last is cheap to change and costs fill.
+/// Minimum number of nodes around the newest edges that are eliminated last. In larger tops it is half of the nodes:
+/// variables that come last are cheap to change, but cost fill.
 const LEAST_SURROUNDINGS: usize = 8;
 
-/// What the next rebuilding of the top has to touch, and the memory to order it.
+/// The nodes that the next rebuilding of the top affects, and the memory to order them.
 #[derive(Debug, Default)]
 pub(crate) struct Top {
     /// Nodes whose cliques have to be made again.
     touched: Vec<usize>,
-    /// Ends of the edges that have come since the last update.
+    /// Ends of the edges added since the last update.
     new_ends: Vec<usize>,
-    /// Marks of the search around them: the rebuilding that reached a node last.
+    /// For the search around `new_ends`: the last rebuilding that reached each node.
     near: Vec<usize>,
     rebuildings: usize,
-    /// Place of a node in the part that is eliminated again, [`NONE`] outside of an update.
+    /// Index of each node among those that are eliminated again, [`NONE`] outside of an update.
     local: Vec<usize>,
     graph: QuotientGraph,
 }
@@ -33,12 +33,12 @@ impl Top {
         self.local.push(NONE);
     }
 
-    /// Has the cliques of these nodes made again.
+    /// Marks the cliques of these nodes to be made again.
     pub(crate) fn touch(&mut self, nodes: impl IntoIterator<Item = usize>) {
         self.touched.extend(nodes);
     }
 
-    /// Notes the ends of an edge that has come.
+    /// Notes the ends of a new edge.
     pub(crate) fn note_ends(&mut self, ends: [usize; 2]) {
         self.new_ends.extend(ends);
     }
@@ -48,13 +48,13 @@ impl Top {
         self.new_ends.clear();
     }
 
-    /// Memory held, bytes.
+    /// Memory used, bytes.
     pub(crate) fn bytes(&self) -> usize {
         self.touched.capacity() * size_of::<usize>()
     }
 
-    /// Takes away the cliques above what was touched and plans new ones in their place. Returns these, children before parents, and
-    /// the roots of the subtrees that stay.
+    /// Removes the cliques of the touched nodes and their ancestors, and plans new ones. Returns the plans, children before
+    /// parents, and the roots of the subtrees that stay.
     pub(crate) fn rebuild<G: LieGroup<DOF>, const DOF: usize>(
         &mut self,
         tree: &mut Tree,
@@ -69,7 +69,7 @@ impl Top {
             if tree.of[node] != NONE {
                 tree.mark_to_root(tree.of[node], &mut marked);
             } else if !fixed[node] && self.local[node] == NONE {
-                // New: any place marks it as listed.
+                // A new node: any index marks it as listed.
                 self.local[node] = 0;
                 nodes.push(node);
             }
@@ -115,8 +115,8 @@ impl Top {
         (made, orphans)
     }
 
-    /// The quotient graph of nodes to be eliminated: edges among them, and the separators of subtrees that stay. What the next
-    /// updates will touch comes last, near the root.
+    /// Makes the quotient graph of the nodes to be eliminated: their edges to each other, and the separators of the subtrees
+    /// that stay. The nodes that the next updates will probably touch come last, near the root.
     fn fill_graph<G: LieGroup<DOF>, const DOF: usize>(
         &mut self,
         tree: &Tree,
@@ -145,8 +145,7 @@ impl Top {
         }
     }
 
-    /// Nodes around the ends of the edges that have come since the last update, breadth first: what the next edges will
-    /// probably join.
+    /// Nodes around the ends of the edges added since the last update, breadth first: the next edges will probably end there.
     fn surroundings<G: LieGroup<DOF>, const DOF: usize>(
         &mut self,
         edges: &Edges<G, DOF>,

@@ -16,16 +16,16 @@ pub(crate) struct Clique {
     pub(crate) children: Vec<usize>,
     /// `[L; M; y^T]`, column-major: as many columns as frontal scalars, rows for all variables and the right-hand side.
     pub(crate) panel: Vec<f64>,
-    /// What elimination leaves on the separator and the right-hand side: `-[M; y^T] [M; y^T]^T` and the children's, lower
+    /// The update matrix on the separator and the right-hand side: `-[M; y^T] [M; y^T]^T` plus the children's, lower
     /// triangle, column-major.
     pub(crate) update: Vec<f64>,
     /// Frontal nodes with an undetermined direction.
     pub(crate) undetermined: Vec<usize>,
-    /// Whether it is about to be taken away.
+    /// Whether the clique is about to be removed.
     marked: bool,
 }
 
-/// Cliques by number; numbers and their memory are used again.
+/// Cliques by number. Numbers and their memory are reused.
 #[derive(Debug, Default)]
 pub(crate) struct Tree {
     cliques: Vec<Clique>,
@@ -34,12 +34,12 @@ pub(crate) struct Tree {
     pub(crate) of: Vec<usize>,
 }
 
-/// Scalars of memory above which a clique that is taken away gives it back: small ones are reused, large ones could pile up
-/// under small cliques.
+/// A removed clique with more scalars than this frees its memory: small amounts are reused, large ones could pile up in small
+/// cliques.
 const KEPT_SCALARS: usize = 1 << 12;
 
 impl Tree {
-    /// A node that is no variable yet.
+    /// Adds a node that is not a variable yet.
     pub(crate) fn add_node(&mut self) {
         self.of.push(NONE);
     }
@@ -52,7 +52,7 @@ impl Tree {
         &mut self.cliques[index]
     }
 
-    /// Takes a clique out to work on it; [`put_back`](Self::put_back) ends that.
+    /// Takes a clique out of the tree to work on it, until [`put_back`](Self::put_back).
     pub(crate) fn take(&mut self, index: usize) -> Clique {
         std::mem::take(&mut self.cliques[index])
     }
@@ -61,7 +61,7 @@ impl Tree {
         self.cliques[index] = clique;
     }
 
-    /// A clique without children.
+    /// Adds a clique without children.
     pub(crate) fn add(&mut self) -> usize {
         self.free.pop().unwrap_or_else(|| {
             self.cliques.push(Clique::default());
@@ -69,7 +69,7 @@ impl Tree {
         })
     }
 
-    /// Marks a clique and its ancestors, and lists those that were not.
+    /// Marks a clique and its ancestors, and lists those that were not marked yet.
     pub(crate) fn mark_to_root(&mut self, mut index: usize, marked: &mut Vec<usize>) {
         while index != NONE && !std::mem::replace(&mut self.cliques[index].marked, true) {
             marked.push(index);
@@ -77,7 +77,7 @@ impl Tree {
         }
     }
 
-    /// Takes marked cliques away; their frontal variables and the children that stay are appended to the lists.
+    /// Removes the marked cliques. Appends their frontal variables and their unmarked children to the lists.
     pub(crate) fn remove(&mut self, marked: &[usize], frontals: &mut Vec<usize>, orphans: &mut Vec<usize>) {
         for &index in marked {
             let clique = &self.cliques[index];
@@ -103,7 +103,7 @@ impl Tree {
         }
     }
 
-    /// Scalars of memory held.
+    /// Memory used, in scalars.
     pub(crate) fn scalars(&self) -> usize {
         self.cliques.iter().map(|clique| clique.panel.capacity() + clique.update.capacity()).sum()
     }

@@ -1,4 +1,4 @@
-//! Updates: what is relinearised and solved when.
+//! Updates: when variables are relinearised and solved.
 
 use nalgebra::SVector;
 use posecut_optimize::PoseGroup;
@@ -6,20 +6,20 @@ use posecut_optimize::PoseGroup;
 use crate::substitution::Below;
 use crate::{IncrementalSolver, UpdateReport};
 
-/// Share of the cost if edges had measured nothing, in which linearisation errors are compared to this rather than to the cost:
-/// a graph without noise needs no more.
+/// Linearisation errors are compared with the cost, but at least with this share of the cost that residuals as large as the
+/// measurements would have: a graph without noise needs no more.
 const LEAST_COST: f64 = 1e-8;
 
 impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     /// Brings the estimate up to date with all changes.
     ///
-    /// Gauss-Newton steps that turn a pose by more than half a radian and raise the cost are not taken: the batch solver
-    /// starts anew then, and the report says so. Where such restarts do not help or do not converge they become rare; poses then
-    /// stay where they are.
+    /// A Gauss-Newton step that turns a pose by more than half a radian and raises the cost is refused. The batch solver then
+    /// starts anew, and the report says so. Where restarts do not help or do not converge, they become rare; between them,
+    /// poses keep their values.
     pub fn update(&mut self) -> UpdateReport {
         let mut report = UpdateReport { splits: self.gauges.take_splits(), ..UpdateReport::default() };
         let due = self.updates.is_multiple_of(self.options.relinearise_every);
-        // To relinearise everything again would lead uphill again, until a restart finds a better start.
+        // Another relinearisation would lead uphill again, until a restart finds a better start.
         let due = due && (!self.restarts.stuck || self.restarts.is_due(self.updates + 1));
         self.updates += 1;
         self.restarts.allow(self.poses());
@@ -30,7 +30,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         let mut is_uphill = self.is_uphill();
         if due {
             for _ in 1..self.options.iterations {
-                // Points of linearisation do not follow a step that nothing can answer.
+                // Points of linearisation do not follow a long step uphill if no restart is due.
                 let unanswered = is_uphill && !self.restarts.is_due(self.updates);
                 if unanswered || !self.check(&mut report) {
                     break;
@@ -54,15 +54,14 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         report
     }
 
-    /// Whether the last solution was a step too long to trust, and led uphill.
+    /// Whether the last solution was a step too long to be trusted and led uphill.
     fn is_uphill(&mut self) -> bool {
         self.restarts.strained |= self.movement.long_step;
         self.movement.long_step && !(self.cost() <= self.cost_at(&self.estimate.points))
     }
 
-    /// Looks at the edges of variables that have moved, and, if linearisation errors have grown to more than is allowed,
-    /// moves the points of linearisation of all variables beyond the thresholds to the estimate. Says
-    /// whether it did.
+    /// Checks the edges of variables that have moved. If linearisation errors exceed the limit or the last step was long,
+    /// relinearises all variables beyond the thresholds at the estimate. Returns whether it relinearised any.
     fn check(&mut self, report: &mut UpdateReport) -> bool {
         self.movement.look(&self.gauges.fixed, &self.estimate, &mut self.edges);
         let (error, cost) = self.edges.error_and_cost(LEAST_COST);
@@ -81,7 +80,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         report.relinearised > before
     }
 
-    /// Eliminates again what was touched, and solves.
+    /// Eliminates the touched cliques again, and solves.
     fn solve(&mut self, report: &mut UpdateReport, threshold: f64) {
         self.movement.long_step = false;
         report.linearised += self.edges.linearise(&self.estimate.points);
@@ -94,8 +93,8 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         substitution.solve(Below { made: &made, orphans, threshold }, tree, estimate, movement, report);
     }
 
-    /// Relinearises every variable and solves for all. Returns the largest component of the linear update that is left:
-    /// the length of the next Gauss-Newton step.
+    /// Relinearises every variable and solves for all. Returns the largest component of the resulting linear update: the
+    /// length of the next Gauss-Newton step.
     pub fn relinearise_all(&mut self) -> (f64, UpdateReport) {
         let mut report = UpdateReport { splits: self.gauges.take_splits(), ..UpdateReport::default() };
         for node in 0..self.poses() {

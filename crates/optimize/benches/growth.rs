@@ -1,4 +1,4 @@
-//! Time, memory and fill on generated graphs that grow: one graph a process, so that the peak of memory is its own.
+//! Time, memory and fill on generated graphs of growing size: one graph per process, so that the peak of memory is its own.
 //!
 //! `cargo bench -p posecut-optimize --bench growth -- manhattan|sphere POSES [SEED]` prints a line of JSON.
 
@@ -36,8 +36,8 @@ fn measured<G: LieGroup<DOF>, const DOF: usize>(
     Edge::new(from, to, measurement, SMatrix::identity() / (NOISE * NOISE), kind)
 }
 
-/// A walk along the streets of a city whose area grows with the walk: a turn at one crossing in three, and a landmark edge
-/// to the last visit of every second place that is met again.
+/// A walk along the streets of a city whose area grows with the walk. It turns at one crossing in three; half of the
+/// positions that it meets again get a landmark edge to the last visit.
 fn manhattan(poses: usize, random: &mut ChaCha8Rng) -> Graph<SE2, 3> {
     const BLOCK: i64 = 4;
     let side = ((poses as f64).sqrt() as i64 / BLOCK).max(2) * BLOCK;
@@ -76,7 +76,7 @@ fn manhattan(poses: usize, random: &mut ChaCha8Rng) -> Graph<SE2, 3> {
     (truth, edges)
 }
 
-/// A spiral over a sphere, a landmark edge from every pose to the one a turn earlier, as in the graph sphere2500.
+/// A spiral over a sphere, with a landmark edge from every pose to the one a turn earlier, as in the graph sphere2500.
 fn sphere(poses: usize, random: &mut ChaCha8Rng) -> Graph<SE3, 6> {
     let turn = (poses as f64).sqrt().round() as usize;
     let radius = turn as f64 / TAU;
@@ -101,7 +101,7 @@ fn sphere(poses: usize, random: &mut ChaCha8Rng) -> Graph<SE3, 6> {
     (truth, edges)
 }
 
-/// Optimises from odometry and prints what it took.
+/// Optimises from odometry and prints time, memory and fill.
 fn measure<G: PoseGroup<DOF>, const DOF: usize>(kind: &str, (truth, edges): Graph<G, DOF>) {
     let start = spanning_tree(&truth, &edges);
     let (poses, count) = (truth.len(), edges.len());
@@ -130,7 +130,7 @@ fn measure<G: PoseGroup<DOF>, const DOF: usize>(kind: &str, (truth, edges): Grap
     );
 }
 
-/// The largest resident set of this process so far; NaN where the system does not tell.
+/// The largest resident set of this process so far; NaN if the system does not report it.
 fn peak_megabytes() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
@@ -144,7 +144,7 @@ fn main() {
     let (kind, poses, seed) = match words.as_slice() {
         [kind, poses] => (kind, poses, 1),
         [kind, poses, seed] => (kind, poses, seed.parse().unwrap()),
-        // Run by `cargo bench` without words, it does a small one of each.
+        // Without arguments, `cargo bench` runs a small graph of each kind.
         _ => {
             let mut random = ChaCha8Rng::seed_from_u64(1);
             measure::<SE2, 3>("manhattan", manhattan(1000, &mut random));

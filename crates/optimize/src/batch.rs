@@ -1,8 +1,8 @@
 //! Batch optimisation: from a checked graph to its minimum.
 //!
-//! [`solve`] takes one connected part after the other, chooses the start and descends from it; [`graduated`] makes the cost less convex
-//! round by round (Yang, Antonante, Tzoumas, Carlone, IEEE RA-L 5(2), 2020, equations 12 and 14); [`certify`] asks for the certificate
-//! of every part.
+//! [`solve`] takes the connected components one after the other, chooses a start for each, and descends from it.
+//! [`graduated`] makes the cost less convex round by round (Yang, Antonante, Tzoumas, Carlone, IEEE RA-L 5(2), 2020,
+//! equations 12 and 14). [`certify`] computes the certificate of every component.
 //!
 //! Depends on [`model`](crate::model), [`initialisation`](crate::initialisation), `descent`, `certificate` and `pose_group`.
 

@@ -24,30 +24,30 @@ use crate::options::Options;
 use chordal_cost::ChordalEdge;
 use posecut_cholesky::{Factor, Symbolic};
 
-/// Share of the cost that the bound may lie below it for a verdict of 'global'.
+/// The verdict is 'global' if the bound is below the cost by at most this share of it.
 const GAP: f64 = 1e-6;
-/// Share of a rotation's largest diagonal entry below which an eigenvalue is rounding.
+/// An eigenvalue below this share of the largest diagonal entry of the rotations is rounding.
 const ROUNDING: f64 = 1e-12;
-/// Inverse iterations for the eigenvalue that is reported; the verdict does not depend on them.
+/// Inverse iterations for the reported eigenvalue; the verdict does not depend on them.
 const ITERATIONS: usize = 60;
 
-/// What is known about a connected part.
+/// The certificate of a connected component.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Certificate {
-    /// No poses have a lower `F` than the refined ones, but for `dimension * nodes * tolerance`.
+    /// No poses have a lower `F` than the refined ones, up to `dimension * nodes * tolerance`.
     pub global: bool,
     /// `F` after refinement from the given poses.
     pub cost: f64,
-    /// No poses have an `F` below this; minus infinity where nothing is known.
+    /// No poses have an `F` below this; minus infinity if nothing is known.
     pub lower_bound: f64,
     /// Least eigenvalue of the certificate matrix `S`, an estimate from above.
     pub eigenvalue: f64,
-    /// Eigenvalues above minus this count as not negative.
+    /// Eigenvalues above the negative of this count as not negative.
     pub tolerance: f64,
 }
 
 impl Certificate {
-    /// Nothing is known.
+    /// The certificate if nothing is known.
     pub(crate) const NONE: Self = Self {
         global: false,
         cost: f64::NAN,
@@ -76,7 +76,7 @@ where
     let (matrix, trace) = Matrix::<M>::new::<G, DOF, N>(&terms, &poses);
     let size = (N * poses.len()) as f64;
     let tolerance = (GAP * outcome.cost / size).max(ROUNDING * matrix.largest());
-    // From the tolerance on, tenfold, until the matrix is positive definite.
+    // Shifts by the tolerance, then by ten times more each time, until the matrix is positive definite.
     let mut factor = Factor::<M>::new(&matrix.symbolic);
     let mut shift = tolerance;
     while !matrix.factorize(&mut factor, shift) {
@@ -85,6 +85,7 @@ where
             return Certificate { cost: outcome.cost, tolerance, ..Certificate::NONE };
         }
     }
+    // `S + shift I` is positive definite, so `lambda > -shift`: this gives the lower bound.
     Certificate {
         global: shift <= tolerance,
         cost: outcome.cost,
@@ -113,7 +114,7 @@ impl<const M: usize> Matrix<M> {
         pairs.dedup();
         let mut diagonal = vec![SMatrix::<f64, M, M>::zeros(); poses.len()];
         let mut off_diagonal = vec![SMatrix::<f64, M, M>::zeros(); pairs.len()];
-        // Lambda before it is made symmetric.
+        // Lambda before symmetrisation.
         let mut multipliers = vec![SMatrix::<f64, N, N>::zeros(); poses.len()];
         let identity = SMatrix::<f64, N, N>::identity();
         for term in terms {
@@ -157,14 +158,15 @@ impl<const M: usize> Matrix<M> {
         (Self { symbolic: Symbolic::new(poses.len(), &pairs, M), diagonal, off_diagonal }, trace)
     }
 
-    /// The largest diagonal entry of a rotation: those of translations have another unit, and the first one is held by a 1.
+    /// The largest diagonal entry of a rotation. Translations do not count: they have another unit, and the first one is held
+    /// by a 1.
     fn largest(&self) -> f64 {
         let rotations =
             |block: &SMatrix<f64, M, M>| (1..M).map(|axis| block[(axis, axis)].abs()).fold(0.0, f64::max);
         self.diagonal.iter().map(rotations).fold(0.0, f64::max)
     }
 
-    /// Factorises with the shift added on the rotations; whether that is positive definite.
+    /// Factorises with the shift added to the rotations; returns whether the matrix is positive definite.
     fn factorize(&self, factor: &mut Factor<M>, shift: f64) -> bool {
         let mut shifted = self.diagonal.clone();
         for block in &mut shifted {
@@ -198,7 +200,7 @@ impl<const M: usize> Matrix<M> {
     }
 }
 
-/// A block from its parts.
+/// Joins a block from its parts.
 fn join<const N: usize, const M: usize>(
     corner: f64,
     row: &SVector<f64, N>,
@@ -213,7 +215,7 @@ fn join<const N: usize, const M: usize>(
     })
 }
 
-/// Takes a translation out of the equations.
+/// Removes a translation from the equations.
 fn hold_translation<const M: usize>(block: &mut SMatrix<f64, M, M>, diagonal: bool) {
     for index in 0..M {
         block[(0, index)] = 0.0;

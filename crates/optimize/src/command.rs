@@ -1,4 +1,4 @@
-//! The program: a stage from graph to graph, and better answers to two kinds of arguments than the parser has.
+//! The program: a stage from graph to graph, with clearer errors than the parser's for two kinds of arguments.
 
 use std::io::Write as _;
 use std::process::ExitCode;
@@ -8,7 +8,7 @@ use posecut_stage::{GraphStage as _, run_graph_stage};
 
 use crate::stage::{Graduation, StageOptions};
 
-/// Options of the incremental solver, which was a mode of this program.
+/// Options of the incremental solver, which was a mode of this program before.
 const OF_ISAM: [&str; 9] = [
     "--relinearise-translation",
     "--relinearise-rotation",
@@ -35,8 +35,8 @@ pub fn main() -> ExitCode {
     run_graph_stage::<StageOptions>(env!("CARGO_PKG_VERSION"))
 }
 
-/// What to say where a cost follows `--gnc` as an argument of its own: to the parser the cost would be the input file, and the file
-/// one argument too many.
+/// The error for a cost that follows `--gnc` as a separate argument: the parser would take the cost for the input file, and
+/// report the file as one argument too many.
 fn separate_cost(words: &[String]) -> Option<String> {
     let pair =
         words.windows(2).find(|pair| pair[0] == "--gnc" && Graduation::from_str(&pair[1], false).is_ok())?;
@@ -46,7 +46,7 @@ fn separate_cost(words: &[String]) -> Option<String> {
     ))
 }
 
-/// What to say of an option that went to posecut-isam.
+/// The error for an option that moved to posecut-isam.
 fn moved_option(words: &[String]) -> Option<String> {
     let options = words.iter().map(|word| word.split_once('=').map_or(word.as_str(), |(option, _)| option));
     let option = options.into_iter().find(|option| *option == "--solver" || OF_ISAM.contains(option))?;

@@ -1,9 +1,9 @@
-//! Descent from a start: the steps that minimise a cost over poses, for one connected part.
+//! Descent from a start: the steps that minimise a cost over poses, for one connected component.
 //!
-//! [`levenberg_marquardt`] makes Gauss-Newton steps, damped after one fails (Madsen, Nielsen, Tingleff, "Methods for non-linear least
-//! squares problems", 2004, section 3.2), with [`damping`] by Nielsen's rule; [`dogleg`] is Powell's (ibid., section 3.3), and
-//! [`simplified_newton`] steps with an older factor (Deuflhard, "Newton methods for nonlinear problems", 2004, section 2.1.2). All are
-//! made of the operations of [`workspace`], and end with an [`outcome`].
+//! [`levenberg_marquardt`] takes Gauss-Newton steps, damped after one fails (Madsen, Nielsen, Tingleff, "Methods for
+//! non-linear least squares problems", 2004, section 3.2), with [`damping`] by Nielsen's rule. [`dogleg`] is Powell's (ibid.,
+//! section 3.3). [`simplified_newton`] takes steps with an older factor (Deuflhard, "Newton methods for nonlinear problems",
+//! 2004, section 2.1.2). All use the operations of [`workspace`] and end with an [`outcome`].
 //!
 //! Depends on [`model`](crate::model) and `normal_equations`.
 
@@ -24,7 +24,7 @@ use outcome::Outcome;
 use workspace::Workspace;
 
 impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
-    /// Minimises the cost of the edges over all poses but those that are held.
+    /// Minimises the cost of the edges over all poses that are not held.
     pub(crate) fn minimise<T: Term<G, DOF>>(
         &mut self,
         edges: &[T],

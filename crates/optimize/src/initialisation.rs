@@ -1,4 +1,4 @@
-//! Initial guesses that do not depend on the given poses, save those of the first nodes.
+//! Initial guesses that do not depend on the given poses, except for those of the first nodes.
 //!
 //! `chordal` finds all rotations by one linear least-squares problem, then all translations by another (Carlone, Tron,
 //! Daniilidis, Dellaert, ICRA 2015, section III.B); `tree` composes poses along a spanning tree. Depends on the model and

@@ -3,18 +3,18 @@
 //! Minimises `sum of rho(e^T Omega e)` with `e = Log(Z^-1 X_from^-1 X_to)` over the poses `X` of a graph, where an edge
 //! measures `Z` with information matrix `Omega`, and `rho` is the identity or a robust kernel.
 //!
-//! 1. [`Problem`] checks a graph; [`connected_components`](posecut_graph::connectivity::connected_components) splits it into parts that edges connect. Each is solved on its own,
-//!    with its first node held where it is.
+//! 1. [`Problem`] checks a graph; [`connected_components`](posecut_graph::connectivity::connected_components) splits it into
+//!    its connected components. Each is solved on its own; its first node keeps its pose.
 //! 2. [`initialisation`] proposes starts: the given poses, a spanning tree, and the chordal relaxation, which finds all
-//!    rotations first. The cheapest in cost is taken.
-//! 3. [`optimize`] runs Gauss-Newton steps, damped (Levenberg-Marquardt) once one fails, over an own sparse
-//!    Cholesky factorisation ([`posecut_cholesky`]) of 3 x 3 or 6 x 6 blocks.
-//! 4. [`Marginals`] gives covariances of poses and of pairs of them, from the factor.
+//!    rotations first. The start of lowest cost is taken.
+//! 3. [`optimize`] takes Gauss-Newton steps, damped (Levenberg-Marquardt) once one fails, with posecut's own sparse Cholesky
+//!    factorisation ([`posecut_cholesky`]) of 3 x 3 or 6 x 6 blocks.
+//! 4. [`Marginals`] computes covariances of poses and of pairs of them from the factor.
 //!
-//! A folder of `src` is a piece of theory; the module of its name says which equations it rests on. They depend on each other in this
-//! order: [`model`], `normal_equations`, [`initialisation`], `descent`, `certificate`, `pose_group`, `batch`, `covariance`, and
-//! `stage`, all of it on a graph that [`pose_graph`] reads. Without the feature `cli`, which is on by default, there are neither stage nor
-//! program, and the crate depends on neither clap nor posecut-stage.
+//! Each folder of `src` holds one piece of theory; the module of the same name cites its equations. The modules depend on
+//! each other in this order: [`model`], `normal_equations`, [`initialisation`], `descent`, `certificate`, `pose_group`,
+//! `batch`, `covariance`, and `stage`, which reads its graph by [`pose_graph`]. Without the feature `cli`, which is on by
+//! default, the crate has no stage and no program, and depends neither on clap nor on posecut-stage.
 //!
 //! ```
 //! use nalgebra::Matrix3;

@@ -1,8 +1,9 @@
 //! The model: poses, edges with their residuals and robust kernels, and the graph they make.
 //!
-//! The cost is `sum of rho(e^T Omega e)` with `e = Log(Z^-1 X_from^-1 X_to)`, where an edge measures `Z` with information matrix
-//! `Omega`. `problem` checks a graph, `residual` gives `e` and its Jacobians, `kernel` gives `rho` and `kernel_name`
-//! its words, `gauge` nodes that are held, `part` a connected part as a graph, and `magnitude` what tolerances are shares of.
+//! The cost is `sum of rho(e^T Omega e)` with `e = Log(Z^-1 X_from^-1 X_to)`, where an edge measures `Z` with information
+//! matrix `Omega`. `problem` checks a graph; `residual` has `e` and its Jacobians; `kernel` has `rho`, and `kernel_name` the
+//! names of kernels; `gauge` has the held nodes; `part` makes a graph of a connected component; `magnitude` has the reference
+//! values of tolerances.
 //!
 //! Depends on no other module of this crate.
 

@@ -1,4 +1,4 @@
-//! The block-sparse normal equations of a connected graph with its first nodes held.
+//! The block-sparse normal equations of a connected graph whose first nodes are held.
 
 #![allow(
     clippy::inline_always,
@@ -13,7 +13,7 @@ use crate::model::problem::Edge;
 use crate::model::residual::Term;
 use posecut_cholesky::Symbolic;
 
-/// Where an edge's blocks go.
+/// Positions of an edge's blocks.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slot {
     /// Variable of `from`, or `None` if it is held.
@@ -27,7 +27,7 @@ pub(crate) struct Slot {
 /// Pattern of the equations, shared by every block size.
 #[derive(Debug)]
 pub(crate) struct Pattern {
-    /// Number of nodes that are no variables: the first ones. Variable v is node `held + v`.
+    /// Number of held nodes, which come first. Variable v is node `held + v`.
     pub(crate) held: usize,
     pub(crate) variables: usize,
     /// The two variables of each off-diagonal block, smaller first.
@@ -105,11 +105,11 @@ impl<const D: usize> NormalEquations<D> {
         poses: &[G],
     ) -> f64 {
         self.clear();
-        // The widest vector instructions of the machine, for all that is inlined below.
+        // Uses the widest vector instructions of the machine for everything that is inlined below.
         Arch::new().dispatch(Assemble { equations: self, pattern, edges, poses })
     }
 
-    /// The gradient alone, and the cost; the matrix stays what it was.
+    /// Computes only the gradient and the cost; the matrix stays the same.
     pub(crate) fn assemble_gradient<G: LieGroup<D>, T: Term<G, D>>(
         &mut self,
         pattern: &Pattern,
@@ -127,7 +127,7 @@ impl<const D: usize> NormalEquations<D> {
         own + 2.0 * blocks.map(|(block, &(a, b))| step[a].dot(&(block * step[b]))).sum::<f64>()
     }
 
-    /// The largest `g_k^2 / H_kk`: by how much a component alone could lower the cost.
+    /// The largest `g_k^2 / H_kk`: the largest decrease of the cost by a single component.
     pub(crate) fn steepest(&self) -> f64 {
         let ratio = |(gradient, diagonal): (f64, f64)| {
             if gradient == 0.0 { 0.0 } else { gradient * (gradient / diagonal) }
@@ -141,7 +141,7 @@ impl<const D: usize> NormalEquations<D> {
     }
 }
 
-/// [`NormalEquations::assemble`] for one set of vector instructions. Not a closure: the call of one is not inlined.
+/// [`NormalEquations::assemble`] for one set of vector instructions. Not a closure: a closure would not be inlined.
 struct Assemble<'a, G, T, const D: usize> {
     equations: &'a mut NormalEquations<D>,
     pattern: &'a Pattern,

@@ -1,4 +1,4 @@
-//! What the caller may choose.
+//! The options of the solver.
 
 use crate::model::kernel::Kernel;
 
@@ -11,8 +11,8 @@ pub enum Initialisation {
     SpanningTree,
     /// Rotations by the chordal relaxation, then translations.
     Chordal,
-    /// The relaxation, and the others too if its result costs more than they do at the start; with robust kernels the
-    /// cheapest start comes first. The lowest result is kept.
+    /// The relaxation, then every other start that costs less than its result. With robust kernels, the start with the lowest
+    /// cost comes first. The lowest result is kept.
     #[default]
     Best,
 }
@@ -25,11 +25,11 @@ pub enum Method {
     LevenbergMarquardt,
     /// Gauss-Newton steps; the first that fails ends the iteration.
     GaussNewton,
-    /// Powell's dogleg within a region that is trusted.
+    /// Powell's dogleg within a trust region.
     Dogleg,
 }
 
-/// The robust cost of landmark edges that graduation ends with.
+/// The robust cost of landmark edges at the end of graduation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Graduated {
     /// `min(s, c^2)`: an edge is in or out. Parameter c in standard deviations.
@@ -55,11 +55,12 @@ pub struct Options {
     pub initialisation: Initialisation,
     /// How steps are chosen.
     pub method: Method,
-    /// Most steps tried per connected part, rejected ones included.
+    /// Maximum number of steps tried per connected component, rejected ones included.
     pub max_iterations: usize,
-    /// Converged when a full Gauss-Newton step promises to lower the cost by less than this share of it. With zero, and not by
-    /// the dogleg, steps go on where the cost no longer shows their gain, until they no longer shrink: poses that the edges hold
-    /// weakly then are as exact as the gradient is, by some digits more than the cost can tell.
+    /// Converged when a full Gauss-Newton step promises to lower the cost by less than this share of it. With zero, and a
+    /// method other than the dogleg, steps continue even where their gain is too small to be seen in the cost, until they no
+    /// longer shrink. Poses that the edges hold weakly are then as exact as the gradient, some digits more than the cost can
+    /// show.
     pub cost_tolerance: f64,
     /// Converged when no component of a full Gauss-Newton step exceeds this: shares of the median measured distance, and radians.
     pub step_tolerance: f64,
@@ -71,19 +72,19 @@ pub struct Options {
     pub graduated: Option<Graduated>,
 }
 
-/// Share of the cost under which the gain of a step is lost in the rounding of the sum.
+/// A gain below this share of the cost is lost in the rounding of the sum.
 const HIDDEN: f64 = 1e-12;
 
 impl Options {
-    /// Whether a step goes on by the gradient alone, since the cost is too coarse to judge it. The cost is at least that of a
-    /// graph without noise.
+    /// Whether to continue by the gradient alone, since the step's promise is too small to be seen in the cost. The cost is
+    /// at least that of a graph without noise.
     pub(crate) fn is_hidden(&self, promised: f64, cost: f64) -> bool {
         self.cost_tolerance == 0.0 && promised <= HIDDEN * cost
     }
 
-    /// The promise of a step that ends the iteration at this cost, which is at least that of a graph without noise.
+    /// The iteration ends at a step that promises less than this. The cost is at least that of a graph without noise.
     pub(crate) fn promise_tolerance(&self, cost: f64) -> f64 {
-        // A promise below the rounding of the sum cannot be seen kept.
+        // Rounding of the sum hides any smaller gain.
         self.cost_tolerance.max(4.0 * f64::EPSILON) * cost
     }
 }

@@ -1,11 +1,11 @@
-//! From a pose graph to what the algorithms take: edges in use that measure something, and fixed nodes.
+//! Reads a pose graph for the algorithms: the edges in use that have a measurement, and the fixed nodes.
 
 use posecut_geometry::LieGroup;
 use posecut_graph::{Node, PoseGraph};
 
 use crate::{Edge, EdgeKind};
 
-/// The indices of the nodes that are to stay where they are.
+/// The indices of the fixed nodes.
 pub fn fixed_nodes(graph: &PoseGraph) -> anyhow::Result<Vec<usize>> {
     let mut fixed = Vec::new();
     for (place, node) in graph.nodes.iter().enumerate() {
@@ -16,7 +16,7 @@ pub fn fixed_nodes(graph: &PoseGraph) -> anyhow::Result<Vec<usize>> {
     Ok(fixed)
 }
 
-/// Whether a node is to stay where it is, which must then be known.
+/// Whether a node is fixed; its pose must then be known.
 pub fn is_fixed(node: &Node) -> anyhow::Result<bool> {
     let fixed = node.is_fixed().map_err(|value| {
         anyhow::anyhow!(
@@ -32,14 +32,14 @@ pub fn is_fixed(node: &Node) -> anyhow::Result<bool> {
     Ok(fixed)
 }
 
-/// The edges in use that measure something.
+/// The edges in use that have a measurement.
 #[derive(Clone, Debug)]
 pub struct Measured<G, const DOF: usize> {
-    /// As the library takes them, without kernels; their ends are places among the graph's nodes.
+    /// The edges for the library, without kernels; their ends are indices of the graph's nodes.
     pub edges: Vec<Edge<G, DOF>>,
-    /// Their places among the graph's edges.
+    /// Their indices among the graph's edges.
     pub places: Vec<usize>,
-    /// How many edges in use measure nothing.
+    /// Number of edges in use without a measurement.
     pub unmeasured: usize,
 }
 
@@ -58,7 +58,7 @@ pub fn edges<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::R
     Ok(found)
 }
 
-/// An edge as the library takes it, without kernel, between these places; `None` if it measures nothing.
+/// An edge for the library, without kernel, between these node indices; `None` if it has no measurement.
 pub fn measured_edge<G: LieGroup<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     edge: &posecut_graph::Edge,

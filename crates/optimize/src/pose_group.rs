@@ -1,6 +1,6 @@
 //! Groups of poses that can be optimised: SE(2) and SE(3).
 //!
-//! What differs between the two beyond [`LieGroup`]: the order of the blocks of the relaxation and of the certificate. Depends on
+//! Beyond [`LieGroup`], the two differ in the order of the blocks of the relaxation and of the certificate. Depends on
 //! [`initialisation`](crate::initialisation) and on `certificate`.
 
 use posecut_cholesky::Factor;
@@ -13,8 +13,8 @@ use crate::normal_equations::Pattern;
 
 /// A group of poses that can be optimised, with its chordal relaxation.
 pub trait PoseGroup<const DOF: usize>: LieGroup<DOF> {
-    /// Poses by rotations first, for a connected graph with its first poses given; `None` if the edges do not determine
-    /// them.
+    /// Poses of a connected graph by the chordal relaxation, rotations first, with its first poses given; `None` if the edges
+    /// do not determine them.
     #[doc(hidden)]
     fn chordal_poses(
         memory: &mut Relaxation<'_, DOF>,
@@ -27,7 +27,7 @@ pub trait PoseGroup<const DOF: usize>: LieGroup<DOF> {
     fn certificate(edges: &[Edge<Self, DOF>], poses: &[Self]) -> Certificate;
 }
 
-/// What the relaxation needs of the normal equations: their pattern, and the memory of their factor.
+/// The parts of the normal equations that the relaxation uses: their pattern, and the memory of their factor.
 #[doc(hidden)]
 #[derive(Debug)]
 pub struct Relaxation<'a, const DOF: usize> {

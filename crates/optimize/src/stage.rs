@@ -1,7 +1,7 @@
 //! Optimisation as a stage: writes the optimised poses of a pose graph.
 //!
-//! Options, warnings and statistics; `marginals` writes covariances, `robust` weights of edges. Depends on the theory, and
-//! on [`pose_graph`](crate::pose_graph), which reads a graph for it.
+//! Options, warnings and statistics; `marginals` writes covariances, `robust` writes weights of edges. Depends on the theory,
+//! and on [`pose_graph`](crate::pose_graph), which reads the graph.
 
 mod certify;
 mod doubts;
@@ -207,7 +207,7 @@ fn tell<G>(solution: &Solution<G>, unmeasured: usize) {
     warn_of_unmeasured(unmeasured);
 }
 
-/// Warns of edges that are not used.
+/// Warns of edges without a measurement, which are not used.
 pub fn warn_of_unmeasured(unmeasured: usize) {
     if unmeasured > 0 {
         warn!("{} in use without a measurement: not optimised over", counted(unmeasured, "edge"));
@@ -232,7 +232,7 @@ fn note<G>(solution: &Solution<G>, edges: usize, unmeasured: usize, context: &mu
     let largest = solution.components.iter().max_by_key(|report| report.nodes);
     statistics.note("start", largest.map(|report| report.start.name()));
     statistics.note("termination", largest.map(|report| report.termination.name()));
-    // What the tests of convergence looked at, and what they were held to.
+    // The values of the convergence tests, and their tolerances.
     statistics.note("last_promised_share", largest.map(|report| report.last_promise / report.cost));
     statistics.note("last_step", largest.map(|report| report.last_step));
     statistics.note("gradient", largest.map(|report| report.gradient));

@@ -1,4 +1,4 @@
-//! Where a factorisation ends early.
+//! The error of a factorisation that stops early.
 
 use thiserror::Error;
 

@@ -14,11 +14,12 @@ use faer::{Accum, MatMut, Par};
 use super::large_front;
 use super::view::FrontView;
 
-/// Operations from which faer's kernels, which choose vector instructions at run time, pay for their entry cost.
+/// From this number of operations on, faer's kernels, which choose vector instructions at run time, are worth their entry
+/// cost.
 const LARGE_FRONT: usize = 60_000;
 
-/// Operations from which a front is divided among threads. The front alone decides, not the number of threads, since the two ways round
-/// differently.
+/// From this number of operations on, a front is divided among threads. Only the front decides, not the number of threads,
+/// since the two methods round differently.
 const LARGEST_FRONT: usize = 40_000_000;
 
 /// Working memory of the dense kernels for fronts of up to `columns` eliminated columns.
@@ -40,7 +41,7 @@ pub fn eliminate<const D: usize>(front: FrontView<'_>, memory: &mut MemBuffer) -
     }
 }
 
-/// By faer's dense kernels.
+/// Eliminates the columns of a front by faer's dense kernels.
 pub(super) fn eliminate_large(front: FrontView<'_>, memory: &mut MemBuffer) -> Result<(), usize> {
     let below = front.below();
     let FrontView { panel, height, columns, update, fresh } = front;
@@ -66,10 +67,10 @@ pub(super) fn eliminate_large(front: FrontView<'_>, memory: &mut MemBuffer) -> R
     Ok(())
 }
 
-/// Left-looking by blocks of `D` columns, without calls.
+/// Eliminates the columns of a front, left-looking by blocks of `D` columns, without function calls.
 ///
-/// Left-looking, since a block of columns then is loaded and stored once, whatever comes before it: right-looking would rewrite all later
-/// columns for every block, and small fronts are bound by loads and stores, not by arithmetic.
+/// Left-looking loads and stores each block of columns once. Right-looking would rewrite all later columns for every block,
+/// and memory accesses, not arithmetic, limit the speed of small fronts.
 #[inline(always)]
 fn eliminate_small<const D: usize>(front: FrontView<'_>) -> Result<(), usize> {
     let below = front.below();
@@ -84,7 +85,7 @@ fn eliminate_small<const D: usize>(front: FrontView<'_>) -> Result<(), usize> {
         update.fill(0.0);
     }
     let mut column = 0;
-    // A last column that is no whole block: an incremental front's right-hand side.
+    // The last column may be no whole block: an incremental front's right-hand side.
     while column < below {
         let target = &mut update[column * below..];
         if column + D <= below {
@@ -110,7 +111,7 @@ fn factor_block<const D: usize>(block: &mut [f64], height: usize, start: usize) 
             return Err(start + column);
         }
         let scale = 1.0 / pivot.sqrt();
-        // One division for the column; the product errs by one more rounding than quotients would.
+        // One division per column; the product has one more rounding error than a quotient.
         for value in current.iter_mut() {
             *value *= scale;
         }
@@ -126,8 +127,8 @@ fn factor_block<const D: usize>(block: &mut [f64], height: usize, start: usize) 
     Ok(())
 }
 
-/// `target[first + i, j] -= sum over columns k of source[row + i, k] source[row + j, k]` for `D` columns `j` of the target, all
-/// rows of the source from `row` on. What it does above the diagonal is not meant.
+/// `target[first + i, j] -= sum over columns k of source[row + i, k] source[row + j, k]` for `D` columns `j` of the target
+/// and all rows of the source from `row` on. Values above the diagonal are undefined.
 #[inline(always)]
 fn subtract_products<const D: usize>(
     target: &mut [f64],
@@ -137,7 +138,7 @@ fn subtract_products<const D: usize>(
     height: usize,
     row: usize,
 ) {
-    // Tiles of a few vector registers each, which stay there over all columns of the source: with six columns of eight rows, twelve of
+    // A tile of a few vector registers stays in them over all columns of the source: six columns of eight rows take twelve of
     // the sixteen registers of AVX2. Larger tiles would spill.
     let length = height - row;
     let mut start = 0;
@@ -227,7 +228,7 @@ fn subtract_chunk<const D: usize, const W: usize>(
     *target = sums;
 }
 
-/// The product of every column with a vector, in `W` partial sums each: one alone would wait for its own last addition.
+/// The product of every column with a vector, in `W` partial sums each: a single sum would wait for its own last addition.
 #[inline(always)]
 pub fn products<const D: usize, const W: usize>(columns: &[&[f64]; D], vector: &[f64]) -> [f64; D] {
     let mut sums = [[0.0_f64; W]; D];

@@ -7,9 +7,9 @@
 
 use super::view::FrontView;
 
-/// A stretch of a child's rows that lies together in the parent's front, too. Scalars.
+/// A run of a child's rows that are contiguous in the parent's front, too. In scalars.
 ///
-/// Rows of a child mostly come in a few such stretches, and a stretch is added without an index for each entry.
+/// A child's rows mostly form a few runs, and adding a run needs no index per entry.
 #[derive(Clone, Copy, Debug)]
 pub struct Run {
     source: usize,
@@ -17,7 +17,7 @@ pub struct Run {
     length: usize,
 }
 
-/// Appends `length` rows of the child from `source` on, which lie at `target` in the parent's front; both ascend.
+/// Appends `length` rows of the child from `source` on, which are at `target` in the parent's front; both ascend.
 #[inline(always)]
 pub fn push_rows(runs: &mut Vec<Run>, source: usize, target: usize, length: usize) {
     match runs.last_mut() {
@@ -26,14 +26,14 @@ pub fn push_rows(runs: &mut Vec<Run>, source: usize, target: usize, length: usiz
     }
 }
 
-/// How many of the child's rows, which come first, are among the front's first `columns`.
+/// Number of the child's rows among the front's first `columns`; these rows come first.
 #[inline(always)]
 pub(crate) fn rows_before(runs: &[Run], columns: usize) -> usize {
     runs.iter().map(|run| columns.saturating_sub(run.target).min(run.length)).sum()
 }
 
 /// Adds these columns of the lower triangle of a child's update matrix of that order, column-major, to the parent's front.
-/// `runs` place all rows of the child.
+/// `runs` gives the positions of all rows of the child.
 #[inline(always)]
 pub fn extend_add(
     child: &[f64],
@@ -57,7 +57,7 @@ pub fn extend_add(
             (&mut update[(column - columns) * below..][..below], columns)
         };
         for run in &runs[first..] {
-            // The first run may have begun above the diagonal.
+            // The first run may begin above the diagonal.
             let above = source.saturating_sub(run.source);
             let values = &values[run.source + above..run.source + run.length];
             let sums = &mut target[run.target + above - skipped..][..values.len()];

@@ -7,18 +7,18 @@ use super::breakdown::Breakdown;
 use super::task::{Matrix, SmallestPivot, Task, Worker, side_by_side};
 use crate::symbolic::{Front, Symbolic};
 
-/// Share of a diagonal entry that elimination must leave. Below it what is left is rounding: some fifty units in the last place of the
-/// entry, where sums of that many terms err.
+/// A pivot below this share of its diagonal entry is rounding error: some fifty units in the last place of the entry, which
+/// is the error of sums of that many terms.
 pub const SINGULAR: f64 = 1e-14;
 
 /// Memory and values of a factor with blocks of order `D`: `P A P^T = L L^T`.
 pub struct Factor<const D: usize> {
     pub(crate) panels: Vec<f64>,
     stacks: [Vec<f64>; 2],
-    /// One for each stretch of fronts.
+    /// One worker for each stretch of fronts.
     workers: Vec<Worker>,
     pub(crate) permuted: Vec<f64>,
-    /// A front's part of a vector.
+    /// A front's rows of a vector.
     pub(crate) local: Vec<f64>,
     smallest_pivot: SmallestPivot,
 }
@@ -43,7 +43,7 @@ impl<const D: usize> Factor<D> {
         }
     }
 
-    /// Lends the memory to a factor of blocks that are no larger, with the same pattern; the values are lost.
+    /// Lends the memory to a factor with the same pattern and blocks that are no larger. The values of this factor are lost.
     pub fn lend<const E: usize, T>(&mut self, work: impl FnOnce(&mut Factor<E>) -> T) -> T {
         debug_assert!(E <= D, "memory for smaller blocks is lent");
         let mut other = Factor::<E>::empty();
@@ -74,8 +74,8 @@ impl<const D: usize> Factor<D> {
 
     /// Factorises the matrix with these diagonal blocks and off-diagonal blocks (row: first of its pair).
     ///
-    /// `damping` is added to every diagonal entry as a multiple of that entry, after it was raised to at least the
-    /// `floor` of its component: `A + damping * max(diag A, floor)`.
+    /// `damping` is the multiple of the diagonal that is added, after each diagonal entry was raised to at least the `floor`
+    /// of its component: `A + damping * max(diag A, floor)`.
     pub fn factorize(
         &mut self,
         symbolic: &Symbolic,
@@ -91,11 +91,11 @@ impl<const D: usize> Factor<D> {
         let failed = if others.is_empty() {
             None
         } else {
-            // One entry to the pool for all that follows.
+            // Enters the thread pool once for all of the following.
             rayon::scope(|_| side_by_side(symbolic, others, matrix, panels, stacks, workers)).err()
         };
-        // After a failure only fronts before it are of interest: one thread would have met theirs first, and the variable that is named
-        // must not depend on the number of threads.
+        // After a failure only fronts before the failed one matter. A single thread might have met a failure there first, and
+        // the variable in the error must not depend on the number of threads.
         let end = failed
             .as_ref()
             .map_or(usize::MAX, |failed| symbolic.front_of[symbolic.position[failed.variable]]);
@@ -116,16 +116,17 @@ impl<const D: usize> Factor<D> {
         Ok(())
     }
 
-    /// The smallest share `L_kk^2 / A_kk` that elimination left of a diagonal entry, with its variable and component.
+    /// The smallest share `L_kk^2 / A_kk` of a diagonal entry that remains after elimination, with its variable and
+    /// component.
     ///
-    /// Near the unit round-off the matrix is singular to working precision.
+    /// If it is near the unit round-off, the matrix is singular to working precision.
     pub fn smallest_pivot(&self) -> (f64, usize, usize) {
         let SmallestPivot { share, variable, component } = self.smallest_pivot;
         (share, variable, component)
     }
 
-    /// Variable and component whose direction is undetermined to working precision: elimination left at most [`SINGULAR`] of the
-    /// diagonal entry, or no number.
+    /// Variable and component of a direction that is undetermined to working precision: the remaining share of the diagonal
+    /// entry is at most [`SINGULAR`] or is not a number.
     pub fn undetermined(&self) -> Option<(usize, usize)> {
         let SmallestPivot { share, variable, component } = self.smallest_pivot;
         (share.is_nan() || share <= SINGULAR).then_some((variable, component))

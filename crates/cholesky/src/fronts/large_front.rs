@@ -1,7 +1,7 @@
 //! Partial Cholesky factorisation of one very large dense front, by all threads.
 //!
-//! Right-looking by blocks of columns. What a thread takes is a strip of fixed size, so that every number is the same sum in the
-//! same order at any number of threads.
+//! Right-looking by blocks of columns. A thread takes strips of fixed size, so that every number is the same sum in the same
+//! order at any number of threads.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place};
@@ -13,14 +13,14 @@ use rayon::prelude::*;
 
 use super::view::FrontView;
 
-/// Columns eliminated at a time: the diagonal block is factorised by one thread, so that wider ones leave the others idle, while narrower
-/// ones multiply the passes over the rest of the front.
+/// Columns eliminated at a time. One thread factorises the diagonal block, so wider blocks leave the other threads idle;
+/// narrower ones need more passes over the rest of the front.
 const BLOCK: usize = 128;
-/// Rows or columns that a thread takes at least: a strip of this many rows and [`BLOCK`] columns, 200 kB, stays in the cache of a
-/// processor. Fixed, not a share of the front by the number of threads: the same strips give the same sums.
+/// Rows or columns of a thread's strip: one of this many rows and [`BLOCK`] columns, 200 kB, stays in a processor's cache.
+/// The size is fixed, independent of the number of threads, so that the strips give the same sums.
 const STRIP: usize = 192;
 
-/// As `dense::eliminate`; the results differ from those of its other ways by rounding.
+/// As `dense::eliminate`, up to rounding.
 pub(super) fn eliminate(front: FrontView<'_>, memory: &mut MemBuffer) -> Result<(), usize> {
     let below = front.below();
     let FrontView { panel, height, columns, update, fresh } = front;
@@ -63,7 +63,7 @@ fn solve_by_strips(diagonal: MatRef<'_, f64>, rest: MatMut<'_, f64>) {
 }
 
 /// `target[i, j] -= sum over columns k of source[i, k] source[j, k]` on and below the diagonal: the target's first column is
-/// column `first` of a matrix whose rows are those of the source. What it does above the diagonal is not meant.
+/// column `first` of a matrix whose rows are those of the source. Values above the diagonal are undefined.
 fn subtract_products(
     target: &mut [f64],
     height: usize,
@@ -100,7 +100,7 @@ mod tests {
     use super::super::dense;
     use super::*;
 
-    /// The front of a matrix `B B^T + c I`, by both ways.
+    /// Eliminates the front of a matrix `B B^T + c I` by both methods.
     #[test]
     fn strips_give_what_one_piece_does_and_the_same_bits_on_any_number_of_threads() {
         let (height, columns) = (531, 300);

@@ -25,7 +25,7 @@ impl<const D: usize> Factor<D> {
     }
 }
 
-/// Both triangular solves for one set of vector instructions. Not a closure: the call of one is not inlined.
+/// Both triangular solves for one set of vector instructions. Not a closure: a closure would not be inlined.
 struct Substitute<'a, const D: usize> {
     factor: &'a mut Factor<D>,
     symbolic: &'a Symbolic,

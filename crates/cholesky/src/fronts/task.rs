@@ -27,7 +27,7 @@ pub(super) struct Matrix<'a, const D: usize> {
     pub(super) floor: [f64; D],
 }
 
-/// Smallest share that elimination has left of a diagonal entry, and where.
+/// The smallest remaining share of a diagonal entry after elimination, and its position.
 #[derive(Clone, Copy)]
 pub(super) struct SmallestPivot {
     pub(super) share: f64,
@@ -42,8 +42,8 @@ impl Default for SmallestPivot {
 }
 
 impl SmallestPivot {
-    /// Keeps the smaller one, of equal ones that of the first variable. A share of NaN, from an overflow, counts as the smallest of
-    /// all.
+    /// Keeps the smaller share; of equal ones, that of the first variable. A share of NaN, from an overflow, counts as the
+    /// smallest.
     #[inline(always)]
     pub(super) fn note(&mut self, other: Self) {
         if other.share > self.share {
@@ -59,7 +59,7 @@ impl SmallestPivot {
     }
 }
 
-/// Memory of a thread.
+/// Working memory of a thread.
 pub(super) struct Worker {
     memory: MemBuffer,
     runs: Vec<Run>,
@@ -78,7 +78,7 @@ impl Worker {
     }
 }
 
-/// Factorises stretches that need nothing of each other, on all threads. The first that fails in their order is reported.
+/// Factorises independent stretches, on all threads. If several fail, reports the first one in their order.
 pub(super) fn side_by_side<const D: usize>(
     symbolic: &Symbolic,
     stretches: &[Stretch],
@@ -111,7 +111,7 @@ pub(super) fn side_by_side<const D: usize>(
     outcomes.into_iter().collect()
 }
 
-/// What is left of a vector after parts of it, ascending, were cut out.
+/// The rest of a vector after ranges of it were cut out in ascending order.
 struct Rest<'a> {
     values: &'a mut [f64],
     gone: usize,
@@ -130,8 +130,8 @@ impl<'a> Rest<'a> {
     }
 }
 
-/// A stretch of fronts and the memory it is factorised in, for one set of vector instructions. Not a closure: the call of one is
-/// not inlined, and what it calls would be compiled for the least of all machines.
+/// A stretch of fronts and its memory, for one set of vector instructions. Not a closure: a closure would not be inlined, and
+/// the functions it calls would be compiled for the baseline instruction set.
 pub(super) struct Task<'a, const D: usize> {
     pub(super) symbolic: &'a Symbolic,
     pub(super) matrix: Matrix<'a, D>,
@@ -182,8 +182,8 @@ impl<const D: usize> WithSimd for Task<'_, D> {
             let update_start = front.update * D * D - own_base;
             let update = &mut own[update_start..update_start + below * below];
             let columns = front.columns * D;
-            // The panel takes the children's part first: elimination needs complete columns. The update waits: elimination
-            // then writes it first, as a product, and children are added once.
+            // The children are added to the panel first, since elimination needs complete columns. They are added to the
+            // update matrix later: elimination first writes it as a product, which needs no zeroing.
             let mut view = FrontView { panel, height, columns, update, fresh: true };
             for &child in &symbolic.children[front.children.clone()] {
                 let child = &symbolic.fronts[child];
@@ -203,8 +203,8 @@ impl<const D: usize> WithSimd for Task<'_, D> {
                 let rest = rows_before(runs, columns)..order;
                 extend_add(child, order, rest, runs, view.reborrow());
             }
-            // The smallest ratio of a squared pivot to the matrix's diagonal entry, not to the largest pivot: it does not change with the
-            // units of the variables, and small weights of some variables do not look singular.
+            // The squared pivot is compared with the matrix's diagonal entry, not with the largest pivot: this ratio does not
+            // depend on the units of the variables, and small weights of some variables do not look singular.
             for column in 0..columns {
                 let (variable, component) = (symbolic.order[front.first + column / D], column % D);
                 let entry = diagonal[variable][(component, component)];
@@ -232,7 +232,7 @@ fn write_block<const D: usize>(
     }
 }
 
-/// Where a child's rows lie in its parent's front.
+/// Makes the runs of a child's rows in its parent's front.
 #[inline(always)]
 fn place_rows<const D: usize>(symbolic: &Symbolic, child: &Front, runs: &mut Vec<Run>) {
     runs.clear();

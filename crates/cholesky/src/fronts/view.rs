@@ -1,6 +1,6 @@
-//! A dense front while it is assembled and eliminated.
+//! A dense front during assembly and elimination.
 
-/// The memory of a front: its columns and what they leave, both column-major. Only lower triangles are meant.
+/// The memory of a front: its columns and its update matrix, both column-major. Only lower triangles are valid.
 #[derive(Debug)]
 pub struct FrontView<'a> {
     /// The columns to eliminate, `[A; B]`, which become `[L; M]` with `L L^T = A`, `M = B L^-T`.
@@ -9,9 +9,9 @@ pub struct FrontView<'a> {
     pub height: usize,
     /// Columns of the panel.
     pub columns: usize,
-    /// The update matrix, of order `height - columns`: what elimination reduces by `M M^T`.
+    /// The update matrix, of order `height - columns`: elimination subtracts `M M^T` from it.
     pub update: &'a mut [f64],
-    /// Whether nothing is in the update yet: it becomes `-M M^T` whatever it holds.
+    /// Whether the update is still empty: elimination then sets it to `-M M^T` and ignores its content.
     pub fresh: bool,
 }
 
@@ -22,7 +22,7 @@ impl FrontView<'_> {
         self.height - self.columns
     }
 
-    /// The same front, for a shorter time. Passed by value, so that its parts stay in registers where calls are inlined.
+    /// The same front with a shorter lifetime. Passed by value, so that its fields stay in registers in inlined calls.
     #[inline]
     pub fn reborrow(&mut self) -> FrontView<'_> {
         let Self { panel, height, columns, update, fresh } = self;

@@ -1,4 +1,4 @@
-//! Fill-reducing orders of the variables.
+//! Approximate minimum degree.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
@@ -6,8 +6,8 @@ use faer::sparse::linalg::amd;
 
 /// Approximate minimum degree (Amestoy, Davis and Duff, 1996) on the graph of blocks: `order[position] = variable`.
 ///
-/// `pairs` are the off-diagonal blocks, each once, smaller variable first. Falls back to the given order if the
-/// ordering routine fails for want of memory.
+/// `pairs` are the off-diagonal blocks, each once, smaller variable first. If the ordering routine runs out of memory, the
+/// order is that of the variables' numbers.
 pub(crate) fn approximate_minimum_degree(variables: usize, pairs: &[(usize, usize)]) -> Vec<usize> {
     let identity = || (0..variables).collect();
     if pairs.is_empty() {

@@ -1,18 +1,18 @@
-//! Nested dissection: a small set of variables that parts the graph in two goes last, and each part is ordered likewise.
+//! Nested dissection: a small set of variables that separates the graph in two comes last, and each side is ordered likewise.
 //!
-//! A. George, "Nested dissection of a regular finite element mesh", 1973. Separators start as a level of a breadth-first search
-//! from an end of the graph and are improved by moves of single vertices in the manner of C. M. Fiduccia and R. M.
-//! Mattheyses, "A linear-time heuristic for improving network partitions", 1982, on vertices rather than edges. What is small
-//! is left to minimum degree.
+//! A. George, "Nested dissection of a regular finite element mesh", 1973. A separator starts as a level of a breadth-first
+//! search from an end of the graph. Moves of single vertices improve it, in the manner of C. M. Fiduccia and R. M.
+//! Mattheyses, "A linear-time heuristic for improving network partitions", 1982, but on vertices instead of edges. Minimum
+//! degree orders small subgraphs.
 
 use super::minimum_degree::approximate_minimum_degree;
 use crate::Adjacency;
 
-/// Vertices below which minimum degree orders a part.
+/// Minimum degree orders subgraphs with at most this many vertices.
 const SMALL: usize = 120;
 /// Largest share of the vertices on one side.
 const BALANCE: f64 = 0.6;
-/// Passes of improvement, and moves without gain before one ends.
+/// Number of improvement passes, and number of moves without gain after which a pass ends.
 const PASSES: usize = 6;
 const PATIENCE: usize = 60;
 /// The side of a vertex of the separator; the others are 0 and 1.
@@ -25,7 +25,7 @@ pub(crate) fn nested_dissection(variables: usize, pairs: &[(usize, usize)]) -> V
     order
 }
 
-/// Orders a part: `names` are the variables of its vertices, `pairs` their neighbourhood by place in `names`.
+/// Orders a subgraph: `names` are the variables of its vertices, `pairs` its edges by index in `names`.
 fn dissect(names: &[usize], pairs: &[(usize, usize)], order: &mut Vec<usize>) {
     if names.len() <= SMALL {
         order.extend(approximate_minimum_degree(names.len(), pairs).into_iter().map(|vertex| names[vertex]));
@@ -45,7 +45,7 @@ fn dissect(names: &[usize], pairs: &[(usize, usize)], order: &mut Vec<usize>) {
             part.push(names[vertex]);
         }
         let inside = |&&(a, b): &&(usize, usize)| side[a] == wanted && side[b] == wanted;
-        // Places keep the order of the vertices, so that pairs keep theirs.
+        // The new indices keep the order of the vertices, so that the smaller one still comes first in each pair.
         let own: Vec<_> = pairs.iter().filter(inside).map(|&(a, b)| (place[a], place[b])).collect();
         dissect(&part, &own, order);
     }
@@ -60,10 +60,10 @@ struct Cut {
 }
 
 impl Cut {
-    /// The smallest level near the middle of a breadth-first search; a graph in several parts needs no separator.
+    /// The smallest level near the middle of a breadth-first search; a disconnected graph needs no separator.
     fn by_levels(graph: &Adjacency, vertices: usize) -> Self {
         let mut order = search(graph, vertices, 0).0;
-        // Twice from the last vertex found: an end of the graph, or near it.
+        // Twice from the last vertex found: this vertex is at an end of the graph, or near it.
         for _ in 0..2 {
             order = search(graph, vertices, order[order.len() - 1]).0;
         }
@@ -93,7 +93,7 @@ impl Cut {
         Self { side, sizes: [level.start, vertices - level.end, level.len()] }
     }
 
-    /// Moves vertices out of the separator, and their neighbours across into it, while it shrinks in the end.
+    /// Moves vertices out of the separator, and their neighbours on the other side into it, as long as a pass shrinks it.
     fn improve(&mut self, graph: &Adjacency) {
         let limit = (BALANCE * self.side.len() as f64) as usize;
         for _ in 0..PASSES {
@@ -136,7 +136,7 @@ impl Cut {
         }
     }
 
-    /// The move that shrinks the separator most, to the smaller side where two are equal.
+    /// The move that shrinks the separator most; if two are equal, the one to the smaller side.
     fn best_move(&self, graph: &Adjacency, members: &[usize], limit: usize) -> Option<(usize, u8)> {
         let mut best: Option<((usize, usize, usize), u8)> = None;
         for &vertex in members {

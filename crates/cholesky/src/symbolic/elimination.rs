@@ -14,8 +14,8 @@ pub(crate) fn elimination_tree(vertices: usize, lower: &Adjacency) -> Vec<usize>
     let mut ancestor = vec![ROOT; vertices];
     for column in 0..vertices {
         for &row in lower.of(column) {
-            // From the row up to the root of its subtree so far, which becomes a child of this column. All on the way point here from now
-            // on, so that later walks are short.
+            // Walks from the row up to the root of its subtree so far, and makes this root a child of the column. All
+            // vertices on the path then point to the column, so that later walks are short.
             let mut vertex = row;
             while vertex != ROOT && vertex < column {
                 let next = ancestor[vertex];

@@ -1,4 +1,4 @@
-//! Where the blocks of the matrix go.
+//! Positions of the matrix's blocks in the fronts.
 
 use super::Symbolic;
 use super::front::Entry;

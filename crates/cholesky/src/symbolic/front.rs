@@ -1,4 +1,4 @@
-//! Fronts: where they lie and what belongs to them.
+//! Fronts: their position in memory, and their columns, rows and children.
 
 use std::ops::Range;
 
@@ -28,12 +28,12 @@ pub(crate) struct Front {
     pub(crate) entries: Range<usize>,
 }
 
-/// Fronts that one thread factorises, and what it writes. Blocks.
+/// Fronts that one thread factorises, and the memory that it writes, in blocks.
 #[derive(Debug)]
 pub(crate) struct Stretch {
     /// Children before parents.
     pub(crate) fronts: Vec<usize>,
-    /// Range in the factor; of the last stretch, that of all its fronts and of others in between.
+    /// Range in the factor. That of the last stretch also covers fronts of other stretches in between.
     pub(crate) panels: Range<usize>,
     /// Range on each stack.
     pub(crate) stacks: [Range<usize>; 2],
@@ -45,7 +45,7 @@ impl Front {
         self.rows.len()
     }
 
-    /// Where its panel ends in the factor.
+    /// End of the panel in the factor.
     pub(super) fn panel_end(&self) -> usize {
         self.panel + self.columns * self.height()
     }
@@ -56,7 +56,7 @@ impl Front {
     }
 }
 
-/// Where an off-diagonal block of the matrix goes in a front's panel.
+/// Position of an off-diagonal block of the matrix in a front's panel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entry {
     /// Index of the block among the pairs.
@@ -65,7 +65,7 @@ pub(crate) struct Entry {
     pub(crate) column: usize,
     /// Block row in the panel.
     pub(crate) row: usize,
-    /// The stored block is that of the upper triangle in elimination order.
+    /// Whether the stored block is that of the upper triangle in elimination order.
     pub(crate) transposed: bool,
 }
 

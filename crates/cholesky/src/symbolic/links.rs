@@ -1,10 +1,10 @@
-//! Parents and children of fronts, and where a child's rows lie in its parent's front.
+//! Parents and children of fronts, and the positions of a child's rows in its parent's front.
 
 use super::Symbolic;
 use crate::Adjacency;
 
 impl Symbolic {
-    /// Sets parents, lists of children, and the rows' places in the parent's front.
+    /// Sets parents, lists of children, and the rows' positions in the parent's front.
     pub(super) fn link_parents(&mut self) {
         self.relative = vec![0; self.rows.len()];
         let mut arcs = Vec::new();

@@ -1,4 +1,4 @@
-//! Where the update matrices of fronts lie while they wait for their parents.
+//! Where the update matrices of fronts are stored until their parents take them.
 
 use std::ops::Range;
 
@@ -6,18 +6,19 @@ use super::Symbolic;
 use super::front::Stretch;
 
 impl Symbolic {
-    /// Gives every update matrix its place on one of two stacks.
+    /// Gives every update matrix an offset on one of two stacks.
     ///
-    /// When a front is assembled, the updates of its children are on top of the stack of the children's depth; its own
-    /// update goes on top of the other one. With two stacks neither moves, and the two can be borrowed apart. Fronts that threads
-    /// take side by side have stretches of the stacks of their own, below those of the rest.
+    /// When a front is assembled, the updates of its children are on top of one stack, and its own update goes on top of the
+    /// other. So neither has to move, and the two can be borrowed apart. Stretches that run in parallel have their own
+    /// regions of the stacks, below the region of the rest.
     pub(super) fn place_updates(&mut self, independent: &[Range<usize>]) {
         for index in (0..self.fronts.len()).rev() {
             let parent = self.fronts[index].parent;
             self.fronts[index].stack = self.fronts.get(parent).map_or(0, |parent| 1 - parent.stack);
         }
-        // Parity by depth: a front and its children never share a stack, and its grandchildren are gone when it is assembled.
-        // 0 is the rest.
+        // The stack is the parity of the depth: a front and its children never share a stack, and the updates of its
+        // grandchildren are gone when it is assembled.
+        // Region 0 is the rest.
         let mut regions = vec![0; self.fronts.len()];
         let mut base = [0, 0];
         for (index, fronts) in independent.iter().enumerate() {
@@ -29,16 +30,16 @@ impl Symbolic {
         self.stack_blocks = self.place_region(rest, &regions, base);
     }
 
-    /// Adds a stretch of these fronts, all of one region, whose updates lie on the stacks from `base` on. Returns where they end at
-    /// most.
+    /// Adds a stretch of these fronts, all of one region, whose updates are on the stacks from `base` on. Returns the highest
+    /// offsets that they reach.
     fn place_region(&mut self, fronts: Vec<usize>, regions: &[usize], base: [usize; 2]) -> [usize; 2] {
         let (mut top, mut end) = (base, base);
         for &index in &fronts {
             let front = &self.fronts[index];
             let (own, others) = (front.stack, 1 - front.stack);
             let size = front.below() * front.below();
-            // In postorder the children's updates are the last on their stack. Those of another region lie on that region's stretch,
-            // and nothing is released there.
+            // In postorder the children's updates are the last on their stack. Updates of another region are on that region's
+            // stacks and are not released here.
             let released: usize = self.children[front.children.clone()]
                 .iter()
                 .filter(|&&child| regions[child] == regions[index])

@@ -1,21 +1,19 @@
-//! Subtrees of the elimination tree that threads take.
+//! Subtrees of the elimination tree that threads factorise in parallel.
 
 use std::ops::Range;
 
 use super::front::{Front, NO_PARENT};
 
-/// Operations of a factorisation from which handing subtrees to threads pays: each stretch has stacks of its own, which cost memory.
+/// Number of operations from which threads are worth their cost: each stretch needs stacks of its own, which cost memory.
 const WORTH_THREADS: f64 = 1e8;
-/// Share of all operations that a subtree may have: more than that is divided. Ten or more pieces keep some threads busy whatever their
-/// sizes; many more would move the top, which one thread eliminates, down the tree.
+/// Largest share of all operations in one subtree; larger subtrees are divided. Ten or more pieces keep some threads busy
+/// whatever their sizes. With many more pieces, the top, which one thread eliminates, would become larger.
 const LARGEST_SHARE: f64 = 0.1;
 
-/// Stretches of fronts, each of whole subtrees, whose factorisations need nothing of each other. What is left, the top of the
-/// tree, comes after all of them.
+/// Independent stretches of fronts, each made of whole subtrees. The rest, the top of the tree, comes after all of them.
 ///
-/// One thread alone needs none: it reuses the memory of one subtree for the next. What is computed for a front is the same either
-/// way. `work` holds the operations of each front; fronts are in
-/// postorder. O(fronts).
+/// There are none for a single thread, which reuses the memory of one subtree for the next. The numbers in a front are the
+/// same in both cases. `work` holds the operations of each front; fronts are in postorder. O(fronts).
 pub(super) fn independent(fronts: &[Front], work: &[f64]) -> Vec<Range<usize>> {
     let total: f64 = work.iter().sum();
     if total < WORTH_THREADS || rayon::current_num_threads() < 2 {

@@ -31,8 +31,8 @@ pub(crate) fn maximal(parent: &[usize], upper: &Adjacency) -> Vec<Supernode> {
     let mut structure: Vec<Vec<usize>> = vec![Vec::new(); vertices];
     let mut supernodes: Vec<Supernode> = Vec::new();
     for column in 0..vertices {
-        // The structure of a column is that of the matrix and of its children, less the children themselves: what a child has
-        // further down, its parent has, too.
+        // The structure of a column is the union of the matrix's rows and its children's rows, without the children
+        // themselves: all further rows of a child are also rows of its parent.
         marked[column] = column;
         let mut rows = Vec::new();
         let mut collect = |candidates: &[usize]| {
@@ -47,11 +47,11 @@ pub(crate) fn maximal(parent: &[usize], upper: &Adjacency) -> Vec<Supernode> {
         for &child in children.of(column) {
             collect(&structure[child]);
         }
-        // A column goes on with the run of the last one if it is its parent and has the same rows but itself. Then the two fronts are
-        // one, without a zero more.
+        // A column continues the previous column's run if it is its parent and has the same rows, except itself. The two
+        // fronts are then one, without extra zeros.
         let continues =
             column > 0 && parent[column - 1] == column && structure[column - 1].len() == rows.len() + 1;
-        // Nobody asks a child again: memory stays that of the tree's front line.
+        // A child's structure is not needed again. Freeing it limits the memory to the front line of the tree.
         for &child in children.of(column) {
             structure[child] = Vec::new();
         }
@@ -70,9 +70,9 @@ pub(crate) fn maximal(parent: &[usize], upper: &Adjacency) -> Vec<Supernode> {
     supernodes
 }
 
-/// Merges a supernode into its parent where the two are adjacent and few zeros come of it: larger fronts cost some
-/// arithmetic and save much bookkeeping. The rule is CHOLMOD's (Chen, Davis, Hager, Rajamanickam, 2008); its limits, on
-/// numbers of scalar columns, were set by measurement. `block` is the number of scalars in a block.
+/// Merges a supernode into its parent if the two are adjacent and this adds few zeros: larger fronts cost some arithmetic and
+/// save much bookkeeping. The rule is CHOLMOD's (Chen, Davis, Hager, Rajamanickam, 2008); its limits, on numbers of scalar
+/// columns, were set by measurement. `block` is the number of scalars in a block.
 pub(crate) fn amalgamate(supernodes: Vec<Supernode>, block: usize) -> Vec<Supernode> {
     // Right to left, so that a parent is complete before its last child asks to join it.
     let mut merged: Vec<Supernode> = Vec::with_capacity(supernodes.len());
@@ -104,6 +104,6 @@ fn joins(child: &Supernode, parent: &Supernode, block: usize) -> bool {
     let size = columns * (columns + 1) / 2 + columns * parent.rows.len();
     let share = zeros as f64 / size as f64;
     let scalars = columns * block;
-    // The smaller the front, the more of its time is bookkeeping, and the more zeros pay.
+    // In smaller fronts, bookkeeping takes a larger share of the time, so that more zeros are worth it.
     zeros == 0 || share < 0.1 || (scalars <= 64 && share < 0.2) || (scalars <= 24 && share < 0.5)
 }

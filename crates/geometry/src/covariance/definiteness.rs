@@ -4,15 +4,15 @@ use nalgebra::{DMatrix, SMatrix};
 
 use super::packing::{packed_length, unpack_upper_triangle};
 
-/// A smallest eigenvalue within this share of the largest is zero in print: files carry six to nine digits.
+/// A smallest eigenvalue within this share of the largest counts as zero, since files have six to nine digits.
 const PRINT_TOLERANCE: f64 = 1e-9;
 
-/// What the eigenvalues of a symmetric matrix say.
+/// Definiteness of a symmetric matrix by its eigenvalues.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Definiteness {
     /// All eigenvalues are positive beyond the digits of a printed file: above 1e-9 times the largest.
     PositiveDefinite,
-    /// The smallest eigenvalue is zero up to the digits of a printed file: within 1e-9 times the largest, on either side.
+    /// The smallest eigenvalue is zero up to the digits of a printed file: within 1e-9 times the largest, of either sign.
     Semidefinite {
         /// Smallest eigenvalue.
         smallest: f64,
@@ -35,7 +35,7 @@ pub fn definiteness<const DOF: usize>(matrix: &SMatrix<f64, DOF, DOF>) -> Defini
     if matrix.iter().any(|entry| !entry.is_finite()) {
         return Definiteness::NotFinite;
     }
-    // Scaled to entries of at most 1: squares of entries near 1e300 would overflow in the eigenvalue iteration.
+    // Scaled to entries of at most 1: otherwise squares of entries near 1e300 overflow in the eigenvalue iteration.
     let scale = matrix.amax();
     if scale == 0.0 {
         return Definiteness::Semidefinite { smallest: 0.0, largest: 0.0 };
@@ -58,8 +58,8 @@ pub fn definiteness<const DOF: usize>(matrix: &SMatrix<f64, DOF, DOF>) -> Defini
 /// The smallest eigenvalue of an information matrix given by its upper triangle, if it is negative beyond the digits of a
 /// printed file ([`Definiteness::Indefinite`]); NaN if a term is not finite or there are too few.
 ///
-/// A factorisation settles the usual case, a positive definite matrix; eigenvalues are computed for the rest alone.
-/// Takes O(DOF^3).
+/// A factorisation decides the usual case, a positive definite matrix. Eigenvalues are computed only if it fails. Takes
+/// O(DOF^3).
 pub fn negative_eigenvalue<const DOF: usize>(upper_triangle: &[f64]) -> Option<f64> {
     if has_cholesky_factor::<DOF>(upper_triangle) {
         return None;
@@ -72,8 +72,8 @@ pub fn negative_eigenvalue<const DOF: usize>(upper_triangle: &[f64]) -> Option<f
     }
 }
 
-/// Whether all pivots are positive and finite. Entries whose products overflow have no factor here, and are left to the
-/// scaled eigenvalues.
+/// Whether all pivots are positive and finite. If products of entries overflow, this is false, and the scaled eigenvalues
+/// decide.
 fn has_cholesky_factor<const DOF: usize>(upper_triangle: &[f64]) -> bool {
     if upper_triangle.len() != packed_length(DOF) {
         return false;
@@ -121,7 +121,7 @@ mod tests {
         assert!(negative_eigenvalue::<3>(&[1.0; 5]).unwrap().is_nan());
     }
 
-    /// The products of such entries overflow to NaN, which is not below zero: the factorisation must not pass it.
+    /// The products of such entries overflow to NaN, which is not below zero: the factorisation must not accept it.
     #[test]
     fn indefinite_matrices_of_huge_entries_are_indefinite() {
         let huge = 1e200;

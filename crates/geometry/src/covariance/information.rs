@@ -3,7 +3,7 @@
 use nalgebra::SMatrix;
 use thiserror::Error;
 
-/// Why a matrix has no inverse that is a covariance or an information matrix.
+/// Why a matrix cannot be inverted as a covariance or an information matrix.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum CovarianceError {
     /// An entry is NaN or infinite.
@@ -29,13 +29,13 @@ pub enum CovarianceError {
         /// Entry minus mirror image.
         difference: f64,
     },
-    /// A direction has no (or no measurable) variance or information.
+    /// A direction has zero variance or information, up to rounding.
     #[error(
         "the matrix is singular to working precision: component {index} is determined by the ones before it; \
          give every direction a positive variance"
     )]
     Singular {
-        /// Component at which elimination found nothing left, from 0.
+        /// Component at which elimination left nothing, from 0.
         index: usize,
     },
     /// A direction has negative variance or information.
@@ -46,7 +46,7 @@ pub enum CovarianceError {
     NotPositiveDefinite {
         /// Component at which elimination failed, from 0.
         index: usize,
-        /// What is left on the diagonal, as a share of the entry that was there.
+        /// The remaining diagonal entry, as a share of the original entry.
         pivot: f64,
     },
 }
@@ -60,8 +60,8 @@ pub fn information_from_covariance<const DOF: usize>(
 
 /// The covariance of an information matrix, `Omega^-1`.
 ///
-/// Accurate to the condition number of the matrix *scaled to unit diagonal*, so units do not matter (micrometres beside
-/// radians). The result is symmetric to the bit. Singular, indefinite, unsymmetric and non-finite matrices are errors.
+/// The error depends on the condition number of the matrix *scaled to unit diagonal*, so units do not matter (micrometres
+/// with radians). The result is symmetric to the bit. Singular, indefinite, unsymmetric and non-finite matrices are errors.
 pub fn covariance_from_information<const DOF: usize>(
     information: &SMatrix<f64, DOF, DOF>,
 ) -> Result<SMatrix<f64, DOF, DOF>, CovarianceError> {
@@ -88,7 +88,7 @@ fn inverse_positive_definite<const DOF: usize>(
         SMatrix::<f64, DOF, DOF>::from_fn(|row, column| matrix[(row, column)] * scale[row] * scale[column]);
     let inverse_factor = invert_lower(&cholesky(&scaled)?);
     Ok(SMatrix::from_fn(|row, column| {
-        // Rows above max(row, column) of the inverse factor are zero; the same sum on both sides of the diagonal.
+        // Rows above max(row, column) of the inverse factor are zero. Both sides of the diagonal get the same sum.
         let sum: f64 =
             (row.max(column)..DOF).map(|k| inverse_factor[(k, row)] * inverse_factor[(k, column)]).sum();
         sum * (scale[row] * scale[column])
@@ -118,7 +118,8 @@ fn check_symmetric<const DOF: usize>(matrix: &SMatrix<f64, DOF, DOF>) -> Result<
     Ok(())
 }
 
-/// Lower Cholesky factor of a matrix with unit diagonal. Own loops: nalgebra's needs bounds that a generic `DOF` lacks.
+/// Lower Cholesky factor of a matrix with unit diagonal. The loops are written out, since nalgebra's function needs bounds
+/// that a generic `DOF` lacks.
 fn cholesky<const DOF: usize>(
     matrix: &SMatrix<f64, DOF, DOF>,
 ) -> Result<SMatrix<f64, DOF, DOF>, CovarianceError> {

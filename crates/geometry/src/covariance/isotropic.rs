@@ -1,4 +1,4 @@
-//! Information matrices that two standard deviations make.
+//! Information matrices from two standard deviations.
 
 use super::packing::packed_length;
 

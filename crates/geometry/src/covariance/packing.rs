@@ -3,10 +3,10 @@
 use nalgebra::SMatrix;
 use thiserror::Error;
 
-/// A flat list that is no upper triangle.
+/// A flat list that is not an upper triangle.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum PackingError {
-    /// The list has another length than the matrix needs.
+    /// The length of the list does not match the matrix.
     #[error(
         "{found} terms cannot fill the upper triangle of a {size} x {size} matrix: write its {expected} terms row by row"
     )]

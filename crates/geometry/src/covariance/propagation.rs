@@ -1,15 +1,14 @@
 //! First-order propagation of covariances through the group's operations.
 //!
-//! Every covariance is that of a right perturbation, `T = T_hat Exp(xi)`. Moving a perturbation past a motion is an
-//! adjoint, `Exp(xi) B = B Exp(Ad(B^-1) xi)`, so the formulas below have no Jacobian of the logarithm in them. They
-//! neglect terms of third and higher order in the standard deviations. A cross-covariance `E[a b^T]` is zero unless
-//! given.
+//! Every covariance is that of a right perturbation, `T = T_hat Exp(xi)`. An adjoint moves a perturbation past a motion,
+//! `Exp(xi) B = B Exp(Ad(B^-1) xi)`, so the formulas below contain no Jacobian of the logarithm. They neglect terms of third
+//! and higher order in the standard deviations. A cross-covariance `E[a b^T]` is zero unless given.
 
 use nalgebra::SMatrix;
 
 use crate::lie_group::LieGroup;
 
-/// Averages a matrix with its transpose: rounding must not make a covariance unsymmetric.
+/// Averages a matrix with its transpose, so that rounding does not make a covariance unsymmetric.
 fn symmetric<const DOF: usize>(matrix: SMatrix<f64, DOF, DOF>) -> SMatrix<f64, DOF, DOF> {
     (matrix + matrix.transpose()) * 0.5
 }
@@ -69,7 +68,7 @@ pub fn between_correlated<G: LieGroup<DOF>, const DOF: usize>(
     compose_correlated(first_covariance, &relative, second_covariance, &-cross_covariance)
 }
 
-/// The covariance of a pose as seen in its reference frame (that of a *left* perturbation): `Ad(T) Sigma Ad(T)^T`.
+/// The covariance of a pose in its reference frame (that of a *left* perturbation): `Ad(T) Sigma Ad(T)^T`.
 pub fn to_reference<G: LieGroup<DOF>, const DOF: usize>(
     pose: &G,
     covariance: &SMatrix<f64, DOF, DOF>,
@@ -78,8 +77,8 @@ pub fn to_reference<G: LieGroup<DOF>, const DOF: usize>(
     symmetric(adjoint * covariance * adjoint.transpose())
 }
 
-/// The covariance of a left perturbation, as one of a right perturbation in the pose's own frame:
-/// `Ad(T^-1) Sigma Ad(T^-1)^T`. Undoes [`to_reference`].
+/// Converts the covariance of a left perturbation to that of a right perturbation, in the pose's own frame:
+/// `Ad(T^-1) Sigma Ad(T^-1)^T`. The inverse of [`to_reference`].
 pub fn to_body<G: LieGroup<DOF>, const DOF: usize>(
     pose: &G,
     covariance: &SMatrix<f64, DOF, DOF>,

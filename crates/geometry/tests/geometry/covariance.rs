@@ -1,4 +1,4 @@
-//! Propagation against sampling and finite differences; conversion, packing and definiteness.
+//! Tests of propagation (against sampling and finite differences), conversion, packing and definiteness.
 
 use crate::tangents::{planar_tangent, spatial_tangent};
 use nalgebra::{Matrix2, Matrix3, Matrix6, SMatrix, SVector, Vector3};
@@ -37,7 +37,7 @@ fn derivative<G: LieGroup<DOF>, const DOF: usize>(
     jacobian
 }
 
-/// Every propagation against `J Sigma J^T` with numerical J.
+/// Compares every propagation with `J Sigma J^T` for a numerical J.
 fn check_propagation<G: LieGroup<DOF>, const DOF: usize>(a: &G, b: &G, seed: u64) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let (root_a, root_b) = (root::<DOF>(&mut random, 1.0), root::<DOF>(&mut random, 1.0));

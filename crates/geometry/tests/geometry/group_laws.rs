@@ -50,7 +50,7 @@ macro_rules! laws {
 
                 #[test]
                 fn exp_undoes_log(tangent in $tangent(), other in $tangent()) {
-                    // A product reaches rotations that no draw of a tangent vector does.
+                    // A product reaches rotations that no single random tangent vector reaches.
                     let pose = $group::exp(&tangent).compose(&$group::exp(&other));
                     let back = $group::exp(&pose.log());
                     for (first, second) in pose.homogeneous().iter().zip(back.homogeneous().iter()) {

@@ -1,4 +1,4 @@
-//! Stored components, Euler angles, angles of the plane, and the ways between plane and space.
+//! Stored components, Euler angles, angles of the plane, and conversions between plane and space.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use posecut_geometry::interpolation::sample;
@@ -65,7 +65,7 @@ fn a_track_is_sampled_at_and_between_its_stamps_but_not_outside() {
     assert_eq!(sample(&stamps, &poses, i64::MIN), Some(poses[0]));
     assert_eq!(sample(&stamps, &poses, 4), Some(poses[2]));
     assert!((sample(&stamps, &poses, 1).unwrap().translation.x - 2.0).abs() < 1e-12);
-    // The short way from 3 to -3 radians leads through pi.
+    // The shorter way from 3 to -3 radians leads through pi.
     assert!((sample(&stamps, &poses, i64::MIN / 2).unwrap().rotation_angle() - PI).abs() < 1e-12);
     assert_eq!(sample(&stamps, &poses, 5), None);
     assert_eq!(sample(&stamps[1..], &poses[1..], -1), None);
@@ -87,7 +87,7 @@ proptest! {
         prop_assert!((r - roll).abs() < 1e-12 && (p - pitch).abs() < 1e-12 && (y - yaw).abs() < 1e-12);
     }
 
-    /// Stages hand poses on unchanged, so a second reading must not move a bit.
+    /// Stages pass poses on unchanged, so a second reading must not change a bit.
     #[test]
     fn reading_a_written_quaternion_keeps_its_bits(roll in -3.1..3.1_f64, pitch in -1.5..1.5_f64, yaw in -3.1..3.1_f64) {
         let mut components = SE3::from_euler(1.0, 2.0, 3.0, roll, pitch, yaw).components();

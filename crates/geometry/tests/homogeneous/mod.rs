@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, Vector3, Vector6};
 use posecut_geometry::{SE2, SE3};
 
-/// The matrix picture of a group and of its algebra.
+/// The matrix form of a group and of its algebra.
 pub(crate) trait Homogeneous<Tangent> {
     /// `[R, t; 0, 1]`.
     fn homogeneous(&self) -> DMatrix<f64>;
@@ -53,7 +53,7 @@ pub(crate) fn matrix_exponential(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     let halvings = 10;
     let scaled = matrix / f64::from(1 << halvings);
     let size = matrix.nrows();
-    // exp(A) - I is squared as 2 B + B^2, which keeps the digits that I + B would lose.
+    // exp(A) - I is squared as 2 B + B^2, which keeps digits that I + B would lose.
     let mut term = scaled.clone();
     let mut sum = scaled.clone();
     for order in 2..20 {

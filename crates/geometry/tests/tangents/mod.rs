@@ -1,4 +1,4 @@
-//! Draws of tangent vectors: any angle, tiny ones, and angles near pi, of both signs.
+//! Random tangent vectors: any angle, tiny ones, and angles near pi, of both signs.
 
 use nalgebra::{Vector3, Vector6};
 use proptest::prelude::*;

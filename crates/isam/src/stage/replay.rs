@@ -1,7 +1,7 @@
-//! The order in which the records of a file come.
+//! The order in which the records of a file are replayed.
 //!
 //! A *stream* has its records in the order of time: a pose, then the edges that end at it, and so on. A file in canonical
-//! form has all nodes first; it is replayed as a session: nodes by id, each with the edges of which it is the later end.
+//! form has all nodes first. It is replayed as a session: nodes by id, each followed by the edges whose later end it is.
 
 use std::collections::HashMap;
 use std::io::BufRead;
@@ -12,14 +12,14 @@ use serde::Deserialize;
 
 use super::session::Arrival;
 
-/// A record that concerns the session, and its line.
+/// A record of the session, and its line.
 #[derive(Clone, Debug)]
 pub(super) struct Located {
     pub(super) line: u64,
     pub(super) arrival: Arrival,
 }
 
-/// A record of the kinds that only the incremental mode knows; its edge is looked at once the kind is known.
+/// A record of a kind that only the incremental mode knows. Its edge is read once the kind is known.
 #[derive(Deserialize)]
 struct Decision {
     kind: String,
@@ -27,10 +27,9 @@ struct Decision {
     edge: serde_json::Value,
 }
 
-/// Reads records and hands them on in the order of time; records of unknown kind go to `unknown`.
+/// Reads records and passes them on in the order of time; the kinds of unknown records go to `unknown`.
 ///
-/// Until the second stretch of nodes begins it is open whether this is a stream, so that the records up to there are held
-/// back.
+/// Whether a file is a stream is unknown until a node follows an edge; the records up to there are kept back.
 pub(super) fn for_each<R: BufRead>(
     source: &str,
     reader: RecordReader<R>,
@@ -86,8 +85,8 @@ fn arrival(record: Record, unknown: &mut Vec<String>) -> anyhow::Result<Option<A
     })
 }
 
-/// Nodes by id, each with the edges of which it is the later end, by id; decisions at the end. An edge to a pose that is not
-/// there comes last, where it is refused.
+/// Sorts nodes by id, each followed by the edges whose later end it is, by id; decisions come last. An edge to a missing pose
+/// comes at the end, where it is refused.
 fn canonical(mut records: Vec<Located>) -> Vec<Located> {
     let key = |located: &Located| match &located.arrival {
         Arrival::Node(node) => node.id,
@@ -119,7 +118,7 @@ fn canonical(mut records: Vec<Located>) -> Vec<Located> {
     records
 }
 
-/// A graph with this header and nothing else.
+/// A graph with this header only.
 pub(super) fn empty<R: BufRead>(reader: &RecordReader<R>) -> PoseGraph {
     PoseGraph::new(reader.header().clone())
 }

@@ -1,4 +1,4 @@
-//! A pose graph as it comes, record by record.
+//! A pose graph that arrives record by record.
 
 use std::collections::HashMap;
 use std::time::Instant;
@@ -17,21 +17,21 @@ use crate::{EdgeId, IncrementalOptions, IncrementalSolver};
 pub(super) enum Arrival {
     /// A pose.
     Node(Node),
-    /// An edge; its field `retract` takes an earlier one back first.
+    /// An edge; if it has a field `retract`, the edge named there is retracted first.
     Edge(Edge),
-    /// An earlier edge is taken back.
+    /// An earlier edge is retracted.
     Retract(u64),
-    /// An edge that was taken back, or came rejected, is used (again).
+    /// An edge that was retracted, or arrived rejected, is used from now on.
     Readmit(u64),
 }
 
-/// An edge that has come.
+/// An edge that has arrived.
 #[derive(Clone, Copy, Debug)]
 struct Standing {
     place: usize,
-    /// Where it came.
+    /// The line on which it arrived.
     line: u64,
-    /// Its number in the solver while it is used.
+    /// Its number in the solver, if it is in use.
     used: Option<EdgeId>,
 }
 
@@ -50,7 +50,7 @@ pub(super) struct Step {
     pub(super) seconds: f64,
 }
 
-/// A part that was split off.
+/// A component that was split off.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct SplitOff {
     /// Id of the newest node at that time.
@@ -66,7 +66,7 @@ pub(super) struct Session<G, const DOF: usize> {
     pub(super) graph: PoseGraph,
     pub(super) solver: IncrementalSolver<G, DOF>,
     kernels: KernelOptions,
-    /// Number in the solver and line of each pose.
+    /// Number in the solver, and line, of each pose.
     nodes: HashMap<u64, (usize, u64)>,
     edges: HashMap<u64, Standing>,
     /// The latest time of each session.
@@ -80,11 +80,11 @@ pub(super) struct Session<G, const DOF: usize> {
     pub(super) restarts: usize,
 }
 
-/// What `rejected_by` says of an edge that was taken back.
+/// The value of `rejected_by` of a retracted edge.
 const RETRACT: &str = "retract";
 
 impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
-    /// A session without poses; `graph` has a header and nothing else.
+    /// A session without poses; `graph` has only a header.
     pub(super) fn new(
         graph: PoseGraph,
         options: IncrementalOptions,
@@ -107,7 +107,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
         })
     }
 
-    /// Takes the record of a line. Errors name the record, cause and remedy; the caller adds file and line.
+    /// Applies the record of a line. Errors name the record, cause and remedy; the caller adds file and line.
     pub(super) fn take(&mut self, arrival: Arrival, line: u64) -> anyhow::Result<()> {
         self.started.get_or_insert_with(Instant::now);
         match arrival {
@@ -233,7 +233,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
         Ok(())
     }
 
-    /// Ends a step: brings the estimate up to date. False if nothing has come since the last one.
+    /// Ends a step: brings the estimate up to date. Returns false if no record has arrived since the last step.
     pub(super) fn end_step(&mut self) -> bool {
         let (Some(started), Some(node)) = (self.started.take(), self.graph.nodes.last()) else {
             return false;

@@ -1,4 +1,4 @@
-//! Trajectories that grow, and fresh batch solutions to compare with.
+//! Growing trajectories, and fresh batch solutions to compare with.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -18,7 +18,7 @@ pub(crate) fn spatial(random: &mut ChaCha8Rng) -> SE3 {
     SE3::from_euler(draw(3.0), draw(3.0), draw(3.0), draw(3.1), draw(1.5), draw(3.1))
 }
 
-/// A trajectory that grows, and noisy measurements in it.
+/// A growing trajectory, and noisy measurements in it.
 pub(crate) struct World<G, const DOF: usize> {
     pub(crate) truth: Vec<G>,
     random: ChaCha8Rng,
@@ -53,8 +53,8 @@ impl<G: LieGroup<DOF>, const DOF: usize> World<G, DOF> {
     }
 }
 
-/// Two dense Gauss-Newton steps with the gauges held: the batch solver stops where the cost no longer tells steps apart, at
-/// the root of the unit round-off.
+/// Two dense Gauss-Newton steps with the gauges held. They refine the batch solution, which stops where the cost can no
+/// longer tell steps apart, at the root of the unit round-off.
 fn refine<G: LieGroup<DOF>, const DOF: usize>(
     mut poses: Vec<G>,
     edges: &[Edge<G, DOF>],
@@ -94,7 +94,7 @@ fn refine<G: LieGroup<DOF>, const DOF: usize>(
     poses
 }
 
-/// Largest distance of a pose from that of a fresh batch solution in which only the gauges are given; and both costs.
+/// Largest distance of a pose from that of a fresh batch solution that gets only the gauges; and both costs.
 pub(crate) fn distance_from_fresh<G: PoseGroup<DOF>, const DOF: usize>(
     solver: &IncrementalSolver<G, DOF>,
 ) -> (f64, f64, f64) {

@@ -6,7 +6,7 @@ use std::process::Output;
 
 use crate::stage::run;
 
-/// A square of four steps, closed by a true landmark edge (5) and crossed by a false one (6).
+/// A square of four steps, with a true closing edge (5) and a false diagonal edge (6), both landmark edges.
 const GRAPH: &str = r#"{"kind":"header","format":"posecut","version":1,"dimension":2}
 {"kind":"node","id":0,"pose":[0,0,0]}
 {"kind":"node","id":1,"pose":[1,0,1.5]}
@@ -74,7 +74,7 @@ fn fixed_nodes_stay_where_they_are() {
         let line = format!("{{\"kind\":\"node\",\"id\":{id},\"pose\":{pose},\"fixed\":true}}");
         assert!(graph.contains(&line), "{graph}");
     }
-    // What is fixed is no gauge only: the first node has moved.
+    // A fixed node replaces the gauge: the first node has moved.
     assert!(!graph.contains("{\"kind\":\"node\",\"id\":0,\"pose\":[0,0,0]"), "{graph}");
     for (mark, words) in [
         ("\"fixed\":\"yes\",\"pose\":[1,0,1.5]", "expected true or false, found \"yes\""),

@@ -1,4 +1,4 @@
-//! Nodes that are held where they are: g2o's `FIX`.
+//! Held nodes: g2o's `FIX`.
 
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 
@@ -12,7 +12,7 @@ use crate::noisy_walk::{apart, bits, disturbed_walk as graph};
 #[test]
 fn held_poses_that_come_one_by_one_end_where_the_batch_solver_puts_the_others() {
     let (given, edges) = graph::<SE2, 3>(30, 20, 11);
-    // The last is held, too, so that parts are joined in which the later one must not move.
+    // The last node is held in some cases: a join must then not move the later component.
     for held in [vec![0], vec![17], vec![4, 20], vec![3, 4, 29]] {
         let problem = Problem::new(given.clone(), edges.clone()).unwrap().hold(held.iter().copied()).unwrap();
         let expected = optimize(&problem, &Options { cost_tolerance: 0.0, ..Options::default() });
@@ -36,7 +36,7 @@ fn held_poses_that_come_one_by_one_end_where_the_batch_solver_puts_the_others() 
     }
 }
 
-/// Two parts, both with a held node in the middle, lose and regain the edge that joins them.
+/// Two components, both with a held node in the middle, lose and regain the edge that joins them.
 #[test]
 fn a_part_that_is_split_off_keeps_its_own_held_pose_as_gauge() {
     let mut solver = IncrementalSolver::new(IncrementalOptions::default()).unwrap();

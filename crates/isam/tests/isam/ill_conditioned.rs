@@ -9,7 +9,7 @@ use posecut_optimize::{Edge, EdgeKind};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// A walk with loops whose information is drawn between 1e-12 and 1e12, each component for itself.
+/// A walk with loops. Each component of the information is drawn independently between 1e-12 and 1e12.
 fn walk(nodes: usize, loops: usize, seed: u64) -> Vec<Edge<SE2, 3>> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut truth = vec![SE2::new(0.0, 0.0, 0.0)];
@@ -32,7 +32,7 @@ fn walk(nodes: usize, loops: usize, seed: u64) -> Vec<Edge<SE2, 3>> {
     edges
 }
 
-/// Follows the walk; how many updates started anew, the last report, and the poses.
+/// Follows the walk. Returns the number of updates that started anew, the last report, and the poses.
 fn follow(nodes: usize, edges: &[Edge<SE2, 3>]) -> (usize, FinishReport, Vec<SE2>) {
     let mut solver = IncrementalSolver::<SE2, 3>::new(IncrementalOptions::default()).unwrap();
     let mut arriving: Vec<Vec<&Edge<SE2, 3>>> = vec![Vec::new(); nodes];
@@ -51,9 +51,9 @@ fn follow(nodes: usize, edges: &[Edge<SE2, 3>]) -> (usize, FinishReport, Vec<SE2
     (restarts, report, solver.estimates())
 }
 
-/// Every fifth update started the batch solver anew, for up to 600 steps each, since a result that had not converged counted as a
-/// success; and cliques of hundreds of undetermined directions were eliminated once for each. It ran for minutes, diverged, and
-/// ended at a cost above the one before.
+/// A regression: every fifth update started the batch solver anew, for up to 600 steps each, since a result that had not
+/// converged counted as a success; and a clique with hundreds of undetermined directions was eliminated once for each
+/// direction. The run took minutes, diverged, and ended at a higher cost than it started from.
 #[test]
 fn ill_conditioned_graphs_were_solved_anew_without_end() {
     for (nodes, loops, most) in [(500, 80, 12), (2000, 300, 16)] {
@@ -62,7 +62,7 @@ fn ill_conditioned_graphs_were_solved_anew_without_end() {
         assert!(restarts <= most, "{nodes}: {restarts} restarts");
         assert!(report.cost.is_finite() && report.cost <= report.cost_before, "{nodes}: {report:?}");
         assert!(poses.iter().flat_map(LieGroup::components).all(f64::is_finite), "{nodes}");
-        // It cannot: a report that says so would not be honest.
+        // It cannot converge: a report that says so would be false.
         assert!(!report.converged, "{nodes}: {report:?}");
         if nodes == 500 {
             assert_eq!(follow(nodes, &edges), (restarts, report, poses), "the same on every run");

@@ -1,4 +1,4 @@
-//! The incremental solver against fresh batch solutions, on small graphs at every step.
+//! Compares the incremental solver with fresh batch solutions, on small graphs at every step.
 
 #![allow(
     clippy::unwrap_used,
@@ -15,7 +15,7 @@ use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Every step of a session with landmark edges to random earlier poses.
+/// Checks every step of a session with landmark edges to random earlier poses.
 fn follow<G: PoseGroup<DOF>, const DOF: usize>(
     seed: u64,
     step: fn(&mut ChaCha8Rng) -> G,
@@ -70,7 +70,7 @@ fn every_step_is_near_the_batch_optimum() {
     }
 }
 
-/// Additions, removals (odometry too, so that parts split and join) and returns, in any order, several to an update.
+/// Adds, removes and re-adds edges in any order, several per update. Removed odometry splits components, which join again.
 fn come_and_go<G: PoseGroup<DOF>, const DOF: usize>(
     seed: u64,
     steps: usize,
@@ -163,14 +163,14 @@ fn a_part_that_loses_its_connection_stays_where_it_is_and_is_named() {
     for (after, before) in solver.estimates().iter().zip(&before) {
         assert!(after.between(before).log().amax() < 1e-12);
     }
-    // The part lives on.
+    // The component that was split off accepts edges.
     let edge = Edge::new(6, 9, SE2::new(2.7, 0.8, 0.3), Matrix3::identity(), EdgeKind::Landmark);
     solver.add_edge(edge).unwrap();
     solver.update();
     solver.finish();
     assert!(distance_from_fresh(&solver).0 < 1e-9);
     assert!(solver.estimate(6).between(&before[6]).log().amax() < 1e-12, "the new gauge is held");
-    // And joins again.
+    // It joins the rest again.
     solver.add_edge(bridge).unwrap();
     solver.update();
     assert_eq!(solver.parts(), 1);
@@ -179,7 +179,7 @@ fn a_part_that_loses_its_connection_stays_where_it_is_and_is_named() {
     assert_ne!(solver.estimate(9), before[9]);
 }
 
-/// The later part comes to the earlier one, however far apart their frames are, and in whichever direction the edge points.
+/// The later component moves to the earlier one, however far apart their frames are, whichever way the edge points.
 #[test]
 fn sessions_with_frames_of_their_own_are_joined_rigidly() {
     for reverse in [false, true] {
@@ -257,7 +257,7 @@ fn memory_does_not_grow_with_removed_edges() {
     assert!(late < early + early / 4, "{early} bytes became {late}");
 }
 
-/// A direction that no edge measures is held, named, and released when an edge comes that measures it.
+/// A direction that no edge measures is held and named, and released when an edge measures it.
 #[test]
 fn undetermined_directions_are_held_and_named() {
     let (mut solver, _) = line(4);
@@ -276,7 +276,7 @@ fn undetermined_directions_are_held_and_named() {
     assert!(distance_from_fresh(&solver).0 < 1e-8);
 }
 
-/// A far-off false edge folds the map; once it is taken back the map is what it would have been.
+/// A grossly false edge folds the map. After its removal the map is as without it.
 #[test]
 fn a_false_edge_leaves_no_trace() {
     let mut world =
@@ -324,8 +324,8 @@ fn kernels_weigh_edges_here_too() {
     );
 }
 
-/// Excursions far off, with loops at their ends that later closures swing as a whole. Returns the largest gap to the
-/// optimum over all steps, as a share, and how many poses were relinearised.
+/// Long excursions with loops at their ends that later closures swing as a whole. Returns the largest gap to the optimum over
+/// all steps, as a share, and the number of relinearised poses.
 fn swing(options: IncrementalOptions) -> (f64, usize) {
     let (mut worst, mut relinearised) = (0.0_f64, 0);
     for seed in 0..6 {
@@ -349,7 +349,7 @@ fn swing(options: IncrementalOptions) -> (f64, usize) {
     (worst, relinearised)
 }
 
-/// What is relinearised less costs accuracy: little with the default share, as much as was asked for with a large one.
+/// Fewer relinearisations cost accuracy: little with the default share, as much as a large share allows.
 #[test]
 fn the_share_of_linearisation_errors_trades_work_for_accuracy() {
     let with = |linearisation_error| {
@@ -366,7 +366,7 @@ fn the_share_of_linearisation_errors_trades_work_for_accuracy() {
     assert!(few < fewer && fewer < all, "{few} {fewer} {all}");
 }
 
-/// A part that loses its connection gets a gauge: without one its equations would be singular.
+/// A component that loses its connection gets a gauge; otherwise its equations would be singular.
 #[test]
 fn a_part_that_is_split_off_stays_determined() {
     let (mut solver, ids) = line(30);

@@ -1,4 +1,5 @@
-//! Benchmark graphs as sessions: gaps to the batch optimum on the way, at the end, and after the last relinearisation.
+//! Benchmark graphs as sessions: gaps to the batch optimum during the session, at its end, and after the final
+//! relinearisation.
 
 #![allow(
     clippy::unwrap_used,
@@ -16,7 +17,7 @@ fn check<G: PoseGroup<DOF>, const DOF: usize>(name: &str, (poses, edges): (Vec<G
     let mut seen = Vec::new();
     let spacing = poses.len() / 10;
     for (node, arrived) in replay::by_later_end(poses.len(), &edges).iter().enumerate() {
-        // The poses of the file are no help: every pose starts where its first edge puts it.
+        // The poses of the file are not used: every pose starts where its first edge puts it.
         solver.add_pose(G::identity()).unwrap();
         for edge in arrived {
             solver.add_edge(*edge).unwrap();

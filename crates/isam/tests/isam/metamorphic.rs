@@ -1,4 +1,4 @@
-//! What must not change the estimate: units, scales, numbering, directions, frames, copies, and what is not connected.
+//! Changes that must not affect the estimate: units, scales, numbering, directions, frames, copies, and unconnected graphs.
 
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 

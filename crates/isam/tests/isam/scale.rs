@@ -1,4 +1,4 @@
-//! Neither the unit of length nor the scale of the information decides what is linearised again, and what has converged.
+//! Relinearisation and convergence depend neither on the unit of length nor on the scale of the information.
 
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 
@@ -8,7 +8,7 @@ use posecut_optimize::Edge;
 
 use crate::noisy_walk::noisy_walk;
 
-/// Linearisation errors were compared with a cost of 1e-6 an edge, so that weak edges were never linearised again.
+/// A regression: linearisation errors were compared with a cost of 1e-6 per edge, so that weak edges were never relinearised.
 #[test]
 fn weak_information_was_never_linearised_again() {
     let (_, edges) = noisy_walk::<SE2, 3>(200, 100, 0.05, 5);
@@ -37,7 +37,7 @@ fn weak_information_was_never_linearised_again() {
     }
 }
 
-/// NaN in the gradient compares with nothing, so that its largest entry was zero.
+/// A regression: comparisons with NaN are false, so that the largest entry of a gradient with NaN was zero.
 #[test]
 fn a_cost_that_is_not_finite_is_no_convergence() {
     let (poses, mut edges) = noisy_walk::<SE2, 3>(10, 5, 0.05, 7);

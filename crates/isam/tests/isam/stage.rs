@@ -1,4 +1,4 @@
-//! The program: streams and files in canonical form, edges taken back, estimates on the way, bad input.
+//! The program: streams and files in canonical form, retracted edges, intermediate estimates, bad input.
 
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 
@@ -23,7 +23,7 @@ fn edge(kind: &str, id: u64, from: u64, to: u64, measurement: &str) -> String {
     )
 }
 
-/// A square of four steps, crossed by a false edge (6) that is taken back, and closed by a true one (5).
+/// A square of four steps, with a false diagonal edge (6) that is retracted, and a true closing edge (5).
 fn square() -> Vec<String> {
     let step = "[1,0.01,1.57]";
     vec![
@@ -126,12 +126,12 @@ fn edges_can_be_replaced_and_readmitted() {
     returned.push(r#"{"kind":"readmit","edge":6}"#.to_owned());
     let kept: Vec<String> = square().into_iter().filter(|line| !line.contains("retract")).collect();
     let returned = follow(&returned, &[]);
-    // With the false edge the minimum costs 9851, and undamped steps do not contract there: the iteration ends where the cost
-    // stands still. Sixteen digits of it place a pose to sqrt(9851 * 2e-16 / 100) = 1e-7 and no better.
+    // With the false edge the minimum costs 9851. Undamped steps do not converge there, so the iteration ends when the cost
+    // no longer changes. Sixteen digits of the cost determine a pose only up to sqrt(9851 * 2e-16 / 100) = 1e-7.
     let tolerance = 1e-6;
     assert_poses_within(&poses(&returned), &poses(&follow(&kept, &[])), tolerance);
     assert!(!returned.contains("rejected_by"));
-    // An edge that came rejected is not used, and may be readmitted.
+    // An edge that arrived rejected is not used, and may be re-admitted.
     let mut rejected = square();
     rejected[9] = String::new();
     rejected[6] = rejected[6].replace('}', r#","rejected_by":"pcm"}"#);

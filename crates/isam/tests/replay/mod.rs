@@ -1,9 +1,9 @@
-//! Benchmark graphs as sessions: each pose with the edges that end at it.
+//! Benchmark graphs as sessions: each pose is followed by the edges that end at it.
 
 use posecut_geometry::LieGroup;
 use posecut_optimize::Edge;
 
-/// For each node the edges of which it is the later end, in the order of the file; odometry comes first.
+/// For each node the edges whose later end it is, in the order of the file; odometry comes first.
 pub(crate) fn by_later_end<G: LieGroup<DOF>, const DOF: usize>(
     nodes: usize,
     edges: &[Edge<G, DOF>],

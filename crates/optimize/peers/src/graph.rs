@@ -81,7 +81,7 @@ impl Graph {
     }
 }
 
-/// What a run leaves: poses as in the file, and how many iterations they took, if the solver says.
+/// The result of a run: poses as in the file, and the number of iterations, if the solver reports it.
 pub struct Outcome {
     pub seconds: f64,
     pub poses: Vec<Vec<f64>>,

@@ -1,7 +1,7 @@
 //! One solver on one graph: seconds of the optimisation alone, the best of some repeats.
 //!
-//! `posecut-optimize-peers SOLVER IN.g2o OUT.g2o REPEATS` prints a line of JSON. Every solver gets the graph of the same
-//! reader and has its own structures built before the clock starts, and its own default or recommended tolerances.
+//! `posecut-optimize-peers SOLVER IN.g2o OUT.g2o REPEATS` prints a line of JSON. Every solver gets the same parsed graph,
+//! builds its own structures before the clock starts, and uses its own default or recommended tolerances.
 
 mod apex;
 mod arael_planar;
@@ -13,7 +13,7 @@ mod tiny;
 
 use graph::{Graph, Outcome};
 
-/// Repeats end once they have taken this long in all.
+/// Repeats end after this time in total.
 const MOST_SECONDS: f64 = 3.0;
 
 fn main() {

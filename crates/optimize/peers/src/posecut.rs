@@ -1,4 +1,4 @@
-//! posecut-optimize itself, through its library, with its defaults: it starts where it sees fit.
+//! posecut-optimize itself, through its library, with its defaults.
 
 use std::time::Instant;
 
@@ -8,12 +8,12 @@ use posecut_optimize::{Edge, EdgeKind, Initialisation, Options, PoseGroup, Probl
 
 use crate::graph::{Graph, Outcome};
 
-/// With the start that it chooses.
+/// Solves from the start that posecut-optimize chooses.
 pub fn solve(graph: &Graph, _: &str) -> Outcome {
     solve_from(graph, Initialisation::Best)
 }
 
-/// From the poses of the file, as the others.
+/// Solves from the poses of the file, as the other solvers do.
 pub fn solve_given(graph: &Graph, _: &str) -> Outcome {
     solve_from(graph, Initialisation::Given)
 }

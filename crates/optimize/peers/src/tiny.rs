@@ -1,5 +1,5 @@
-//! tiny-solver: Gauss-Newton with its defaults. Its reader ignores information matrices and adds a Huber kernel; here its own
-//! factors are multiplied by the root of the information, without kernel.
+//! tiny-solver: Gauss-Newton with its defaults. Its reader ignores information matrices and adds a Huber kernel. Here its
+//! factors are multiplied by the root of the information, without a kernel.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use tiny_solver::{GaussNewtonOptimizer, Optimizer, Problem};
 
 use crate::graph::{Graph, Outcome};
 
-/// Counts the lines of its log that tell of an iteration: it says so nowhere else.
+/// Counts the iterations by the lines of its log, since it reports them nowhere else.
 struct IterationCounter;
 
 static ITERATIONS: AtomicUsize = AtomicUsize::new(0);
@@ -85,7 +85,7 @@ pub fn solve(graph: &Graph, _: &str) -> Outcome {
     let first = values[&name(0)].clone();
     let prior = tiny_solver::factors::PriorFactor { v: first.clone() };
     problem.add_residual_block(first.len(), &[&name(0)], Box::new(prior), None);
-    // Set once; later repeats keep it.
+    // The logger is set once; later repeats keep it.
     let _ = log::set_logger(&IterationCounter);
     log::set_max_level(log::LevelFilter::Trace);
     ITERATIONS.store(0, Ordering::Relaxed);

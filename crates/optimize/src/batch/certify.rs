@@ -1,4 +1,4 @@
-//! The certificates of a graph's connected parts.
+//! The certificates of a graph's connected components.
 
 use crate::certificate::Certificate;
 use crate::model::gauge::count_held;
@@ -7,9 +7,9 @@ use crate::model::problem::Problem;
 use crate::pose_group::PoseGroup;
 use posecut_graph::connectivity::{Component, connected_components};
 
-/// SE-Sync's dual certificate of every connected part, for its cost `F` (chordal, isotropic weights), not for that of
-/// [`optimize`](crate::optimize): the poses are refined for `F` first. Kernels are not looked at. A part with several nodes held is another problem, of
-/// which nothing is known: its figures are not numbers.
+/// SE-Sync's dual certificate of every connected component. It is for SE-Sync's cost `F` (chordal, isotropic weights), not
+/// for the cost of [`optimize`](crate::optimize): the poses are refined for `F` first. Kernels are ignored. A component with
+/// several held nodes is a different problem that this certificate does not cover: its figures are NaN.
 pub fn certify<G: PoseGroup<DOF>, const DOF: usize>(
     problem: &Problem<G, DOF>,
     poses: &[G],

@@ -1,10 +1,10 @@
-//! Graduated non-convexity: outliers set aside without a good start.
+//! Graduated non-convexity: rejects outliers without a good start.
 //!
 //! H. Yang, P. Antonante, V. Tzoumas, L. Carlone, "Graduated non-convexity for robust spatial perception", IEEE RA-L 5(2),
-//! 2020. A robust cost is replaced by a convex surrogate, which is minimised, made a little less convex, minimised from
-//! there, and so on. The surrogates are kernels ([`Kernel::GemanMcClure`] with a growing width, and
-//! [`Kernel::Truncated`]) whose derivatives are the weights of the paper, equations (12) and (14), so that every round is
-//! a descent of the surrogate itself rather than an alternation.
+//! 2020. A convex surrogate replaces the robust cost. It is minimised, made a little less convex, minimised from the last
+//! result, and so on. The surrogates are kernels ([`Kernel::GemanMcClure`] with a growing width, and [`Kernel::Truncated`]).
+//! Their derivatives are the weights of the paper, equations (12) and (14), so that every round is a descent of the surrogate
+//! itself instead of an alternation.
 
 use posecut_geometry::LieGroup;
 
@@ -17,11 +17,11 @@ use crate::options::{Graduated, Options};
 
 /// Factor between one round's convexity and the next; remark 5 of the paper.
 const RATE: f64 = 1.4;
-/// Share of the cost below which a round ends: only the last one needs the digits.
+/// Cost tolerance of a round: only the last round needs more digits.
 const ROUND_TOLERANCE: f64 = 1e-4;
-/// Steps per round at most.
+/// Maximum number of steps per round.
 const ROUND_STEPS: usize = 10;
-/// Rounds after which even a residual of 1e9 widths has been graduated.
+/// Maximum number of rounds: enough to graduate even a residual of 1e9 widths.
 const MOST_ROUNDS: usize = 200;
 
 impl Graduated {
@@ -33,7 +33,7 @@ impl Graduated {
         match self {
             Self::TruncatedLeastSquares(width) => {
                 let mut convexity = width * width / (2.0 * largest - width * width);
-                // From 1e3 on the surrogate is the cost itself but for a thousandth of the width.
+                // From 1e3 on the surrogate equals the cost up to a thousandth of the width.
                 while convexity > 0.0 && convexity < 1e3 && kernels.len() < MOST_ROUNDS {
                     kernels.push(Kernel::Truncated { width, convexity });
                     convexity *= RATE;
@@ -73,7 +73,7 @@ impl Graduated {
             iterations += outcome.iterations;
             rejected += outcome.rejected;
             factorizations += outcome.factorizations;
-            // The range of weights between 0 and 1 only shrinks: later rounds would weigh every edge the same.
+            // The range of weights between 0 and 1 only shrinks: later rounds would give every edge the same weight.
             let decided = |edge: &Edge<G, DOF>| matches!(kernel.evaluate(squared(edge, poses)).1, 0.0 | 1.0);
             if outcome.termination.converged()
                 && edges.iter().filter(|edge| edge.kind == EdgeKind::Landmark).all(decided)
@@ -90,7 +90,7 @@ impl Graduated {
     }
 }
 
-/// Gives every landmark edge this kernel.
+/// Sets this kernel on every landmark edge.
 pub(crate) fn set_landmark_kernels<G, const DOF: usize>(edges: &mut [Edge<G, DOF>], kernel: Option<Kernel>) {
     for edge in edges.iter_mut().filter(|edge| edge.kind == EdgeKind::Landmark) {
         edge.kernel = kernel;

@@ -1,9 +1,9 @@
-//! What came out, and how.
+//! The result of an optimisation, and its report.
 
 use crate::descent::outcome::{Outcome, Termination};
 use crate::descent::phases::Phases;
 
-/// Where a part was started from.
+/// The start of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
     /// The given poses.
@@ -25,12 +25,12 @@ impl Start {
     }
 }
 
-/// How one connected part was solved.
+/// How one connected component was solved.
 #[derive(Clone, Debug)]
 pub struct ComponentReport {
-    /// Its first node that was held.
+    /// Its first held node.
     pub gauge: usize,
-    /// Nodes that were to be held; with none the gauge is the part's first node.
+    /// Number of nodes that were to be held; if it is zero, the gauge is the component's first node.
     pub held: usize,
     /// Number of nodes.
     pub nodes: usize,
@@ -48,14 +48,14 @@ pub struct ComponentReport {
     pub iterations: usize,
     /// Steps tried that did not lower the cost.
     pub rejected: usize,
-    /// Factorisations for these steps; steps near the minimum take that of an earlier one.
+    /// Factorisations for these steps; steps near the minimum reuse an earlier one.
     pub factorizations: usize,
     /// Why iteration ended.
     pub termination: Termination,
     /// Largest cosine of the angle between residuals and a derivative at the end: see
     /// [`Options::gradient_tolerance`](crate::Options::gradient_tolerance).
     pub gradient: f64,
-    /// What the last step promised to lower the cost by; NaN if none was tried.
+    /// The decrease of the cost that the last step promised; NaN if none was tried.
     pub last_promise: f64,
     /// Largest component of the last step, shares of the median measured distance and radians; NaN if none was tried.
     pub last_step: f64,
@@ -65,12 +65,12 @@ pub struct ComponentReport {
     pub factor_blocks: usize,
     /// Floating-point operations of one numeric factorisation.
     pub flops: f64,
-    /// Where the time went.
+    /// The time by phases.
     pub phases: Phases,
 }
 
 impl ComponentReport {
-    /// Of a part that nothing has been done to.
+    /// The report of a component that needs no optimisation.
     pub(crate) fn untouched(nodes: usize, edges: usize, cost: f64) -> Self {
         Self {
             gauge: 0,
@@ -95,7 +95,7 @@ impl ComponentReport {
         }
     }
 
-    /// Takes over the result of one start; steps are counted over all starts.
+    /// Stores the result of one start; steps are counted over all starts.
     pub(crate) fn adopt(&mut self, start: Start, cost_start: f64, outcome: &Outcome) {
         self.start = start;
         self.cost_start = cost_start;
@@ -115,18 +115,18 @@ pub struct Solution<G> {
     pub poses: Vec<G>,
     /// Sum of `e^T Omega e` at the given poses.
     pub chi_square_given: f64,
-    /// Sum of `e^T Omega e` at the starts that were chosen.
+    /// Sum of `e^T Omega e` at the chosen starts.
     pub chi_square_initial: f64,
     /// Sum of `e^T Omega e` at the result.
     pub chi_square: f64,
     /// Sum of `rho(e^T Omega e)` at the result; equals `chi_square` without kernels.
     pub cost: f64,
-    /// Steps tried, summed over the parts.
+    /// Steps tried, summed over the components.
     pub iterations: usize,
-    /// Whether every part met a tolerance.
+    /// Whether every component met a tolerance.
     pub converged: bool,
     /// Weight `rho'` of every edge at the result: 1 without kernel.
     pub weights: Vec<f64>,
-    /// The connected parts, in the order of their first nodes.
+    /// The connected components, in the order of their first nodes.
     pub components: Vec<ComponentReport>,
 }

@@ -20,10 +20,9 @@ use posecut_graph::connectivity::connected_components;
 
 /// Minimises the cost of a graph over its poses.
 ///
-/// Every connected part is solved on its own; nodes that are held stay at their given poses, whatever the start, or the part's first
-/// node where none is. Parts that
-/// edges leave undetermined are damped and reported, not refused. The result depends on the input alone: sums have a
-/// fixed order.
+/// Every connected component is solved on its own. Held nodes keep their given poses at every start; in a component without
+/// held nodes, the first node does. If edges leave a component undetermined, its equations are damped, and the report says
+/// so. The result depends only on the input: sums have a fixed order.
 pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
     problem: &Problem<G, DOF>,
     options: &Options,
@@ -73,7 +72,7 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
         reports.push(report);
     }
     let robust = edges.iter().any(|edge| edge.kernel.is_some());
-    // `sum` of nothing is -0.
+    // A fold, since the `sum` of an empty iterator is -0.
     let total = |of: fn(&ComponentReport) -> f64| reports.iter().map(of).fold(0.0, |sum, part| sum + part);
     Solution {
         chi_square_given: if robust {
@@ -100,11 +99,11 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
     }
 }
 
-/// Start, result and report of a connected graph whose first `held` nodes keep their poses.
+/// Chooses a start of a connected graph whose first `held` nodes keep their poses, and returns result and report.
 ///
-/// Without kernels the relaxation is tried first: a start's cost says little about its basin where a few stiff edges
-/// dominate. Should its result be worse than another *start*, that one is tried too, and the lowest result is kept.
-/// Kernels change this: the relaxation knows nothing of outliers, so there the cheapest start is tried first.
+/// Without kernels the relaxation is tried first: the cost of a start says little about its basin if a few stiff edges
+/// dominate. If its result costs more than another *start*, that start is tried too, and the lowest result is kept. With
+/// kernels, the cheapest start is tried first, since the relaxation ignores outliers.
 fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     part: &Problem<G, DOF>,
     held: usize,
@@ -145,9 +144,9 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     (start, result, report)
 }
 
-/// Graduation from the result of [`solve_component`] without kernels on the landmark edges, and, if the best start is
-/// asked for, from the spanning tree too: false edges may fold the former so that no surrogate unfolds it, while odometry
-/// drifts but never folds. The lower cost is kept.
+/// Graduation from the result of [`solve_component`] without kernels on the landmark edges. If the best start is asked for,
+/// also from the spanning tree: false edges may fold the former result so that no surrogate unfolds it, while odometry drifts
+/// but never folds. The result of lower cost is kept.
 fn graduate_component<G: PoseGroup<DOF>, const DOF: usize>(
     part: &Problem<G, DOF>,
     held: usize,
@@ -215,7 +214,7 @@ fn candidates<G: PoseGroup<DOF>, const DOF: usize>(
     match initialisation {
         Initialisation::Given => vec![given()],
         Initialisation::SpanningTree => vec![tree()],
-        // The tree stands in where the relaxation is singular.
+        // If the relaxation is singular, the tree replaces it.
         Initialisation::Chordal => vec![relaxed().unwrap_or_else(tree)],
         Initialisation::Best => {
             let mut others = vec![given(), tree()];
@@ -225,7 +224,7 @@ fn candidates<G: PoseGroup<DOF>, const DOF: usize>(
             if robust {
                 all.sort_by(|a, b| a.cost.total_cmp(&b.cost));
             }
-            // NaN compares with nothing: the others would not be tried.
+            // NaN is not comparable: with it, the other starts would not be tried.
             if all.iter().any(|candidate| candidate.cost.is_finite()) {
                 all.retain(|candidate| candidate.cost.is_finite());
             }

@@ -23,8 +23,8 @@ pub(crate) struct ChordalEdge<const N: usize> {
 }
 
 impl<const N: usize> ChordalEdge<N> {
-    /// Weights as SE-Sync's reader derives them: `tau = N / tr(I_tt^-1)`; `kappa = I_rr` in the plane and
-    /// `3 / (2 tr(I_rr^-1))` in space. `None` if a block of the information has no inverse.
+    /// Weights as in SE-Sync's reader: `tau = N / tr(I_tt^-1)`; `kappa = I_rr` in the plane and `3 / (2 tr(I_rr^-1))` in
+    /// space. `None` if a block of the information has no inverse.
     pub(crate) fn new<G: MatrixPose<N>, const DOF: usize>(edge: &Edge<G, DOF>) -> Option<Self> {
         let inverse_trace = |start: usize, size: usize| {
             let block = edge.information.view((start, start), (size, size)).clone_owned();

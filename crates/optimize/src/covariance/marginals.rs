@@ -11,7 +11,7 @@ use crate::normal_equations::{NormalEquations, Pattern};
 use posecut_cholesky::{Factor, SelectedInverse, Symbolic, Workspace};
 use posecut_graph::connectivity::connected_components;
 
-/// Distinct nodes in one request from which inverting at the whole pattern is cheaper than column by column.
+/// From this number of distinct nodes in a request on, the inverse over the whole pattern is cheaper than single columns.
 const MANY_NODES: usize = 16;
 
 /// Covariances of two poses `X_a`, `X_b` and between them.
@@ -27,21 +27,21 @@ pub struct Joint<const DOF: usize> {
 
 /// Covariances at given poses: exact blocks of the inverse of the Gauss-Newton matrix `sum of J^T w Omega J`.
 ///
-/// Every covariance is that of a right perturbation, `X = X_hat Exp(xi)`, translation before rotation, in square metres
-/// and square radians. **Gauge:** nodes that are held have no uncertainty, nor has the first node of a connected part where none
-/// is, and the covariances of poses are relative to it; those of relative poses do not depend on it. They are the propagation of the edges' information to
-/// first order at the given poses and hold as far as that does.
+/// Every covariance is that of a right perturbation, `X = X_hat Exp(xi)`, translation before rotation, in square metres and
+/// square radians. **Gauge:** held nodes have no uncertainty; in a connected component without held nodes, the first node has
+/// none. Covariances of poses are relative to the gauge, those of relative poses do not depend on it. They propagate the
+/// edges' information to first order at the given poses, and are valid as far as this approximation is.
 ///
-/// Parts are those that edges of positive weight connect. A part whose edges leave a direction undetermined has no
-/// covariances: `None`, as have pairs in different parts and nodes that do not exist.
+/// Components are those of the edges of positive weight. A component whose edges leave a direction undetermined has no
+/// covariances: `None`. The same holds for pairs in different components and for nodes that do not exist.
 pub struct Marginals<G, const DOF: usize> {
     poses: Vec<G>,
-    /// Part of each node, and its number there.
+    /// Component of each node, and the node's number there.
     places: Vec<(usize, usize)>,
     parts: Vec<Part<DOF>>,
 }
 
-/// The factorised equations of a connected part.
+/// The factorised equations of a connected component.
 struct Part<const DOF: usize> {
     held: usize,
     symbolic: Symbolic,
@@ -62,9 +62,9 @@ impl<G, const DOF: usize> std::fmt::Debug for Marginals<G, DOF> {
 }
 
 impl<G: LieGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
-    /// Factorises the equations at `poses`, the information of edge `k` multiplied by `weights[k]`: for the weights
-    /// of a [`Solution`](crate::Solution), `Marginals::new(&problem, &solution.poses, &solution.weights)`. Kernels are not
-    /// looked at. Missing weights are one. Takes the time of one Gauss-Newton step.
+    /// Factorises the equations at `poses`, with the information of edge `k` multiplied by `weights[k]`. With the weights of
+    /// a [`Solution`](crate::Solution): `Marginals::new(&problem, &solution.poses, &solution.weights)`. Kernels are ignored.
+    /// Missing weights are one. Takes the time of one Gauss-Newton step.
     pub fn new(problem: &Problem<G, DOF>, poses: &[G], weights: &[f64]) -> Self {
         let weigh = |(index, edge): (usize, &Edge<G, DOF>)| {
             let weight = weights.get(index).copied().unwrap_or(1.0);
@@ -92,7 +92,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
         Self { poses: poses.to_vec(), places, parts }
     }
 
-    /// Node and component of its pose for every part that the edges leave undetermined.
+    /// For every connected component with an undetermined direction: a node, and the component of its pose.
     pub fn undetermined(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         self.parts.iter().filter_map(|part| part.undetermined)
     }
@@ -105,8 +105,8 @@ impl<G: LieGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
 
     /// Covariances of the relative poses `X_a^-1 X_b` of pairs `(a, b)`.
     ///
-    /// What is uncertain in both poses alike cancels: a relative pose `c` times as certain as its two poses loses
-    /// `log10 c` of sixteen digits, twice.
+    /// Uncertainty common to both poses cancels: a relative pose `c` times as certain as its two poses loses `log10 c` of
+    /// sixteen digits, twice.
     pub fn relative(&mut self, pairs: &[(usize, usize)]) -> Vec<Option<SMatrix<f64, DOF, DOF>>> {
         let joints = self.joint(pairs);
         let propagate = |(joint, &(a, b)): (Option<Joint<DOF>>, &(usize, usize))| {
@@ -120,7 +120,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
     /// Covariances of pairs of poses.
     ///
     /// A request for many nodes costs about two factorisations, plus triangular solves along the elimination tree for the
-    /// first node of each pair that no edge and no fill joins; a request for few costs the latter for each.
+    /// first node of each pair without a block in the factor. A request for few nodes costs only such solves.
     pub fn joint(&mut self, pairs: &[(usize, usize)]) -> Vec<Option<Joint<DOF>>> {
         let mut wanted: Vec<Vec<(usize, usize)>> = vec![Vec::new(); self.parts.len()];
         for (part, a, b) in pairs.iter().filter_map(|&pair| self.place(pair)) {
@@ -143,7 +143,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
         pairs.iter().map(join).collect()
     }
 
-    /// The part of a pair, and the nodes' numbers there, if it has covariances.
+    /// The component of a pair and the nodes' numbers there, if it has covariances.
     fn place(&self, (a, b): (usize, usize)) -> Option<(usize, usize, usize)> {
         let (&(part, a), &(other, b)) = (self.places.get(a)?, self.places.get(b)?);
         (part == other && self.parts[part].undetermined.is_none()).then_some((part, a, b))
@@ -167,14 +167,14 @@ impl<const DOF: usize> Part<DOF> {
         Self { held, symbolic, factor, inverse: None, undetermined }
     }
 
-    /// The wanted blocks `(a, b)`, `a <= b`, of the covariance, by numbers of nodes in ascending order.
+    /// The wanted blocks `(a, b)`, `a <= b`, of the covariance; `wanted` is ascending, in numbers of the component.
     fn blocks(&mut self, wanted: &[(usize, usize)]) -> Vec<SMatrix<f64, DOF, DOF>> {
         let distinct = wanted.iter().filter(|(a, b)| a == b).count();
         if distinct > MANY_NODES && self.inverse.is_none() {
             self.inverse = Some(SelectedInverse::new(&self.symbolic, &self.factor));
         }
         let part = &*self;
-        // Nodes that are held have no uncertainty.
+        // Held nodes have no uncertainty.
         let variable = |node: usize| node.checked_sub(part.held);
         let mut blocks: Vec<Option<SMatrix<f64, DOF, DOF>>> = wanted
             .par_iter()
@@ -183,7 +183,7 @@ impl<const DOF: usize> Part<DOF> {
                 None => Some(SMatrix::zeros()),
             })
             .collect();
-        // Where the factor has no block, a column of the inverse for each first node.
+        // Blocks that the factor lacks come from a column of the inverse for each first node.
         let missing: Vec<usize> = (0..wanted.len()).filter(|&place| blocks[place].is_none()).collect();
         let columns: Vec<&[usize]> =
             missing.chunk_by(|&one, &other| wanted[one].0 == wanted[other].0).collect();
@@ -201,7 +201,7 @@ impl<const DOF: usize> Part<DOF> {
         blocks.into_iter().zip(wanted).map(symmetric).collect()
     }
 
-    /// The blocks of the wanted pairs at these places, all with the same first node.
+    /// The blocks of the wanted pairs at these indices, all with the same first node.
     fn column(
         &self,
         wanted: &[(usize, usize)],

@@ -1,7 +1,9 @@
-//! Powell's dogleg: a step on the way from steepest descent to Gauss-Newton, as long as the model is trusted.
+//! Powell's dogleg: a step between steepest descent and Gauss-Newton, no longer than the radius in which the model is
+//! trusted.
 //!
-//! M. J. D. Powell, "A hybrid method for nonlinear equations", 1970; K. Madsen, H. B. Nielsen, O. Tingleff, "Methods for non-linear
-//! least squares problems", 2004, section 3.3. Lengths are measured in the norm of `diag(H)`, which knows no units.
+//! M. J. D. Powell, "A hybrid method for nonlinear equations", 1970; K. Madsen, H. B. Nielsen, O. Tingleff, "Methods for
+//! non-linear least squares problems", 2004, section 3.3. Lengths are measured in the norm of `diag(H)`, which is free of
+//! units.
 
 use nalgebra::SVector;
 use posecut_geometry::LieGroup;
@@ -12,34 +14,34 @@ use super::workspace::{Workspace, rounding};
 use crate::model::residual::Term;
 use crate::options::Options;
 
-/// Share of its promise below which a step halves the radius, and above which it may grow.
+/// Ratios of gain to promise: below the first a step halves the radius, above the second the radius may grow.
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
-/// Below this the radius is rounding, where 1 is a step of the graph's length and a radian in every pose.
+/// A radius below this is rounding; 1 means a step of the graph's length and of one radian in every pose.
 const SMALLEST_RADIUS: f64 = 1e-14;
 
 type Steps<const DOF: usize> = Vec<SVector<f64, DOF>>;
 
-/// The ends of the dogleg, which starts at no step at all.
+/// The two corners of the dogleg, which starts at the zero step.
 struct Legs<const DOF: usize> {
     /// The minimum along the direction of steepest descent.
     cauchy: Steps<DOF>,
-    /// The Gauss-Newton step, and what it says of itself.
+    /// The Gauss-Newton step, with its measures in `full`.
     newton: Steps<DOF>,
     full: Step,
-    /// The tolerance that the Gauss-Newton step meets: it is then tried whatever the radius.
+    /// The tolerance that the Gauss-Newton step meets: such a step is tried at any radius.
     met: Option<Termination>,
 }
 
 /// The region in which the model is trusted.
 struct Region {
     radius: f64,
-    /// Below this the radius is rounding.
+    /// A radius below this is rounding.
     smallest: f64,
 }
 
 impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
-    /// Minimises the cost of the edges over all poses but those that are held. A step that fails costs no factorisation.
+    /// Minimises the cost of the edges over all poses that are not held. A failed step costs no factorisation.
     pub(crate) fn minimise_by_dogleg<T: Term<G, DOF>>(
         &mut self,
         edges: &[T],
@@ -47,7 +49,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         options: &Options,
     ) -> Outcome {
         let mut outcome = Outcome::new(self.assemble(edges, poses));
-        // The first radius is the length of the first Gauss-Newton step: nothing is known that speaks against it.
+        // The first radius is the length of the first Gauss-Newton step, since nothing is known yet against this step.
         let mut region =
             Region { radius: f64::INFINITY, smallest: SMALLEST_RADIUS * self.magnitude.cost.sqrt() };
         let mut damping = 0.0;
@@ -58,7 +60,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
                 return outcome;
             }
             outcome.factorizations += 1;
-            // Only a singular matrix is damped; the radius does the rest.
+            // Only a singular matrix is damped; otherwise the radius limits the step.
             let Some(full) = self.solve(damping, &mut outcome.undetermined) else {
                 outcome.iterations += 1;
                 outcome.rejected += 1;
@@ -85,7 +87,8 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         outcome
     }
 
-    /// Tries points of the dogleg at smaller and smaller radii until one lowers the cost. Says why the iteration ends, if it does.
+    /// Tries points of the dogleg at smaller and smaller radii until one lowers the cost. Returns the reason if the iteration
+    /// ends.
     fn search<T: Term<G, DOF>>(
         &mut self,
         edges: &[T],
@@ -118,11 +121,11 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
                 return *met;
             }
             if full.promised <= rounding(edges, poses) {
-                // Even the full step promises less than the cost can show.
+                // Even the full step promises too little to be seen in the cost.
                 return Some(Termination::Cost);
             }
             outcome.rejected += 1;
-            // From the length of what was tried: a radius beyond the Gauss-Newton step would give the same step again.
+            // Half the length of the step that failed: a radius beyond the Gauss-Newton step would give the same step again.
             region.radius = 0.5 * region.radius.min(length);
             if !(region.radius > region.smallest) {
                 return Some(Termination::Stalled);
@@ -143,7 +146,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             .map(|(gradient, block)| {
                 SVector::from_fn(|row, _| {
                     let entry = block[(row, row)];
-                    // A direction that no edge measures has no gradient, either: rounding must not make a step of it.
+                    // A direction that no edge measures has no gradient, either: rounding errors must not become a step.
                     if entry > 0.0 { -gradient[row] / entry } else { 0.0 }
                 })
             })
@@ -166,7 +169,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             self.step.iter_mut().zip(cauchy).for_each(|(step, cauchy)| *step = cauchy * share);
             return;
         }
-        // |c + b (n - c)| = radius has one root between 0 and 1; this form of it does not cancel.
+        // |c + b (n - c)| = radius has one root between 0 and 1; this form of the root avoids cancellation.
         let difference: Steps<DOF> = newton.iter().zip(cauchy).map(|(n, c)| n - c).collect();
         let square = self.scaled_dot(&difference, &difference);
         let half = self.scaled_dot(cauchy, &difference);
@@ -178,7 +181,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         }
     }
 
-    /// By how much the step would lower a quadratic cost: `-2 g^T d - d^T H d`.
+    /// The decrease of a quadratic cost by the step: `-2 g^T d - d^T H d`.
     fn promise(&self) -> f64 {
         let slope: f64 = self.step.iter().zip(&self.equations.gradient).map(|(d, g)| d.dot(g)).sum();
         -2.0 * slope - self.equations.curvature(self.pattern, &self.step)

@@ -1,8 +1,8 @@
 //! Gauss-Newton on the manifold, damped after a step that fails.
 //!
-//! K. Madsen, H. B. Nielsen, O. Tingleff, "Methods for non-linear least squares problems", 2004, section 3.2, with the
-//! scaling of Marquardt and a damping that starts at zero: starts are mostly near the minimum, where undamped steps converge
-//! quadratically and damping would only make them shorter.
+//! K. Madsen, H. B. Nielsen, O. Tingleff, "Methods for non-linear least squares problems", 2004, section 3.2, with
+//! Marquardt's scaling. Damping starts at zero: most starts are near the minimum, where undamped steps converge quadratically
+//! and damping would only shorten them.
 
 use posecut_geometry::LieGroup;
 
@@ -13,11 +13,11 @@ use super::workspace::{Workspace, rounding};
 use crate::model::residual::Term;
 use crate::options::Options;
 
-/// Damping up to which the tolerances of a full step apply: a stronger one makes steps short wherever they are, and a short step would
-/// pass for convergence.
+/// The tolerances of a full step apply up to this damping. Stronger damping makes steps short everywhere, and a short step
+/// would pass for convergence.
 const NEARLY_FULL: f64 = 1e-3;
 
-/// An iteration under way.
+/// The state of an iteration.
 struct Iteration {
     damping: Damping,
     /// The longest component of the last undamped step.
@@ -37,7 +37,7 @@ struct Tried {
 }
 
 impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
-    /// Minimises by Gauss-Newton steps, damped up to a limit after one fails.
+    /// Minimises by Gauss-Newton steps. After a step fails, they are damped, up to a limit.
     pub(super) fn minimise_damped<T: Term<G, DOF>>(
         &mut self,
         edges: &[T],
@@ -60,13 +60,13 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         iteration.outcome
     }
 
-    /// Notes how large the gradient is; whether that ends the iteration.
+    /// Notes the size of the gradient; returns whether it ends the iteration.
     fn is_flat(&self, options: &Options, outcome: &mut Outcome) -> Option<Termination> {
         outcome.gradient = self.cosine(outcome.cost);
         (outcome.gradient <= options.gradient_tolerance).then_some(Termination::Gradient)
     }
 
-    /// Tries a step, takes it if it lowers the cost, and damps the next one more if not. Says why the iteration ends, if it does.
+    /// Tries a step. Takes it if it lowers the cost, otherwise increases damping. Returns the reason if the iteration ends.
     fn damped_step<T: Term<G, DOF>>(
         &mut self,
         edges: &[T],
@@ -93,12 +93,12 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         } else {
             None
         };
-        // With the gradient at the trial the next step can take the same factor; after a damped step none does.
+        // With the gradient at the trial, the next step can reuse the factor. After a damped step none does.
         let cost =
             if undamped && met.is_none() { self.trial_gradient(edges) } else { self.trial_cost(edges) };
         let lower =
             cost < outcome.cost || (shrinks && options.is_hidden(step.promised, self.at_least(outcome.cost)));
-        // A last step may leave the cost as it is: the poses are nearer to the minimum all the same.
+        // The last step may leave the cost unchanged: its poses are still nearer to the minimum.
         if lower || (met.is_some() && cost <= outcome.cost) {
             return self.take(edges, poses, options, iteration, &Tried { step, cost, met, undamped });
         }
@@ -106,7 +106,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             return met;
         }
         if damping.value <= NEARLY_FULL && step.promised <= rounding(edges, poses) {
-            // The cost cannot show whether the step keeps its promise.
+            // The promise is too small to be seen in the cost.
             return Some(Termination::Cost);
         }
         outcome.rejected += 1;
@@ -114,7 +114,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             return Some(Termination::Stalled);
         }
         if undamped {
-            // The trial's gradient has taken the place of that here.
+            // The trial's gradient has overwritten the gradient at these poses.
             let Self { equations, pattern, phases, .. } = self;
             timed(&mut phases.linearisation, || {
                 equations.assemble_gradient(pattern, edges, poses);
@@ -123,7 +123,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         None
     }
 
-    /// Takes the trial, goes on with its factor while that pays, and makes the equations anew.
+    /// Takes the trial, continues with its factor while that pays, and then assembles the equations anew.
     fn take<T: Term<G, DOF>>(
         &mut self,
         edges: &[T],

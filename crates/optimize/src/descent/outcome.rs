@@ -1,4 +1,4 @@
-//! How an iteration ended, and what its last step said.
+//! How an iteration ended, and the measures of its last step.
 
 use crate::options::Options;
 
@@ -15,8 +15,7 @@ pub enum Termination {
     Gradient,
     /// The iteration limit was reached first.
     IterationLimit,
-    /// No damping, however strong, gave a step that lowers the cost: rounding is all that is left, or the cost is not
-    /// finite near the poses.
+    /// No damping gave a step that lowers the cost: only rounding errors remain, or the cost is not finite near the poses.
     Stalled,
 }
 
@@ -44,7 +43,7 @@ pub(crate) struct Outcome {
     pub(crate) cost: f64,
     pub(crate) iterations: usize,
     pub(crate) rejected: usize,
-    /// Factorisations among the steps tried.
+    /// Number of factorisations for the steps tried.
     pub(crate) factorizations: usize,
     pub(crate) termination: Termination,
     /// The largest cosine of the angle between residuals and a derivative.
@@ -55,7 +54,7 @@ pub(crate) struct Outcome {
 }
 
 impl Outcome {
-    /// Before the first step.
+    /// The outcome before the first step.
     pub(crate) fn new(cost: f64) -> Self {
         Self {
             cost,
@@ -70,17 +69,18 @@ impl Outcome {
     }
 }
 
-/// What a step says of itself.
+/// What the quadratic model says about a step.
 #[derive(Clone, Copy)]
 pub(crate) struct Step {
-    /// By how much it would lower a quadratic cost: `-g^T d + damping d^T D d`.
+    /// The decrease of a quadratic cost by this step: `-g^T d + damping d^T D d`.
     pub(crate) promised: f64,
     /// Its largest component: shares of the graph's length, and radians.
     pub(crate) largest: f64,
 }
 
 impl Step {
-    /// The tolerance it meets at this cost, at least that of a graph without noise; `shrinks` if it is a full step, and shorter than the one before.
+    /// The tolerance that the step meets at this cost, which is at least that of a graph without noise. `shrinks` is true for
+    /// a full step that is shorter than the one before.
     pub(crate) fn met(&self, cost: f64, shrinks: bool, options: &Options) -> Option<Termination> {
         let goes_on = shrinks && options.is_hidden(self.promised, cost);
         if self.promised <= options.promise_tolerance(cost) && !goes_on {

@@ -1,15 +1,15 @@
-//! Where the time of a solution goes.
+//! The time of a solution, by phases.
 
 use std::ops::AddAssign;
 use std::time::Instant;
 
-/// Wall-clock seconds of the phases of [`optimize`](crate::optimize). They are no part of the result: everything else in it
-/// is the same on every run.
+/// Wall-clock seconds of the phases of [`optimize`](crate::optimize). Only they differ from run to run; the rest of the
+/// result is always the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Phases {
     /// Ordering and symbolic factorisation.
     pub analysis: f64,
-    /// The proposed starts and their costs.
+    /// Computing the proposed starts and their costs.
     pub start: f64,
     /// Costs, gradients and normal equations of the edges, and moves of the poses.
     pub linearisation: f64,
@@ -17,7 +17,7 @@ pub struct Phases {
     pub factorisation: f64,
     /// Triangular solves.
     pub substitution: f64,
-    /// All, with what is in none of these.
+    /// Total time, including time outside these phases.
     pub total: f64,
 }
 
@@ -32,7 +32,7 @@ impl AddAssign for Phases {
     }
 }
 
-/// The result, and its seconds added to a phase.
+/// Runs `work` and adds its time to the seconds of a phase.
 pub(crate) fn timed<T>(seconds: &mut f64, work: impl FnOnce() -> T) -> T {
     let start = Instant::now();
     let result = work();

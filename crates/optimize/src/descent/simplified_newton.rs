@@ -1,9 +1,9 @@
-//! Steps with a factor that is one or more steps old.
+//! Steps with the factor of an earlier step.
 //!
-//! Near the minimum the matrix hardly changes from step to step, so that `d = -A^-1 g` with the new gradient `g` and the old
-//! matrix `A` is nearly the Gauss-Newton step, without a factorisation. The iteration converges linearly, the faster the
-//! better the point of the factor was (simplified Newton; P. Deuflhard, "Newton methods for nonlinear problems", 2004,
-//! section 2.1.2). Its first promise also tells, nearly for nothing, that another full step is not needed.
+//! Near the minimum the matrix hardly changes from step to step. So `d = -A^-1 g` with the new gradient `g` and the old
+//! matrix `A` is nearly the Gauss-Newton step, without a factorisation. The iteration converges linearly, and faster the
+//! nearer the factor's poses are to the minimum (simplified Newton; P. Deuflhard, "Newton methods for nonlinear problems",
+//! 2004, section 2.1.2). The promise of its first step also shows, at almost no cost, whether another full step is needed.
 
 use posecut_geometry::LieGroup;
 
@@ -12,16 +12,17 @@ use super::workspace::Workspace;
 use crate::model::residual::Term;
 use crate::options::Options;
 
-/// Ratio of successive promises above which the old factor is not believed.
+/// The old factor is not used any more if the ratio of successive promises exceeds this.
 const SLOW: f64 = 0.2;
-/// How many steps with the old factor take the time of one with a new factor: 3 to 7 on the benchmark graphs.
+/// Time of a step with a new factor, in steps with the old one: 3 to 7 on the benchmark graphs.
 const STEPS_PER_FACTOR: f64 = 4.0;
 /// Share of its promise that a step must keep.
 const KEPT: f64 = 0.5;
 
 impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
-    /// Goes on with the factor of the last step, which promised `last`, while that is faster than a new one. `poses` are
-    /// those it led to, and the gradient and `outcome.cost` are up to date. Says which tolerance was met, if one was.
+    /// Continues with the factor of the last step, which promised `last`, as long as that is faster than a new factor.
+    /// `poses` are the poses after that step; the gradient and `outcome.cost` belong to them. Returns the tolerance that was
+    /// met, if any.
     pub(crate) fn reuse<T: Term<G, DOF>>(
         &mut self,
         edges: &[T],
@@ -31,8 +32,8 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         outcome: &mut Outcome,
     ) -> Option<Termination> {
         let mut before = last.promised;
-        // With a quadratic rate r of full steps, the first step with an old factor has 4 r: its error is the product of the two
-        // last errors, not the square of the last one, and the derivative of a square doubles it.
+        // If full steps converge quadratically with rate r, the first step with an old factor has rate 4 r: its error is the
+        // product of the last two errors instead of the square of the last one, and the derivative of a square doubles it.
         let mut slowdown = 4.0;
         while outcome.iterations < options.max_iterations {
             outcome.gradient = self.cosine(outcome.cost);
@@ -75,7 +76,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
 }
 
 /// Whether steps with the old factor, each promising `rate` times its predecessor, reach the tolerance sooner than full
-/// steps, whose rate was `ratio` and is squared every time.
+/// steps. The rate of full steps was `ratio` and is squared every time.
 fn pays(promised: f64, ratio: f64, rate: f64, tolerance: f64) -> bool {
     if rate >= 1.0 {
         return false;

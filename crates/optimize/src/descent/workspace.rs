@@ -1,4 +1,4 @@
-//! Memory of the iteration, and what every method of choosing steps is made of: equations, steps, and trials.
+//! Memory of the iteration, and the operations that all step methods share: equations, steps, and trials.
 
 use nalgebra::{SMatrix, SVector};
 use posecut_cholesky::Factor;
@@ -10,14 +10,14 @@ use crate::model::magnitude::{Magnitude, translations};
 use crate::model::residual::Term;
 use crate::normal_equations::{NormalEquations, Pattern};
 
-/// Share of the largest diagonal entry that damping takes every other one for at least: Marquardt's scaling alone would not damp a
-/// direction at all that hardly an edge measures, and its steps would know no bounds.
+/// Damping raises every diagonal entry to at least this share of the largest one. Marquardt's scaling alone would not damp a
+/// direction that hardly any edge measures, and steps in it would have no bound.
 const DAMPING_FLOOR: f64 = 1e-9;
 
 /// Memory of the iteration, reserved once.
 pub(crate) struct Workspace<'a, G, const DOF: usize> {
     pub(crate) pattern: &'a Pattern,
-    /// What tolerances are shares of.
+    /// The reference values of tolerances.
     pub(crate) magnitude: Magnitude,
     pub(crate) equations: NormalEquations<DOF>,
     pub(crate) factor: Factor<DOF>,
@@ -40,13 +40,13 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         }
     }
 
-    /// The cost that tolerances are shares of: not below that of a graph without noise.
+    /// The cost that tolerances refer to: at least that of a graph without noise.
     pub(crate) fn at_least(&self, cost: f64) -> f64 {
         cost.max(self.magnitude.noiseless())
     }
 
-    /// The largest `|g_k| / sqrt(H_kk cost)`, the cosine of the angle between the whitened residuals and their derivative by a
-    /// component of a pose; infinite where the cost is no finite number.
+    /// The largest `|g_k| / sqrt(H_kk cost)`, the cosine of the angle between the whitened residuals and their derivative by
+    /// a component of a pose; infinite if the cost is not finite.
     pub(crate) fn cosine(&self, cost: f64) -> f64 {
         if !cost.is_finite() {
             return f64::INFINITY;
@@ -55,8 +55,8 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         if steepest == 0.0 { 0.0 } else { (steepest / self.at_least(cost)).sqrt() }
     }
 
-    /// The least that diagonal entries are taken for when they are damped, by component: a share of the largest of them, all
-    /// seen in units of the graph's length.
+    /// The minimum value of diagonal entries in damping, by component: a share of the largest entry, in units of the graph's
+    /// length.
     fn damping_floor(&self) -> [f64; DOF] {
         let length = self.magnitude.length;
         let unit = |axis: usize| if axis < translations(DOF) { length * length } else { 1.0 };
@@ -123,13 +123,13 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         });
     }
 
-    /// The equations at these poses, and the cost.
+    /// Assembles the equations at these poses and returns the cost.
     pub(crate) fn assemble<T: Term<G, DOF>>(&mut self, edges: &[T], poses: &[G]) -> f64 {
         let Self { equations, pattern, phases, .. } = self;
         timed(&mut phases.linearisation, || equations.assemble(pattern, edges, poses))
     }
 
-    /// The gradient at the trial, and the cost there; the matrix stays what it was.
+    /// Computes the gradient and the cost at the trial; the matrix stays the same.
     pub(crate) fn trial_gradient<T: Term<G, DOF>>(&mut self, edges: &[T]) -> f64 {
         let Self { equations, pattern, trial, phases, .. } = self;
         timed(&mut phases.linearisation, || equations.assemble_gradient(pattern, edges, trial))
@@ -142,7 +142,7 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
     }
 }
 
-/// The cost that rounding alone may make at these poses.
+/// The cost that rounding errors alone may cause at these poses.
 pub(crate) fn rounding<G, T: Term<G, DOF>, const DOF: usize>(edges: &[T], poses: &[G]) -> f64 {
     edges.iter().map(|edge| edge.rounding(poses)).sum()
 }

@@ -55,7 +55,7 @@ impl MatrixPose<3> for SE3 {
         let svd = matrix.svd(true, true);
         let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return Matrix3::identity() };
         let sign = (u * v_t).determinant().signum();
-        // The column of the smallest singular value is turned round where the product would be a reflection.
+        // If the product is a reflection, the column of the smallest singular value changes its sign.
         let smallest = svd.singular_values.imin();
         let mut corrected = u;
         corrected.column_mut(smallest).scale_mut(sign);
@@ -70,7 +70,7 @@ impl MatrixPose<3> for SE3 {
     }
 }
 
-/// The orthogonal factor of a matrix that is far from singular and keeps orientation, by Newton's iteration
+/// The orthogonal factor of a matrix with positive determinant that is far from singular, by Newton's iteration
 /// `Y <- (Y + Y^-T) / 2`: many times faster than singular values. N. J. Higham, "Computing the polar decomposition", 1986.
 fn polar_factor(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let scale = matrix.norm() / 3.0_f64.sqrt();
@@ -86,7 +86,7 @@ fn polar_factor(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
         let change = (next - rotation).amax();
         rotation = next;
         if change < 1e-9 {
-            // Convergence is quadratic: what is left is below rounding.
+            // Convergence is quadratic: the remaining error is below rounding.
             return Some(rotation);
         }
     }
@@ -111,13 +111,13 @@ where
         .zip(&translations)
         .map(|(rotation, translation)| G::from_matrix(rotation, translation))
         .collect();
-    // The way through a matrix would change its last bits.
+    // A conversion to a matrix and back would change the last bits.
     poses[..held.len()].copy_from_slice(held);
     Some(poses)
 }
 
-/// Minimises `sum kappa |R_i Z_ij - R_j|^2` (Frobenius) over matrices, row by row, and rounds each to a rotation.
-/// Equation (20) there. `kappa` is the mean information of the rotation's axes.
+/// Minimises `sum kappa |R_i Z_ij - R_j|^2` (Frobenius) over matrices, row by row, and rounds each to a rotation: equation
+/// (20) of the survey. `kappa` is the mean information of the rotation's axes.
 fn rotations<G, const DOF: usize, const N: usize>(
     pattern: &Pattern,
     edges: &[Edge<G, DOF>],
@@ -140,7 +140,7 @@ where
             equations.diagonal[node] += SMatrix::<f64, N, N>::identity() * kappa;
         }
         equations.add_off_diagonal(slot, &-measured);
-        // Terms of nodes that are held move to the right-hand side.
+        // Terms of held nodes move to the right-hand side.
         match (slot.from, slot.to) {
             (None, Some(to)) => {
                 for (row, right) in rows.iter_mut().enumerate() {
@@ -157,7 +157,7 @@ where
     }
     factor.factorize(&pattern.symbolic, &equations.diagonal, &equations.off_diagonal, 0.0, [0.0; N]).ok()?;
     if let [first, second] = rows.as_mut_slice() {
-        // Rotations of the plane commute: the second row is the first one turned.
+        // Rotations of the plane commute, so the second row is the first one turned by a right angle.
         factor.solve(&pattern.symbolic, first);
         for (turned, row) in second.iter_mut().zip(first.iter()) {
             turned[0] = -row[1];
@@ -179,7 +179,7 @@ where
     Some(result)
 }
 
-/// Minimises `sum |R_i^T (t_j - t_i) - z_ij|^2` weighed by the information of the translation, for fixed rotations.
+/// Minimises `sum |R_i^T (t_j - t_i) - z_ij|^2`, weighted by the information of the translation, for fixed rotations.
 fn translations<G, const DOF: usize, const N: usize>(
     pattern: &Pattern,
     edges: &[Edge<G, DOF>],
@@ -230,7 +230,7 @@ mod tests {
         let stretch = Matrix3::new(2.0, 0.3, 0.1, 0.3, 1.0, -0.2, 0.1, -0.2, 0.4);
         let near = <SE3 as MatrixPose<3>>::nearest_rotation(&(turn * stretch * 0.1));
         assert!((near - turn).amax() < 1e-14 && polar_factor(&(turn * stretch)).is_some(), "{near} {turn}");
-        // The nearest rotation to a reflection turns the direction of the smallest singular value.
+        // The rotation nearest to a reflection differs from it in the direction of the smallest singular value.
         let mirrored = turn * Matrix3::from_diagonal(&nalgebra::Vector3::new(3.0, 2.0, -1.0));
         let near = <SE3 as MatrixPose<3>>::nearest_rotation(&mirrored);
         assert!(polar_factor(&mirrored).is_none() && (near - turn).amax() < 1e-14, "{near} {turn}");

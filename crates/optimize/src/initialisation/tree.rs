@@ -8,17 +8,17 @@ use crate::model::problem::{Edge, EdgeKind};
 use posecut_cholesky::Adjacency;
 use posecut_graph::connectivity::Forest;
 
-/// Composes measurements from the first node of every connected part, which keeps its pose from `poses`.
+/// Composes measurements from the first node of every connected component, which keeps its pose from `poses`.
 ///
-/// Edges name nodes of `poses`. The tree takes odometry edges first, in their order, so that chains
-/// stay whole, then joins the chains over the other edges, in their order; it is walked breadth first, in the order of
-/// the edges. Nodes without edges keep their poses. Takes almost linear time.
+/// Edges name nodes of `poses`. The tree takes odometry edges first, in their order, so that chains stay whole. Then it joins
+/// the chains by the other edges, in their order. It is traversed breadth first, in the order of the edges. Nodes without
+/// edges keep their poses. Takes almost linear time.
 pub fn spanning_tree<G: LieGroup<DOF>, const DOF: usize>(poses: &[G], edges: &[Edge<G, DOF>]) -> Vec<G> {
     spanning_tree_from(0, poses, edges)
 }
 
-/// [`spanning_tree`] where the first `held` nodes all keep their poses, and others are composed from the nearest of them along
-/// the tree.
+/// [`spanning_tree`] in which the first `held` nodes all keep their poses; the other poses are composed from the nearest held
+/// node along the tree.
 pub(crate) fn spanning_tree_from<G: LieGroup<DOF>, const DOF: usize>(
     held: usize,
     poses: &[G],

@@ -1,9 +1,9 @@
-//! Robust kernels: how much of a residual's square an edge is charged.
+//! Robust kernels: the cost of an edge as a function of its squared residual.
 
 /// A robust kernel `rho(s)` of the squared Mahalanobis residual `s = e^T Omega e`.
 ///
-/// `rho(s)` is close to `s` for small `s`; its derivative is the edge's weight. Forms after Zhang, "Parameter
-/// estimation techniques: a tutorial", 1997, except where said.
+/// `rho(s)` is close to `s` for small `s`; its derivative is the edge's weight. The forms follow Zhang, "Parameter estimation
+/// techniques: a tutorial", 1997, unless another source is named.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kernel {
     /// `s` up to `k^2`, then `2 k sqrt(s) - k^2`. Convex; parameter k in standard deviations.

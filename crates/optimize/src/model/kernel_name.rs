@@ -7,10 +7,10 @@ use thiserror::Error;
 
 use super::kernel::Kernel;
 
-/// Why a word is no kernel.
+/// Why a word does not name a kernel.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum KernelNameError {
-    /// No kernel is called so.
+    /// No kernel has this name.
     #[error(
         "'{0}' is no robust kernel; write huber, cauchy, geman-mcclure or dcs, and a width after a colon if wanted"
     )]
@@ -23,8 +23,8 @@ pub enum KernelNameError {
 impl FromStr for Kernel {
     type Err = KernelNameError;
 
-    /// Without a width: 1.345 (Huber) and 2.385 (Cauchy), where 95 % of the efficiency of least squares is kept on normal
-    /// noise in one dimension; 1 (Geman-McClure); 1 (DCS, as its paper has it).
+    /// The default widths are 1.345 (Huber) and 2.385 (Cauchy), which keep 95 % of the efficiency of least squares on normal
+    /// noise in one dimension; 1 (Geman-McClure); 1 (DCS, as in its paper).
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let (name, width) = match text.split_once(':') {
             Some((name, width)) => (name, Some(width)),

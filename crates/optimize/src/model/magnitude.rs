@@ -1,10 +1,10 @@
-//! What tolerances are shares of, so that neither the unit of length nor the scale of the information decides.
+//! The reference values of tolerances, which make them independent of the unit of length and of the scale of the information.
 
 use super::problem::Edge;
 use posecut_geometry::LieGroup;
 
-/// Share of the magnitude below which a cost is that of a graph without noise: residuals of a millionth. A graph without noise
-/// never meets a tolerance relative to its cost.
+/// A graph counts as noiseless if its cost is below this share of the magnitude: residuals of a millionth. Without noise, no
+/// step would meet a tolerance relative to the cost.
 const NOISELESS: f64 = 1e-12;
 
 /// The sizes of the measurements of a graph.
@@ -12,13 +12,13 @@ const NOISELESS: f64 = 1e-12;
 pub struct Magnitude {
     /// The median of the measured distances that are not zero, in the graph's unit of length; 1 if all are zero.
     pub length: f64,
-    /// The cost if the residual of every edge was this length along each axis of the translation and one radian about each axis
-    /// of the rotation; 0 if that is not finite.
+    /// The cost if every edge had a residual of this length along each axis of the translation and of one radian about each
+    /// axis of the rotation; 0 if that is not finite.
     pub cost: f64,
 }
 
 impl Magnitude {
-    /// Of these edges. O(edges).
+    /// The magnitude of these edges. O(edges).
     pub fn of<'a, G: LieGroup<DOF> + 'a, const DOF: usize>(
         edges: impl Iterator<Item = &'a Edge<G, DOF>> + Clone,
     ) -> Self {
@@ -34,12 +34,12 @@ impl Magnitude {
         Self { length, cost: if cost.is_finite() { cost } else { 0.0 } }
     }
 
-    /// The cost below which nothing but rounding is left to lower.
+    /// The cost below which only rounding errors remain.
     pub fn noiseless(&self) -> f64 {
         NOISELESS * self.cost
     }
 
-    /// The largest component of a tangent vector: translations as shares of the length, rotations in radians.
+    /// The largest component of a tangent vector: translations as shares of `length`, rotations in radians.
     pub fn largest<'a>(&self, tangent: impl Iterator<Item = &'a f64>, translations: usize) -> f64 {
         let scaled = |(axis, value): (usize, &f64)| {
             if axis < translations { value.abs() / self.length } else { value.abs() }
@@ -48,19 +48,19 @@ impl Magnitude {
     }
 }
 
-/// The cost of an edge whose residual is `length` along each axis of the translation and one radian about each of the rotation's.
+/// The cost of an edge whose residual is `length` along each axis of the translation and one radian about each rotation axis.
 pub fn size<G, const DOF: usize>(edge: &Edge<G, DOF>, length: f64) -> f64 {
     let diagonal = edge.information.diagonal();
     let (along, about) = diagonal.as_slice().split_at(translations(DOF));
     length * length * along.iter().sum::<f64>() + about.iter().sum::<f64>()
 }
 
-/// How far apart a measurement puts the two poses.
+/// Measured distance between the two poses.
 pub fn distance<G: LieGroup<DOF>, const DOF: usize>(measurement: &G) -> f64 {
     measurement.components()[..translations(DOF)].iter().map(|value| value * value).sum::<f64>().sqrt()
 }
 
-/// Components of the translation in a tangent vector of so many degrees of freedom: they come first.
+/// Number of translation components in a tangent vector of so many degrees of freedom: they come first.
 pub fn translations(degrees_of_freedom: usize) -> usize {
     if degrees_of_freedom == 6 { 3 } else { 2 }
 }

@@ -1,11 +1,11 @@
-//! A connected part of a graph as a graph of its own.
+//! A connected component of a graph as a graph of its own.
 
 use posecut_geometry::LieGroup;
 
 use super::problem::{Edge, Problem};
 use posecut_graph::connectivity::Component;
 
-/// The part of the graph with its own numbering.
+/// The component with its own numbering of nodes.
 pub(crate) fn extract<G: LieGroup<DOF>, const DOF: usize>(
     problem: &Problem<G, DOF>,
     component: &Component,

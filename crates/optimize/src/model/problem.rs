@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use super::kernel::Kernel;
 
-/// What an edge comes from.
+/// The origin of an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EdgeKind {
     /// Dead reckoning between consecutive nodes.
@@ -21,7 +21,7 @@ pub enum EdgeKind {
 pub struct Edge<G, const DOF: usize> {
     /// Node that the measurement starts from.
     pub from: usize,
-    /// Node that it leads to.
+    /// Node at which the measurement ends.
     pub to: usize,
     /// Pose of `to` in the frame of `from`.
     pub measurement: G,
@@ -46,17 +46,17 @@ impl<G, const DOF: usize> Edge<G, DOF> {
     }
 }
 
-/// Why a graph cannot be optimised as it stands.
+/// Why a graph cannot be optimised.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ProblemError {
-    /// An edge names a node that is not there.
+    /// An edge names a node that does not exist.
     #[error(
         "edge {edge} names node {node}, but there are {nodes} nodes, numbered from 0: add the node or remove the edge"
     )]
     MissingNode {
         /// Index of the edge.
         edge: usize,
-        /// Node it names.
+        /// The node.
         node: usize,
         /// Number of nodes.
         nodes: usize,
@@ -116,7 +116,7 @@ pub enum ProblemError {
         /// Largest eigenvalue.
         largest: f64,
     },
-    /// A node to be held is not there.
+    /// A node that should be held does not exist.
     #[error(
         "node {node} is to be held, but there are {nodes} nodes, numbered from 0: add it or do not hold it"
     )]
@@ -146,11 +146,11 @@ pub struct Problem<G, const DOF: usize> {
 }
 
 impl<G: LieGroup<DOF>, const DOF: usize> Problem<G, DOF> {
-    /// Checks a graph. `poses` are the given initial poses; the first of each connected part stays where it is, unless nodes of it
-    /// are held ([`hold`](Self::hold)).
+    /// Checks a graph. `poses` are the given initial poses. The first node of each connected component keeps its pose, unless
+    /// the component has held nodes ([`hold`](Self::hold)).
     ///
-    /// Matrices that are semidefinite up to the digits of a printed file (smallest eigenvalue within 1e-9 times the
-    /// largest) are accepted as they stand and listed. Takes O(nodes + edges).
+    /// Matrices that are semidefinite up to the digits of a printed file (smallest eigenvalue within 1e-9 times the largest)
+    /// are accepted unchanged and listed. Takes O(nodes + edges).
     pub fn new(poses: Vec<G>, edges: Vec<Edge<G, DOF>>) -> Result<Self, ProblemError> {
         if let Some(node) = poses.iter().position(|pose| !is_finite(pose)) {
             return Err(ProblemError::PoseNotFinite { node });
@@ -165,8 +165,8 @@ impl<G: LieGroup<DOF>, const DOF: usize> Problem<G, DOF> {
         Ok(Self { poses, edges, held, semidefinite })
     }
 
-    /// Holds these nodes at their given poses, as constants: g2o's `FIX`. A part with one such node has the minima it has without,
-    /// moved rigidly; more than one constrain it.
+    /// Holds these nodes at their given poses, as constants: g2o's `FIX`. One held node only moves the minima of its
+    /// component rigidly; several constrain the component.
     pub fn hold(mut self, nodes: impl IntoIterator<Item = usize>) -> Result<Self, ProblemError> {
         for node in nodes {
             let count = self.held.len();
@@ -190,12 +190,12 @@ impl<G: LieGroup<DOF>, const DOF: usize> Problem<G, DOF> {
         &self.edges
     }
 
-    /// Edges whose information matrices are only semidefinite in print.
+    /// Edges whose information matrices are only semidefinite, up to the digits of a printed file.
     pub fn semidefinite(&self) -> &[usize] {
         &self.semidefinite
     }
 
-    /// A graph made of parts of a checked one.
+    /// A graph made of edges and poses that were checked before.
     pub fn from_checked(poses: Vec<G>, edges: Vec<Edge<G, DOF>>, held: Vec<bool>) -> Self {
         Self { poses, edges, held, semidefinite: Vec::new() }
     }
@@ -206,7 +206,7 @@ pub fn is_finite<G: LieGroup<DOF>, const DOF: usize>(pose: &G) -> bool {
     pose.components().iter().all(|component| component.is_finite())
 }
 
-/// Whether the information matrix is only semidefinite, or what is wrong with the edge.
+/// Returns whether the information matrix is only semidefinite; the error is what is wrong with the edge.
 pub fn check_edge<G: LieGroup<DOF>, const DOF: usize>(
     index: usize,
     edge: &Edge<G, DOF>,
@@ -243,8 +243,8 @@ pub fn check_edge<G: LieGroup<DOF>, const DOF: usize>(
     }
 }
 
-/// Whether elimination leaves a fair part of every diagonal entry, and of the largest: a hundred times cheaper than eigenvalues, and true of
-/// nearly every edge there is.
+/// Whether elimination leaves a fair share of every diagonal entry, and of the largest one. This test is a hundred times
+/// cheaper than eigenvalues, and nearly every edge passes it.
 fn is_clearly_positive<const DOF: usize>(matrix: &SMatrix<f64, DOF, DOF>) -> bool {
     let mut rest = *matrix;
     let least = 1e-8 * matrix.diagonal().max();

@@ -59,7 +59,7 @@ pub struct Gradient<const DOF: usize> {
 }
 
 impl<const DOF: usize> Gradient<DOF> {
-    /// From the half gradient in a right perturbation of `X_ij`, which equals one of `X_j`.
+    /// The model, given half the gradient in a right perturbation of `X_ij`, which equals one of `X_j`.
     #[inline(always)]
     pub fn new<G: LieGroup<DOF>>(relative: &G, to: SVector<f64, DOF>, cost: f64) -> Self {
         Self { from: -relative.inverse().adjoint().tr_mul(&to), to, cost }
@@ -72,7 +72,7 @@ pub trait Term<G, const DOF: usize> {
     fn cost(&self, poses: &[G]) -> f64;
     /// Its quadratic model.
     fn linearise(&self, poses: &[G]) -> Linearised<DOF>;
-    /// The cost that rounding alone may make of it.
+    /// The cost that rounding errors alone may cause.
     fn rounding(&self, _poses: &[G]) -> f64 {
         0.0
     }
@@ -88,7 +88,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Term<G, DOF> for Edge<G, DOF> {
         charge(self.kernel, squared(self, poses)).0
     }
 
-    /// Residuals in a direction that the information does not measure cancel in `e^T Omega e`, but for rounding.
+    /// In a direction that the information does not measure, large residuals cancel in `e^T Omega e` up to rounding errors.
     fn rounding(&self, poses: &[G]) -> f64 {
         let error = residual(&self.measurement, &poses[self.from], &poses[self.to]).abs();
         4.0 * f64::EPSILON * error.dot(&(self.information.abs() * error))
@@ -111,7 +111,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Term<G, DOF> for Edge<G, DOF> {
 }
 
 impl<const DOF: usize> Linearised<DOF> {
-    /// From block and half gradient in a right perturbation of `X_ij`, which equals one of `X_j`.
+    /// The model, given the block and half the gradient in a right perturbation of `X_ij`, which equals one of `X_j`.
     #[inline(always)]
     pub fn new<G: LieGroup<DOF>>(
         relative: &G,
@@ -140,7 +140,7 @@ pub struct Expansion<G, const DOF: usize> {
 }
 
 impl<G: LieGroup<DOF>, const DOF: usize> Expansion<G, DOF> {
-    /// At these poses of the edge's ends.
+    /// Expands the residual at these poses of the edge's ends.
     #[inline(always)]
     pub fn new(edge: &Edge<G, DOF>, from: &G, to: &G) -> Self {
         let relative = from.between(to);
@@ -154,7 +154,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Expansion<G, DOF> {
         -self.to * self.relative.inverse().adjoint()
     }
 
-    /// The quadratic model and the kernel's weight. All blocks follow from `A = J_j^T w Omega J_j` by the adjoint alone.
+    /// The quadratic model and the kernel's weight. All blocks follow from `A = J_j^T w Omega J_j` by the adjoint.
     #[inline(always)]
     pub fn model(&self, edge: &Edge<G, DOF>) -> (Linearised<DOF>, f64) {
         let weighted = edge.information * self.error;
@@ -174,8 +174,8 @@ pub(crate) fn linearise<G: LieGroup<DOF>, const DOF: usize>(
     Expansion::new(edge, &poses[edge.from], &poses[edge.to]).model(edge).0
 }
 
-/// `J^T A` and `J^T A J` for symmetric `A` and `J` an adjoint or a Jacobian of the logarithm: in space both are block-triangular,
-/// `[P, Q; 0, S]`, which saves more than half of the products.
+/// `J^T A` and `J^T A J` for symmetric `A`, where `J` is an adjoint or a Jacobian of the logarithm. In space both are
+/// block-triangular, `[P, Q; 0, S]`, which saves more than half of the products.
 #[inline(always)]
 fn triangular_congruence<const DOF: usize>(
     jacobian: &SMatrix<f64, DOF, DOF>,
@@ -211,7 +211,7 @@ mod tests {
     use crate::model::problem::EdgeKind;
     use posecut_geometry::{SE2, SE3};
 
-    /// Gradient and blocks of the model against central differences of the residual.
+    /// Compares gradient and blocks of the model with central differences of the residual.
     fn check<G: LieGroup<DOF>, const DOF: usize>(from: G, to: G, measurement: G) {
         let spread =
             SMatrix::<f64, DOF, DOF>::from_fn(|row, column| ((row * 7 + column * 3) % 5) as f64 * 0.1);

@@ -1,11 +1,11 @@
-//! What the stage says about certificates.
+//! The certificates in the stage's statistics.
 
 use posecut_stage::{Context, Doubt, counted, info};
 
 use crate::{Certificate, ComponentReport};
 
-/// Notes the verdict on the whole graph and the figures of its least certain part. A part without edges, a lone node, is
-/// global as it stands.
+/// Notes the verdict on the whole graph and the figures of its least certain component. A component without edges, a single
+/// node, counts as global.
 pub(super) fn note(certificates: &[Certificate], parts: &[ComponentReport], context: &mut Context) {
     let constrained = parts.iter().filter(|part| part.held > 1).count();
     let global = certificates.iter().all(|certificate| certificate.global);

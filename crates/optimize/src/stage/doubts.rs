@@ -9,7 +9,7 @@ use crate::{ComponentReport, Solution};
 /// Costs that differ by less than this, absolutely and as a share, are equal. They have no unit.
 const SAME_COST: f64 = 1e-6;
 
-/// Raises the doubts of a batch solution.
+/// Raises the warnings of a batch solution.
 pub(super) fn of_solution<G>(graph: &PoseGraph, solution: &Solution<G>, context: &mut Context) {
     let components = &solution.components;
     doubt_disconnected(
@@ -50,7 +50,7 @@ pub(super) fn of_solution<G>(graph: &PoseGraph, solution: &Solution<G>, context:
     }
 }
 
-/// Doubts the relative poses of components, where so many of them hold no fixed node.
+/// Warns that the relative poses of components are undetermined if `floating` of them have no fixed node.
 pub fn doubt_disconnected(components: usize, floating: usize, context: &mut Context) {
     if components > 1 && floating > 0 {
         context.doubt(

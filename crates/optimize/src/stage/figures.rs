@@ -1,6 +1,6 @@
-//! Numbers as messages show them.
+//! Numbers in messages.
 
-/// Digits that are shown.
+/// Significant digits.
 const DIGITS: i32 = 6;
 
 /// A cost in six significant digits, without trailing zeros: `912.192`, `9.12192e-10`, `0`.
@@ -8,7 +8,7 @@ pub fn significant(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return if value == 0.0 { "0".to_owned() } else { value.to_string() };
     }
-    // Rounding comes first: 999999.7 has one digit more than it seems.
+    // The exponent is taken after rounding: 999999.7 rounds to a number with one digit more.
     let scientific = format!("{value:.*e}", (DIGITS - 1) as usize);
     let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
     let exponent: i32 = exponent.parse().unwrap_or(0);

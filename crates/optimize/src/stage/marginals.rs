@@ -21,7 +21,7 @@ pub enum MarginalsOf {
     All,
 }
 
-/// Writes the covariances, instead of those of an earlier run.
+/// Writes the covariances and overwrites those of an earlier run.
 pub(super) fn write<G: PoseGroup<DOF>, const DOF: usize>(
     of: MarginalsOf,
     problem: &Problem<G, DOF>,
@@ -39,7 +39,7 @@ pub(super) fn write<G: PoseGroup<DOF>, const DOF: usize>(
         let covariances = marginals.relative(&pairs);
         note("predicted_covariances", &covariances, "landmark edges", statistics);
         for (edge, covariance) in graph.edges.iter_mut().filter(|edge| is_asked(&&**edge)).zip(covariances) {
-            // Null where there is none: absent would mean that nobody asked.
+            // Null if there is no covariance: a missing field would mean that none was requested.
             let value = covariance.map_or(Value::Null, |covariance| pack_upper_triangle(&covariance).into());
             edge.extra.insert("predicted_covariance".to_owned(), value);
         }

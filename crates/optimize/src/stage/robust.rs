@@ -79,7 +79,7 @@ fn kernel_word<S: Serializer>(kernel: &Option<Kernel>, serializer: S) -> Result<
 }
 
 impl RobustOptions {
-    /// Graduation for residuals of so many components.
+    /// The graduation for residuals with so many components.
     pub(super) fn graduated(&self, degrees_of_freedom: usize) -> anyhow::Result<Option<Graduated>> {
         // Roots of the 0.99 quantiles of chi-square with 3 and 6 degrees of freedom, 11.3449 and 16.8119.
         let quantile = if degrees_of_freedom == 3 { 3.368_2 } else { 4.100_2 };
@@ -104,15 +104,15 @@ impl RobustOptions {
         }))
     }
 
-    /// Gives the edges their kernels.
+    /// Sets the kernels of the edges.
     pub(super) fn set_kernels<G, const DOF: usize>(&self, edges: &mut [Edge<G, DOF>]) {
         for edge in edges {
             edge.kernel = self.kernels.of(edge.kind);
         }
     }
 
-    /// Writes the weight of every edge under a kernel to its field `weight`, and marks landmark edges of too low a weight;
-    /// `places` are the edges' places in the graph.
+    /// Writes the weight of every edge with a kernel to its field `weight`, and marks landmark edges of too low a weight as
+    /// rejected. `places` are the edges' indices in the graph.
     pub(super) fn write_weights(
         &self,
         graph: &mut PoseGraph,

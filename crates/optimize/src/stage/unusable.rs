@@ -1,12 +1,12 @@
-//! A cost that is no finite number, and the edge that is to blame.
+//! A cost that is not finite, and the edge that causes it.
 
 use posecut_geometry::LieGroup;
 
 use crate::model::magnitude::{distance, size};
 use crate::model::problem::Edge;
 
-/// Refuses a solution whose cost is not finite: it would be written as no number at all. `name` gives the name of the edge at a
-/// place of the list.
+/// Refuses a solution whose cost is not finite, since it could not be written as a number. `name` names the edge with a given
+/// index in the list.
 pub fn refuse_unless_finite<G: LieGroup<DOF>, const DOF: usize>(
     cost: f64,
     edges: &[Edge<G, DOF>],
@@ -15,7 +15,7 @@ pub fn refuse_unless_finite<G: LieGroup<DOF>, const DOF: usize>(
     if cost.is_finite() {
         return Ok(());
     }
-    // The largest of all is what overflows; so large a logarithm does not.
+    // The largest edge is the one that overflows; its logarithm does not.
     let largeness =
         |edge: &Edge<G, DOF>| size(edge, 1.0).ln() + 2.0 * (1.0 + distance(&edge.measurement)).ln();
     let worst = (0..edges.len()).max_by(|&a, &b| largeness(&edges[a]).total_cmp(&largeness(&edges[b])));

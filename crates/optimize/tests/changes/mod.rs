@@ -1,4 +1,4 @@
-//! Graphs that have the same solution: other units, scales, numbering, directions, frames, copies, and what is not connected.
+//! Graphs with the same solution: other units, scales, numbering, directions, frames, copies, and unconnected graphs.
 
 #![allow(clippy::unwrap_used, reason = "support of tests")]
 
@@ -15,7 +15,7 @@ pub(crate) fn scaled<G: LieGroup<DOF>, const DOF: usize>(pose: &G, unit: f64) ->
     G::from_components(&components).unwrap()
 }
 
-/// The same graph where a metre has `unit` units of length.
+/// The same graph with `unit` units of length per metre.
 pub(crate) fn in_units<G: LieGroup<DOF>, const DOF: usize>(
     unit: f64,
     (poses, edges): &Graph<G, DOF>,
@@ -42,13 +42,13 @@ pub(crate) fn with_information_times<G: LieGroup<DOF>, const DOF: usize>(
     (poses.clone(), edges.iter().map(edge).collect())
 }
 
-/// The largest component of a difference between poses, all seen from the first one.
+/// The largest component of the difference between two lists of poses, relative to their first poses.
 pub(crate) fn largest_gap<G: LieGroup<DOF>, const DOF: usize>(one: &[G], other: &[G]) -> f64 {
     let seen = |poses: &[G], node: usize| poses[0].between(&poses[node]);
     (0..one.len()).map(|node| seen(one, node).between(&seen(other, node)).log().amax()).fold(0.0, f64::max)
 }
 
-/// A changed graph, the new place of every node, the new length of a metre and of a standard deviation.
+/// A changed graph, the new index of every node, the new length of a metre and of a standard deviation.
 pub(crate) struct Changed<G, const DOF: usize> {
     pub(crate) name: &'static str,
     pub(crate) graph: Graph<G, DOF>,
@@ -118,7 +118,7 @@ pub(crate) fn changes<G: PoseGroup<DOF>, const DOF: usize>(graph: &Graph<G, DOF>
             1.0,
             1.0,
         ),
-        // Kernels see two edges of half the square each: for graduation that is another problem.
+        // Kernels see two edges with half the square each: graduation then solves a different problem.
         change("every edge twice with half the information", (poses.clone(), twice), &same, 1.0, f64::NAN),
         change(
             "another session without connection",

@@ -1,4 +1,4 @@
-//! Lowest known costs in the log convention.
+//! Lowest known costs, for residuals by the logarithm.
 
 /// Graph and cost.
 pub(crate) const BEST_KNOWN: [(&str, f64); 15] = [

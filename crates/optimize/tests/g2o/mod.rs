@@ -1,4 +1,4 @@
-//! A reader of g2o pose graphs, as far as the benchmark graphs need one.
+//! A reader of g2o pose graphs, as far as the benchmark graphs need it.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "support of tests and benches")]
 
@@ -9,7 +9,7 @@ use posecut_geometry::covariance::unpack_upper_triangle;
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_optimize::{Edge, EdgeKind};
 
-/// Where the benchmark data lies, if it is there.
+/// Path of the benchmark data, if it is there.
 pub(crate) fn shared_data() -> Option<PathBuf> {
     let path = match std::env::var_os("POSECUT_SHARED_DATA") {
         Some(path) => PathBuf::from(path),
@@ -29,7 +29,7 @@ pub(crate) fn text(name: &str) -> Option<String> {
     found
 }
 
-/// Whether the graph is one of the plane.
+/// Whether the graph is planar.
 #[allow(dead_code, reason = "not every test reads the benchmark graphs")]
 pub(crate) fn is_planar(text: &str) -> bool {
     text.contains("EDGE_SE2")
@@ -74,7 +74,7 @@ pub(crate) fn read<G: LieGroup<DOF>, const DOF: usize>(text: &str) -> (Vec<G>, V
     (vertices.into_values().map(|pose| pose.unwrap_or_else(G::identity)).collect(), edges)
 }
 
-/// The plane's graph of this text.
+/// The planar graph of this text.
 #[allow(dead_code, reason = "not every test reads both kinds")]
 pub(crate) fn planar(text: &str) -> (Vec<SE2>, Vec<Edge<SE2, 3>>) {
     read(text)

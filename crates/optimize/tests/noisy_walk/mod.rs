@@ -56,7 +56,7 @@ pub(crate) fn apart<G: LieGroup<DOF>, const DOF: usize>(first: &[G], second: &[G
     first.iter().zip(second).map(|(a, b)| a.between(b).log().amax()).fold(0.0, f64::max)
 }
 
-/// The components, to the bit.
+/// The bits of the components.
 pub(crate) fn bits<G: LieGroup<DOF>, const DOF: usize>(pose: &G) -> Vec<u64> {
     pose.components().iter().map(|component| component.to_bits()).collect()
 }

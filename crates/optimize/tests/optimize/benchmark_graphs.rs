@@ -39,7 +39,7 @@ fn indefinite_information_is_refused_by_edge() {
     assert!(matches!(error, ProblemError::Indefinite { edge: 2, from: 1, to: 2, .. }), "{error}");
 }
 
-/// Eigenvalues from 11 to 3e12, and from 1.5e-9 to 4 (by numpy): taken, and listed.
+/// Eigenvalues from 11 to 3e12, and from 1.5e-9 to 4 (by numpy): accepted and listed.
 #[test]
 fn information_that_is_singular_in_print_is_accepted_and_listed() {
     if let Some(text) = g2o::text("intel_carlone") {

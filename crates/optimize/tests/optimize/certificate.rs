@@ -1,4 +1,4 @@
-//! Certificates: global where SE-Sync says so, never on a planted local minimum.
+//! Certificates: global where SE-Sync's is, never on a planted local minimum.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "functions of tests may panic and print")]
 
@@ -7,7 +7,7 @@ use nalgebra::Matrix3;
 use posecut_geometry::SE2;
 use posecut_optimize::{Edge, EdgeKind, Initialisation, Options, PoseGroup, Problem, certify, optimize};
 
-/// A ring whose steps do not turn, started with a full turn over its length.
+/// A ring whose steps do not turn; its start turns once along its length.
 #[test]
 fn a_planted_local_minimum_is_never_called_global() {
     let nodes = 30;
@@ -35,7 +35,7 @@ fn check<G: PoseGroup<DOF>, const DOF: usize>(name: &str, best: f64, graph: (Vec
     let certificate = &certify(&problem, &solution.poses)[0];
     println!("{name}: {certificate:?}");
     assert!(certificate.global, "{name}: {certificate:?}");
-    // The published figures have seven digits; that of sphere_a lies 3e-6 above the minimum.
+    // The published costs have seven digits; that of sphere_a is 3e-6 above the minimum.
     assert!(certificate.cost < best * (1.0 + 1e-6), "{name}: {certificate:?}");
 }
 

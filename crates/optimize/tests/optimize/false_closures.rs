@@ -1,4 +1,4 @@
-//! Graphs with false loop closures: how far kernels and graduation end from the graph without them.
+//! Graphs with false loop closures: the error of kernels and graduation, compared with the graph without false closures.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "functions of tests may panic and print")]
 
@@ -6,7 +6,7 @@ use crate::g2o;
 use posecut_geometry::SE2;
 use posecut_optimize::{Edge, EdgeKind, Graduated, Kernel, Options, Problem, optimize};
 
-/// Poses, edges and which edges are correct; `None` without data.
+/// Poses, edges, and which edges are correct; `None` without data.
 type Labelled = (Vec<SE2>, Vec<Edge<SE2, 3>>, Vec<bool>);
 
 fn corrupted(name: &str) -> Option<Labelled> {
@@ -36,7 +36,7 @@ fn rmse(poses: &[SE2], reference: &[SE2]) -> f64 {
 
 #[test]
 fn graduation_finds_the_graph_without_false_closures() {
-    // The other nine of the folder are as well-behaved or take minutes; the README has their figures.
+    // The other nine graphs of the folder behave as well or take minutes; the README has their results.
     for name in ["csail_random_10", "csail_random_50", "csail_grouped_50"] {
         let Some((poses, edges, correct)) = corrupted(name) else { return };
         let clean: Vec<_> =

@@ -1,4 +1,4 @@
-//! Nodes that are held where they are: g2o's `FIX`.
+//! Held nodes: g2o's `FIX`.
 
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 
@@ -61,7 +61,7 @@ fn several_held_nodes_stay_and_the_others_settle<G: PoseGroup<DOF>, const DOF: u
     let (given, edges) = graph::<G, DOF>(12, 8, seed);
     let problem = Problem::new(given.clone(), edges.clone()).unwrap().hold(fixed.iter().copied()).unwrap();
     let free = optimize(&Problem::new(given.clone(), edges.clone()).unwrap(), &Options::default());
-    // The same by a node more, joined to those that are held by edges of great weight.
+    // The same with one more node, joined to the held nodes by edges of great weight.
     let prior = |&node: &usize| {
         let information = SMatrix::identity() * 1e9;
         Edge::new(given.len(), node, given[node], information, EdgeKind::Landmark)

@@ -1,4 +1,4 @@
-//! Graphs that the edges hardly determine: solved with damping where they must be, and explained.
+//! Graphs that the edges hardly determine: they are solved with damping if necessary, and reported.
 
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 
@@ -22,7 +22,7 @@ fn two_sessions(length: usize, joins: &[(usize, usize, Matrix3<f64>)]) -> Proble
         let measured = pose(0, a).between(&pose(1, b));
         edges.push(Edge::new(a, node(1, b), measured, information, EdgeKind::Landmark));
     }
-    // The second session starts far off, in a frame of its own.
+    // The second session starts far away, in a frame of its own.
     let own = SE2::new(30.0, -20.0, 2.0);
     let poses = (0..2)
         .flat_map(|session| (0..length).map(move |index| (session, index)))
@@ -39,7 +39,7 @@ fn assert_sound(solution: &Solution<SE2>, problem: &Problem<SE2, 3>) {
     assert!(solution.converged, "{:?}", solution.components);
     assert!(solution.chi_square < 1e-8, "{}", solution.chi_square);
     assert!(solution.poses.iter().flat_map(LieGroup::components).all(f64::is_finite));
-    // Damping moves poses no further than measurements and the given poses reach.
+    // Damping moves poses no further than the measurements and the given poses reach.
     let reach = problem.poses().iter().map(|pose| pose.translation.norm()).fold(0.0, f64::max);
     assert!(solution.poses.iter().all(|pose| pose.translation.norm() < 10.0 * reach));
 }
@@ -71,7 +71,7 @@ fn edges_that_measure_positions_alone_leave_the_angle_between_sessions_and_say_s
     let given = optimize(&problem, &Options { initialisation: Initialisation::Given, ..Options::default() });
     let (node, _) = given.components[0].undetermined.unwrap();
     assert!(node >= 20, "{node}");
-    // Two such edges determine it.
+    // Two such edges determine the relative pose of the sessions.
     let problem = two_sessions(20, &[(2, 2, position), (17, 17, position)]);
     let solution = optimize(&problem, &Options::default());
     assert_sound(&solution, &problem);

@@ -1,4 +1,4 @@
-//! Covariances against the dense inverse of finite differences, and in the stage's output.
+//! Compares covariances with the dense inverse of finite differences, and checks them in the stage's output.
 
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 
@@ -89,7 +89,7 @@ proptest! {
     }
 }
 
-/// Of a chain, the relative covariance is the composition of the edges' own.
+/// The relative covariance of a chain is the composition of the edges' own covariances.
 #[test]
 fn a_chain_adds_up_and_does_not_depend_on_the_gauge() {
     let (poses, edges) = noisy_walk::<SE3, 6>(12, 0, 0.05, 5);

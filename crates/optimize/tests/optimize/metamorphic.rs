@@ -1,4 +1,4 @@
-//! What must not change the solution: units, scales, numbering, directions, frames, copies, and what is not connected.
+//! Changes that must not affect the solution: units, scales, numbering, directions, frames, copies, and unconnected graphs.
 
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 
@@ -15,7 +15,7 @@ enum Estimator {
     Graduated(fn(f64) -> Graduated),
 }
 
-/// Whether it converged, and the poses. `deviation` is what residuals of one standard deviation are now.
+/// Whether it converged, and the poses. `deviation` is the size of one standard deviation in the changed graph.
 fn estimate<G: PoseGroup<DOF>, const DOF: usize>(
     estimator: Estimator,
     (poses, edges): &Graph<G, DOF>,

@@ -1,4 +1,4 @@
-//! Neither the unit of length nor the scale of the information decides when an iteration ends.
+//! Convergence depends neither on the unit of length nor on the scale of the information.
 
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 
@@ -21,7 +21,7 @@ fn solve<G: PoseGroup<DOF>, const DOF: usize>(
     )
 }
 
-/// How the iteration goes with this scale of the information, or in this unit, is how it goes without.
+/// Checks that other scales of the information and other units do not change the course of the iteration.
 fn check<G: PoseGroup<DOF>, const DOF: usize>(noise: f64) {
     let graph = noisy_walk::<G, DOF>(80, 40, noise, 3);
     for method in [Method::LevenbergMarquardt, Method::GaussNewton, Method::Dogleg] {
@@ -61,7 +61,7 @@ fn scale_and_unit_change_no_iteration_in_space() {
     check::<SE3, 6>(f64::MIN_POSITIVE);
 }
 
-/// A start was called converged since its gradient, in inverse metres, was small.
+/// A regression: a start counted as converged because its gradient, in inverse metres, was small.
 #[test]
 fn weak_information_was_taken_for_convergence() {
     let Some(text) = g2o::text("M3500a") else { return };
@@ -81,12 +81,12 @@ fn weak_information_was_taken_for_convergence() {
     }
 }
 
-/// The held translation's 1 on the diagonal counted as the largest entry, so that rounding excused any eigenvalue of weak
-/// information.
+/// A regression: the 1 on the diagonal for the held translation counted as the largest entry, so that with weak information
+/// every eigenvalue passed as rounding.
 #[test]
 fn weak_information_was_certified_whatever_the_poses() {
     let corner = SE2::new(1.0, 0.0, std::f64::consts::FRAC_PI_3);
-    // A ring of six corners that is wound twice is a minimum, but not the lowest.
+    // A ring of six corners that winds twice is a minimum, but not the lowest.
     let wound = SE2::new(1.0, 0.0, 2.0 * std::f64::consts::FRAC_PI_3);
     let certify = |scale: f64, step: SE2| {
         let information = SMatrix::<f64, 3, 3>::identity() * scale;
@@ -107,7 +107,7 @@ fn weak_information_was_certified_whatever_the_poses() {
     }
 }
 
-/// NaN in the gradient compares with nothing, so that its largest entry was zero.
+/// A regression: comparisons with NaN are false, so that the largest entry of a gradient with NaN was zero.
 #[test]
 fn a_cost_that_is_not_finite_is_no_convergence() {
     let (poses, mut edges) = noisy_walk::<SE2, 3>(10, 5, 0.05, 7);

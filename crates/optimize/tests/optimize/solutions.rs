@@ -1,4 +1,4 @@
-//! What comes out of small graphs, well-posed and not.
+//! Solutions of small graphs, well-posed and not.
 
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 
@@ -116,7 +116,7 @@ fn all_methods_find_the_same_minimum() {
         );
         assert!(report.factorizations < report.iterations || method == Method::Dogleg, "{report:?}");
     }
-    // From afar full steps fail: only Gauss-Newton gives up, and no method ends above its start.
+    // From far away full steps fail: only Gauss-Newton gives up, and no method ends above its start.
     let far = disturbed(&truth, 2.0, 34);
     let start = optimize(
         &Problem::new(far.clone(), edges.clone()).unwrap(),
@@ -139,7 +139,7 @@ fn all_methods_find_the_same_minimum() {
     assert_eq!(solve(&far, Method::GaussNewton).components[0].termination, Termination::Stalled);
 }
 
-/// A long chain that one edge closes: its middle is held weakly, so that the cost cannot tell micrometres there.
+/// A long chain closed by one edge: its middle is held so weakly that the cost cannot show micrometres there.
 #[test]
 fn without_a_tolerance_of_the_cost_every_start_ends_at_the_same_poses() {
     let mut random = ChaCha8Rng::seed_from_u64(41);
@@ -194,7 +194,7 @@ fn unconnected_parts_are_solved_apart_and_reported() {
     let (truth, edges) = exact(12, 5, planar);
     let count = edges.len();
     let shift = SE2::new(50.0, -20.0, 1.0);
-    // Interleaved: even nodes are one part, odd nodes the other.
+    // Interleaved: even nodes are one component, odd nodes the other.
     let poses = truth.iter().flat_map(|pose| [*pose, shift.compose(pose)]).collect::<Vec<_>>();
     let both: Vec<_> = edges
         .iter()
@@ -295,7 +295,7 @@ fn results_are_the_same_to_the_bit() {
 
 #[test]
 fn rotations_first_find_what_a_bad_guess_hides() {
-    // A circle whose given poses are all turned the wrong way.
+    // A circle whose given poses all turn the wrong way.
     let nodes = 60;
     let step = SE2::new(1.0, 0.0, std::f64::consts::TAU / nodes as f64);
     let edges: Vec<_> = (0..nodes)
@@ -351,7 +351,7 @@ fn the_tree_takes_odometry_first_and_edges_of_both_directions() {
     for (pose, truth) in spanning_tree(&poses, &turned).iter().zip(&truth) {
         assert!(pose.between(truth).log().norm() < 1e-9);
     }
-    // A false landmark edge that comes first must not displace the odometry it competes with.
+    // A false landmark edge that comes first must not displace the odometry edges in the tree.
     let false_edge = Edge::new(0, 5, SE2::new(99.0, 0.0, 0.0), Matrix3::identity(), EdgeKind::Landmark);
     let with_false: Vec<_> = std::iter::once(false_edge).chain(turned).collect();
     assert!(spanning_tree(&poses, &with_false)[5].between(&truth[5]).log().norm() < 1e-9);

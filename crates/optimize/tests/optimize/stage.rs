@@ -1,11 +1,11 @@
-//! The stage as a process: what its options leave in the graph.
+//! The stage as a process: the effect of its options on the graph.
 
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 
 use std::io::Write as _;
 use std::process::{Command, Output, Stdio};
 
-/// A square of four steps, closed by a true landmark edge (5) and crossed by a false one (6).
+/// A square of four steps, with a true closing edge (5) and a false diagonal edge (6), both landmark edges.
 const GRAPH: &str = r#"{"kind":"header","format":"posecut","version":1,"dimension":2}
 {"kind":"node","id":0,"pose":[0,0,0]}
 {"kind":"node","id":1,"pose":[1,0,1.5]}
@@ -205,14 +205,14 @@ fn marginals_stand_on_landmark_edges_and_nodes() {
         String::from_utf8(output.stdout).unwrap()
     };
     let graph = run(&["--marginals", "landmark"]);
-    // A rejected edge has one too, and it does not constrain: the square's diagonal is less certain than its side.
+    // A rejected edge has a covariance too, but does not constrain: the square's diagonal is less certain than its side.
     let (closing, diagonal) = (
         list(&graph, "landmark", 5, "predicted_covariance").unwrap(),
         list(&graph, "landmark", 6, "predicted_covariance").unwrap(),
     );
     assert_eq!((closing.len(), diagonal.len()), (6, 6));
-    // A loop of four equal edges: of one step by itself the angle would vary by 1 / 400, with the three others that say the
-    // same by 3/4 of it, and positions round the loop make it less.
+    // A loop of four equal edges: the angle of one step alone has the variance 1 / 400. The three other edges measure the
+    // same, which leaves 3/4 of it, and positions along the loop reduce it further.
     assert!(closing[5] > 0.0 && closing[5] < 0.75 / 400.0, "{closing:?}");
     assert!(diagonal[5] > closing[5] && diagonal[0] > closing[0], "{diagonal:?} {closing:?}");
     assert_eq!(list(&graph, "odometry", 0, "predicted_covariance"), None);
@@ -253,7 +253,7 @@ fn fixed_nodes_stay_where_they_are() {
         let line = format!("{{\"kind\":\"node\",\"id\":{id},\"pose\":{pose},\"fixed\":true}}");
         assert!(graph.contains(&line), "{graph}");
     }
-    // What is fixed is no gauge only: the first node has moved.
+    // A fixed node replaces the gauge: the first node has moved.
     assert!(!graph.contains("{\"kind\":\"node\",\"id\":0,\"pose\":[0,0,0]"), "{graph}");
     for (mark, words) in [
         ("\"fixed\":\"yes\",\"pose\":[1,0,1.5]", "expected true or false, found \"yes\""),
@@ -274,7 +274,7 @@ fn fixed_nodes_stay_where_they_are() {
     );
 }
 
-/// The incremental solver was a mode of this program.
+/// The incremental solver was a mode of this program before.
 #[test]
 fn options_of_the_incremental_solver_name_its_program() {
     for arguments in [
@@ -291,7 +291,7 @@ fn options_of_the_incremental_solver_name_its_program() {
     }
 }
 
-/// Records of posecut-isam are of unknown kind to all other stages.
+/// To all other stages, records of posecut-isam are of unknown kind.
 #[test]
 fn retract_records_pass_through() {
     let record = r#"{"kind":"retract","edge":6,"why":"the front end thought better of it"}"#;
