@@ -1,4 +1,4 @@
-//! A target that its manifest excludes from `cargo test` (`test = false`, which saves a second compilation) has no tests.
+//! Tests that a target with `test = false` in its manifest, which saves a second compilation, contains no tests.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
