@@ -28,7 +28,8 @@ const COMMANDS: &[&[&str]] = &[
 /// The number of attempts to catch a program while it writes.
 const TRIES: usize = 5;
 
-/// The sample with large unknown fields. Computing takes no longer with them, but compressing does.
+/// The sample with many records of an unknown kind, which every stage passes through. Computing takes no longer with them, but
+/// compressing does.
 fn heavy_graph(folder: &Path) -> String {
     let mut text = String::from_utf8(samples().bytes("graph.jsonl")).unwrap();
     let mut state = 1_u64;
@@ -64,7 +65,7 @@ fn start(name: &str, arguments: &[&str]) -> Child {
         .unwrap()
 }
 
-/// Ends a program as soon as it writes. Returns whether it was still running.
+/// Ends a program as soon as it writes. Returns whether the signal ended it.
 fn end_while_writing(child: &mut Child, folder: &Path, signal: &str) -> bool {
     let limit = Instant::now() + Duration::from_mins(2);
     while child.try_wait().unwrap().is_none() && Instant::now() < limit {

@@ -1,4 +1,5 @@
-//! Tests that a target with `test = false` in its manifest, which saves a second compilation, contains no tests.
+//! Tests that a target without tests in `cargo test` (`test = false` in its manifest, to save a second compilation) really
+//! contains none.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

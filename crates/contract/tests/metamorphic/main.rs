@@ -116,8 +116,9 @@ impl Row {
         }
     }
 
-    /// A copy of an edge agrees with whatever the edge agrees with and gets its verdict. Of the others as many are kept; which ones may
-    /// change where there are several largest sets: the copy counts for those with the edge, and shifts the order of the search.
+    /// A copy of an edge agrees with the same edges as the original and gets the same verdict. The number of other kept edges
+    /// does not change, but the edges may if there are several largest sets: the copy counts for the sets with the edge, and it
+    /// changes the order of the search.
     fn a_copy_has_the_verdict_of_its_edge(&self, graph: &PoseGraph, plain: &BTreeSet<u64>, case: &str) {
         for edge in graph.edges.iter().filter(|edge| is_landmark(edge)).step_by(25) {
             let mut copied = graph.clone();
