@@ -80,8 +80,9 @@ impl Samples {
     }
 }
 
-/// The samples, made once by the programs themselves: `2012-01-22/` (a session), `session.jsonl`,
-/// `graph.jsonl`, `optimized.jsonl`, `marginals.jsonl`, `x.result.json`, `four.mc` (a signed graph) and `four.proof`; `paper.toml` and `stages.toml` are those of `pipelines/`.
+/// The samples, made once by the programs themselves: `2012-01-22/` (a session), `session.jsonl`, `graph.jsonl`,
+/// `optimized.jsonl`, `marginals.jsonl`, `x.result.json`, `four.mc` (a signed graph) and `four.proof`. `paper.toml` and
+/// `stages.toml` come from `pipelines/`.
 ///
 /// # Panics
 /// If a program fails.

@@ -19,7 +19,7 @@ use crate::{Plan, times};
 /// The number of attempts before a task counts as failed.
 const ATTEMPTS: usize = 2;
 
-/// Which part of a plan to run, and how.
+/// The part of a plan to run, and how to run it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct RunOptions {
     /// The number of tasks to run at once; 0 uses all processors.

@@ -1,4 +1,4 @@
-//! Which experiments, where from and where to: the part of the command line that all commands share.
+//! The arguments that all commands share: experiments, inputs and results.
 
 use std::path::{Path, PathBuf};
 

@@ -254,7 +254,7 @@ fn an_order_that_no_longer_holds_fails() {
 
 #[test]
 fn a_share_is_judged_on_the_sessions_it_was_recorded_for() {
-    // The same happens with two of the four NCLT sessions: 1 of 2 runs is below the share of all sessions.
+    // This is like a plan with two of the four NCLT sessions: 1 of 2 runs is below the share for all sessions.
     let workshop = results();
     let text = fs::read_to_string(workshop.path("expected.toml")).unwrap();
     write_result(&workshop, "one/2/pcm+gc.result.json", 60.0, 3);

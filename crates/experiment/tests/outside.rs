@@ -6,7 +6,7 @@ mod workshop;
 
 use workshop::{EXPERIMENT, GRID, Workshop};
 
-/// The message that refuses an experiment. Checks that no file remains inside or outside the workshop.
+/// The message that refuses an experiment. Checks that it is one sentence and that the run leaves no files in the workshop.
 fn refused(workshop: &Workshop, task: &str, more: &[&str]) -> String {
     let output = workshop.call(task, more);
     let said = String::from_utf8(output.stderr).unwrap();

@@ -10,7 +10,7 @@ fn pipelines(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../pipelines").join(name)
 }
 
-/// The map's point with covariance times 9 and 10 % uniform mistakes equals the paper's table.
+/// The map contains the paper's table as the point with covariance times 9 and 10 % uniform mistakes.
 #[test]
 fn the_published_table_is_a_point_of_the_map() {
     let map = Experiment::read(&pipelines("regimes.toml")).unwrap();

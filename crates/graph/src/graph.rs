@@ -26,7 +26,7 @@ impl PoseGraph {
     }
 
     /// Reads and validates a graph; errors call it `source_name`. Nodes and edges may follow the header in any order; they are
-    /// sorted by id. O(size) if they are sorted already.
+    /// sorted by id. O(size).
     pub fn read(source_name: &str, reader: impl BufRead) -> Result<Self, ReadError> {
         read_graph(source_name, reader)
     }

@@ -32,7 +32,7 @@ pub struct Node {
     pub pose: Option<Vec<f64>>,
     /// The landmark (component of the multicut) that the node belongs to.
     pub landmark: Option<u64>,
-    /// What only construction and evaluation may look at.
+    /// The truth, which only construction and evaluation may read.
     pub truth: Option<NodeTruth>,
     /// Unknown fields, passed through.
     pub extra: Extra,
@@ -83,7 +83,7 @@ pub struct Edge {
     pub information: Option<Vec<f64>>,
     /// The name of a noise model in the header, instead of `information`.
     pub noise: Option<String>,
-    /// What only construction and evaluation may look at.
+    /// The truth, which only construction and evaluation may read.
     pub truth: Option<EdgeTruth>,
     /// The stage that rejected the edge; absent while it is in use.
     pub rejected_by: Option<String>,
