@@ -1,4 +1,4 @@
-//! Hand-made results of the trust benchmark and of regimes, as input of posecut-report.
+//! The cases of posecut-report, on hand-made results of the trust benchmark and of regimes.
 
 use std::fmt::Write as _;
 use std::path::Path;
