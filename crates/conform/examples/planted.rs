@@ -1,5 +1,5 @@
-//! A stage with one fault, to see each check fail: `planted FAULT [OPTIONS] [INPUT]`. Without fault (`none`) it conforms. It
-//! rejects landmark edges whose score is below one half.
+//! A stage with one planted fault, to show that each check can fail: `planted FAULT [OPTIONS] [INPUT]`. Without a fault
+//! (`none`) it conforms. It rejects landmark edges whose score is below one half.
 
 #![allow(
     clippy::print_stdout,
@@ -15,7 +15,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use posecut_graph::{EdgeKind, PoseGraph};
 use serde_json::json;
 
-/// An exit status and what to say.
+/// An exit status and a message.
 type Refusal = (u8, String);
 
 #[derive(Default)]
@@ -87,7 +87,7 @@ fn run(fault: &str, words: impl Iterator<Item = String>) -> Result<(), Refusal> 
     write(fault, &arguments, &graph)
 }
 
-/// `None` if a question was answered.
+/// Parses the command line; `None` if it only asked a question, which is answered.
 fn arguments(fault: &str, mut words: impl Iterator<Item = String>) -> Result<Option<Arguments>, Refusal> {
     let mut arguments = Arguments::default();
     while let Some(word) = words.next() {
@@ -129,7 +129,7 @@ fn read(fault: &str, arguments: &Arguments) -> Result<Vec<u8>, Refusal> {
     Ok(bytes)
 }
 
-/// Whether a fault is not to mind what is wrong with the input.
+/// Whether the planted fault is to accept this error in the input.
 fn accepts(fault: &str, error: &str) -> bool {
     let words = match fault {
         "empty-input" => "is empty",

@@ -1,4 +1,4 @@
-//! What is demanded of a program, one function a demand.
+//! The demands on a program, one function for each.
 
 mod decisions;
 mod keeping;
@@ -17,20 +17,20 @@ use crate::program::{Program, Run};
 use crate::report::{CheckReport, Level, Outcome, Report};
 use crate::sample;
 
-/// `Err` says how the demand is not met.
+/// `Err` says why the demand is not met.
 type Verdict = Result<(), String>;
 
-/// A demand and how to try it.
+/// A demand and the function that checks it.
 struct Check {
     name: &'static str,
     level: Level,
     demand: &'static str,
-    /// Whether it makes sense only for a program that turns the sample into a graph.
+    /// Whether the check makes sense only for a program that turns the sample into a graph.
     works_on_output: bool,
     test: fn(&Bench<'_>) -> anyhow::Result<Verdict>,
 }
 
-/// The program, the sample, and what the program made of it.
+/// The program, the sample, and the program's output for it.
 struct Bench<'a> {
     program: &'a Program,
     folder: TempDir,
@@ -61,12 +61,12 @@ impl<'a> Bench<'a> {
         Ok(path)
     }
 
-    /// What the program made of the sample.
+    /// The program's output for the sample.
     fn output(&self) -> Result<&PoseGraph, String> {
         self.output.as_ref().map_err(Clone::clone)
     }
 
-    /// Reports name no folder of this machine: the same program gives the same report.
+    /// Removes folders of this machine from a text, so that the same program gives the same report everywhere.
     fn scrub(&self, text: &str) -> String {
         text.replace(&self.folder.path().display().to_string(), "FOLDER")
     }
@@ -76,13 +76,13 @@ impl<'a> Bench<'a> {
 fn temporary_folder() -> anyhow::Result<TempDir> {
     let parent = std::env::temp_dir();
     tempfile::tempdir_in(&parent).with_context(|| {
-        // In one line, whatever the variable holds.
+        // Escape the path, because the environment variable may hold line breaks.
         let place = parent.to_string_lossy().escape_debug().to_string();
         format!("{place}: no temporary folder can be made there; name another one by TMPDIR")
     })
 }
 
-/// Removes it. The report does not hang on that.
+/// Removes the folder. A failure is only a warning, because the report does not depend on it.
 fn remove(folder: TempDir) {
     let path = folder.path().display().to_string();
     if let Err(error) = folder.close() {
@@ -90,7 +90,7 @@ fn remove(folder: TempDir) {
     }
 }
 
-/// The graph that a run wrote, or why there is none.
+/// The graph that a run wrote, or the reason why there is none.
 fn graph_of(run: &Run) -> Result<PoseGraph, String> {
     if !run.succeeded() {
         return Err(format!("on a sound graph: {}", run.said()));
@@ -102,7 +102,7 @@ fn must(condition: bool, otherwise: impl FnOnce() -> String) -> Verdict {
     if condition { Ok(()) } else { Err(otherwise()) }
 }
 
-/// Runs all checks, in a fixed order. Some forty runs of the program on graphs of a few hundred nodes.
+/// Runs all checks in a fixed order. This takes some forty runs of the program on graphs of a few hundred nodes.
 ///
 /// An error means that the program cannot be started at all, or that there is no place for temporary files.
 pub fn check(program: &Program) -> anyhow::Result<Report> {

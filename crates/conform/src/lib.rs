@@ -1,9 +1,9 @@
-//! Holds any program to the contract of posecut's stages from graph to graph, by running it.
+//! Checks any program against the contract of posecut's stages from graph to graph, by running it.
 //!
-//! - [`sample`]: small graphs with all that the format allows in them.
+//! - [`sample`]: small graphs with everything that the format allows.
 //! - [`program`]: running a command with a time limit.
-//! - [`checks`]: what is demanded, one function a demand.
-//! - [`report`]: what came out, as text and as JSON.
+//! - [`checks`]: the demands, one function for each.
+//! - [`report`]: the findings, as text and as JSON.
 
 pub mod checks;
 pub mod program;

@@ -1,4 +1,4 @@
-//! `posecut-conform`: holds a program to the contract of posecut's stages.
+//! `posecut-conform`: checks a program against the contract of posecut's stages.
 
 use std::path::Path;
 use std::process::ExitCode;

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
 
-/// How often a running program is looked at.
+/// The interval at which a running program is checked.
 const LOOK: Duration = Duration::from_millis(3);
 
 /// A command to check.
@@ -19,14 +19,14 @@ pub struct Program {
     limit: Duration,
 }
 
-/// What a run left.
+/// The outcome of a run.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// The exit status; `None` if a signal or the time limit ended it.
     pub status: Option<i32>,
-    /// How it ended, in words.
+    /// How the run ended, in words.
     pub ending: String,
-    /// Whether a closed pipe ended it, as is the way of Unix programs.
+    /// Whether the signal of a closed pipe ended the run, as is usual for Unix programs.
     pub closed_pipe: bool,
     /// Standard output.
     pub stdout: Vec<u8>,
@@ -35,15 +35,15 @@ pub struct Run {
 }
 
 impl Run {
-    /// Whether it ended with exit status 0.
+    /// Whether the run ended with exit status 0.
     pub fn succeeded(&self) -> bool {
         self.status == Some(0)
     }
 
-    /// How it ended and the first line that it said, for a report.
+    /// How the run ended and the first line of its messages, for a report.
     pub fn said(&self) -> String {
         let lines = || self.stderr.lines().filter(|line| !line.trim().is_empty());
-        // The last line of a traceback is the one that tells.
+        // In a traceback, the last line names the error.
         let told = if self.stderr.contains("Traceback") { lines().next_back() } else { lines().next() };
         match told {
             Some(line) => format!("{}; it said: {line}", self.ending),
@@ -53,7 +53,7 @@ impl Run {
 }
 
 impl Program {
-    /// A command whose runs may each take so long.
+    /// A command with a time limit for each of its runs.
     pub fn new(arguments: Vec<String>, limit: Duration) -> anyhow::Result<Self> {
         if arguments.is_empty() {
             bail!("there is no program to check; name it after --, as in posecut-conform -- ./my-stage");
@@ -61,12 +61,12 @@ impl Program {
         Ok(Self { arguments, limit })
     }
 
-    /// Runs the command with arguments more and standard input.
+    /// Runs the command with more arguments and with standard input.
     pub fn run(&self, more: &[&str], input: &[u8]) -> anyhow::Result<Run> {
         self.start(more, input, false)
     }
 
-    /// The same, but nobody reads what it writes.
+    /// Runs the command in the same way, but closes its standard output.
     pub fn run_into_closed_pipe(&self, more: &[&str], input: &[u8]) -> anyhow::Result<Run> {
         self.start(more, input, true)
     }
@@ -93,7 +93,7 @@ impl Program {
             thread::spawn(move || all_of(stdout))
         };
         let bytes = input.to_vec();
-        // A program that refuses its input early closes the pipe: that is its right.
+        // Ignore the error: a program may refuse its input early and close the pipe.
         let writer = thread::spawn(move || drop(stdin.write_all(&bytes)));
         let messages = thread::spawn(move || all_of(stderr));
         let status = self.wait(&mut child)?;
@@ -104,7 +104,7 @@ impl Program {
         Ok(Run { status: status.and_then(|status| status.code()), ending, closed_pipe, stdout, stderr })
     }
 
-    /// `None` if the time limit ended it.
+    /// Waits for the command; `None` if the time limit ended it.
     fn wait(&self, child: &mut Child) -> anyhow::Result<Option<ExitStatus>> {
         let end = Instant::now() + self.limit;
         loop {
@@ -123,12 +123,12 @@ impl Program {
 
 fn all_of(mut stream: impl Read) -> Vec<u8> {
     let mut bytes = Vec::new();
-    // What was read before an error is all there is to look at.
+    // On an error, use the bytes that were read before.
     drop(stream.read_to_end(&mut bytes));
     bytes
 }
 
-/// In words, and whether the signal of a closed pipe ended it; shells tell that signal as status 128 + 13.
+/// The ending in words, and whether the signal of a closed pipe caused it. Shells report that signal as status 128 + 13.
 fn describe(status: Option<ExitStatus>) -> (String, bool) {
     let Some(status) = status else { return ("the time limit ended it".to_owned(), false) };
     #[cfg(unix)]

@@ -1,26 +1,26 @@
-//! What the checks found.
+//! The report: what the checks found.
 
 use serde::Serialize;
 
-/// How much depends on a check.
+/// The importance of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Level {
-    /// A pipeline breaks, or its results mean nothing, without it.
+    /// Without it a pipeline breaks, or its results mean nothing.
     Must,
     /// Users will miss it.
     Should,
 }
 
-/// How a check ended.
+/// The outcome of a check.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(tag = "outcome", content = "reason", rename_all = "lowercase")]
 pub enum Outcome {
     /// The demand is met.
     Passed,
-    /// It is not, and how that showed.
+    /// The demand is not met, for this reason.
     Failed(String),
-    /// It could not be tried, and why.
+    /// The check could not be run, for this reason.
     Skipped(String),
 }
 
@@ -29,11 +29,11 @@ pub enum Outcome {
 pub struct CheckReport {
     /// The check's name.
     pub name: &'static str,
-    /// How much depends on it.
+    /// The importance of the check.
     pub level: Level,
-    /// What is demanded.
+    /// The demand in words.
     pub demand: &'static str,
-    /// How it ended.
+    /// The outcome.
     #[serde(flatten)]
     pub outcome: Outcome,
 }
@@ -43,9 +43,10 @@ pub struct CheckReport {
 pub struct Report {
     /// The command.
     pub program: Vec<String>,
-    /// Landmark edges of the sample that the program rejected, and how many it might have; absent if it does not work.
+    /// The number of landmark edges of the sample that the program rejected, and of those that it could reject. Absent if the
+    /// program does not work.
     pub rejected: Option<(usize, usize)>,
-    /// The checks, in the order in which they were tried.
+    /// The checks, in the order in which they were run.
     pub checks: Vec<CheckReport>,
 }
 
@@ -59,7 +60,7 @@ struct Document<'a> {
 }
 
 impl Report {
-    /// Whether everything that must be met is met; with `strict`, also all that should be.
+    /// Whether the program meets every demand of level `must`; with `strict`, every demand.
     pub fn conforms(&self, strict: bool) -> bool {
         self.failures(Level::Must) == 0 && (!strict || self.failures(Level::Should) == 0)
     }
@@ -93,7 +94,7 @@ impl Report {
         ]
     }
 
-    /// A page for people.
+    /// The report as text, for people.
     pub fn text(&self) -> String {
         let mut text = format!("{}\n\n", self.program.join(" "));
         for check in &self.checks {
@@ -118,7 +119,7 @@ impl Report {
         text
     }
 
-    /// The same for programs.
+    /// The report as JSON, for programs.
     pub fn json(&self) -> serde_json::Result<String> {
         let document = Document {
             format: "posecut-conformance",

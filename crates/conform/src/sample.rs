@@ -1,4 +1,4 @@
-//! Small graphs with everything in them that the format allows.
+//! Small graphs with everything that the format allows.
 
 use nalgebra::SVector;
 use posecut_geometry::{LieGroup, SE2, SE3};
@@ -8,34 +8,35 @@ use rand::RngExt as _;
 use rand_distr::{Distribution as _, StandardNormal};
 use serde_json::{Value, json};
 
-/// Viewpoints of each of the two sessions: a lap of a circle.
+/// The number of nodes of each of the two sessions: one lap of a circle.
 const LAP: usize = 160;
-/// Every so many runs of landmark edges.
+/// The length of a run of landmark edges.
 const RUN: usize = 8;
-/// Incorrect landmark edges.
+/// The number of incorrect landmark edges.
 const INCORRECT: usize = 12;
-/// The mark that stands on one edge from the beginning.
+/// The stage that has rejected one edge of the sample before.
 pub const EARLIER: &str = "earlier-stage";
 
-/// Records of kinds that no stage knows.
+/// Records of unknown kinds.
 const UNKNOWN: [&str; 2] = [
     r#"{"kind":"weather","session":"a","rain":[0.1,null,true]}"#,
     r#"{"kind":"note","text":"é, \"quoted\", kept as it stands","number":1.5}"#,
 ];
 
-/// Two laps of a circle in the plane, every node with its truth.
+/// The sample in the plane: two laps of a circle, with the truth of every node.
 pub fn plane() -> PoseGraph {
     graph::<SE2, 3>(Dimension::Two, 1)
 }
 
-/// The same in space.
+/// The same sample in space.
 pub fn space() -> PoseGraph {
     graph::<SE3, 6>(Dimension::Three, 2)
 }
 
-/// Two sessions, each a lap of one circle, with noisy odometry of a shared noise model; runs of correct landmark edges and
-/// lone incorrect ones between them, some stored backwards; a landmark edge without measurement, one that an earlier stage
-/// has rejected; truth and scores; unknown fields in the header, nodes, edges and truth, and records of unknown kinds.
+/// Makes the sample. It has two sessions, each a lap of the same circle, with noisy odometry of a shared noise model. Between
+/// them there are runs of correct landmark edges and single incorrect ones, some stored backwards, one without measurement,
+/// and one that an earlier stage has rejected. Edges have truth and scores. The header, nodes, edges and truth have unknown
+/// fields, and there are records of unknown kinds.
 fn graph<G: LieGroup<DOF>, const DOF: usize>(dimension: Dimension, seed: u64) -> PoseGraph {
     let mut header = Header::new(dimension);
     let model = NoiseModel { information: diagonal::<DOF>(400.0), extra: object(json!({"from": "wheels"})) };
@@ -79,7 +80,7 @@ fn noise<G: LieGroup<DOF>, const DOF: usize>(random: &mut ChaCha8Rng, sigma: f64
     }))
 }
 
-/// Adds the nodes of both sessions and their odometry. Returns the true poses.
+/// Adds the nodes and the odometry of both sessions. Returns the true poses.
 fn add_laps<G: LieGroup<DOF>, const DOF: usize>(graph: &mut PoseGraph, random: &mut ChaCha8Rng) -> Vec<G> {
     let mut tangent = SVector::<f64, DOF>::zeros();
     (tangent[0], tangent[DOF - 1]) = (1.0, std::f64::consts::TAU / LAP as f64);
@@ -118,11 +119,11 @@ fn add_laps<G: LieGroup<DOF>, const DOF: usize>(graph: &mut PoseGraph, random: &
     truth
 }
 
-/// Which nodes landmark edges join, and whether each is correct: runs of correct ones, then lone incorrect ones.
+/// The nodes of each landmark edge, and whether the edge is correct: runs of correct edges, then single incorrect ones.
 fn pairs(seed: u64) -> Vec<(usize, usize, bool)> {
     let mut pairs: Vec<(usize, usize, bool)> = (0..LAP)
         .filter(|frame| (frame / RUN).is_multiple_of(3))
-        // Some runs a few frames off: a match need not lie at the very same place.
+        // Shift some runs by a few frames, because a correct match need not be at exactly the same position.
         .map(|frame| (frame, LAP + (frame + frame / RUN / 3 % 4) % LAP, true))
         .collect();
     let mut draw = posecut_stage::random(seed, "conformance sample: incorrect edges");
@@ -146,7 +147,7 @@ fn object(value: Value) -> posecut_graph::Extra {
     }
 }
 
-/// A graph as it stands in a file.
+/// The content of a graph's file.
 pub fn bytes(graph: &PoseGraph) -> anyhow::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     graph.write(&mut bytes)?;

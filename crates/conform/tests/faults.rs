@@ -1,4 +1,4 @@
-//! Every check is seen to fail on a stage with the fault that it is there to find, and on nothing else.
+//! Tests that every check fails on a stage with the fault that it must find, and on no other fault.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -23,7 +23,7 @@ fn report(fault: &str) -> Report {
     check(&Program::new(arguments, Duration::from_secs(5)).unwrap()).unwrap()
 }
 
-/// A fault and the checks that must fail by it.
+/// Each fault with the checks that must fail because of it.
 const FAULTS: &[(&str, &[&str])] = &[
     ("standard-input", &["standard-input"]),
     ("hanging", &["standard-input"]),
@@ -71,7 +71,7 @@ const FAULTS: &[(&str, &[&str])] = &[
     ("help", &["help"]),
 ];
 
-/// Faults that spoil so much that other checks fail along.
+/// Faults that break so much that other checks fail too.
 const FAR_REACHING: &[&str] = &[
     "dash",
     "status",

@@ -1,9 +1,10 @@
-//! A file system that fails at the n-th call: a library for LD_PRELOAD in front of the calls by which programs write.
+//! Simulates a file system that fails at the n-th call: a library for LD_PRELOAD that intercepts the calls by which programs
+//! write.
 //!
-//! Environment variables: `FAILING_LOG` is a file that gets one line a call, `NAME PATH`; `FAILING_AT` is the call that fails,
-//! from 1; `FAILING_ERRNO` its error number, or 0 for a write that takes half of its bytes; with `FAILING_ON`, every later call
-//! that needs space fails too, as on a full disk. Calls on standard error, devices and /proc are not counted. A
-//! program that is started by the program runs without the library.
+//! Environment variables: `FAILING_LOG` is a file that gets one line for each call, `NAME PATH`. `FAILING_AT` is the number of
+//! the call that fails, from 1. `FAILING_ERRNO` is its error number, or 0 for a write that takes half of its bytes. With
+//! `FAILING_ON`, every later call that needs space fails too, as on a full disk. Calls on standard error, devices and /proc are
+//! not counted. Programs that the program starts run without the library.
 
 #![cfg(all(target_os = "linux", target_pointer_width = "64"))]
 #![expect(unsafe_code, reason = "functions of the C library can be replaced in no safe language")]
@@ -23,7 +24,7 @@ use libc::{
 };
 
 static CALLS: AtomicI64 = AtomicI64::new(0);
-/// The call that fails; 0 is none.
+/// The number of the call that fails; 0 for none.
 static AT: AtomicI64 = AtomicI64::new(0);
 static ERRNO: AtomicI64 = AtomicI64::new(0);
 static ON: AtomicI64 = AtomicI64::new(0);
@@ -48,7 +49,7 @@ extern "C" fn start() {
         if !log.is_null() {
             let flags = libc::O_WRONLY | libc::O_CREAT | libc::O_APPEND | libc::O_CLOEXEC;
             let opened = syscall(libc::SYS_openat, AT_FDCWD, log, flags, 0o600);
-            // Out of the way of the descriptors that the program gets.
+            // Use a high number, so that the program gets the same descriptors as without the library.
             LOG.store(syscall(libc::SYS_fcntl, opened, libc::F_DUPFD_CLOEXEC, 500), Ordering::Relaxed);
             syscall(libc::SYS_close, opened);
         }
@@ -56,7 +57,7 @@ extern "C" fn start() {
     }
 }
 
-/// What becomes of a call.
+/// The fate of a call.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Fate {
     Happens,
@@ -64,7 +65,7 @@ enum Fate {
     TakesHalf,
 }
 
-/// What a call does to the space on a disk.
+/// Whether a call needs space on the disk.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Needs {
     Space,
@@ -97,7 +98,7 @@ unsafe fn fate(name: &CStr, needs: Needs, path: &[u8]) -> Fate {
     }
 }
 
-/// Whether calls on this descriptor count: on standard output, whatever it is, and on files that are open for writing.
+/// Whether calls on this descriptor count. They do for standard output of any kind, and for files that are open for writing.
 unsafe fn counted(descriptor: c_int) -> bool {
     if descriptor == 2 || i64::from(descriptor) == LOG.load(Ordering::Relaxed) {
         return false;
@@ -217,7 +218,7 @@ pub unsafe extern "C" fn pwrite64(d: c_int, bytes: *const c_void, count: size_t,
     }
 }
 
-/// As on Linux, the descriptor is closed even where closing fails.
+/// Closes the descriptor even if the call is to fail, as Linux does.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn close(descriptor: c_int) -> c_int {
     unsafe {
@@ -232,7 +233,7 @@ pub unsafe extern "C" fn close(descriptor: c_int) -> c_int {
     }
 }
 
-/// Functions that give a number and fail as a whole, by what their fate hangs on.
+/// Defines functions that return a number and fail completely. Each names the argument that decides its fate.
 macro_rules! intercept {
     ($($name:ident($($argument:ident: $type:ty),+), $fate:ident($of:ident), $needs:ident => $($call:expr),+;)*) => {$(
         #[unsafe(no_mangle)]

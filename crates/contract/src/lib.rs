@@ -1,4 +1,4 @@
-//! What the contract tests share: finding the programs, running them, and a small session to run them on.
+//! Shared code of the contract tests: finding the programs, running them, and a small session as their input.
 
 pub mod registry;
 
@@ -39,14 +39,14 @@ pub fn run(name: &str, arguments: &[&str], input: &[u8]) -> Output {
         .expect("the program starts");
     let mut stdin = child.stdin.take().expect("stdin is piped");
     let bytes = input.to_vec();
-    // A program that refuses its input early closes the pipe: no fault of the test.
+    // Ignore the error: a program may refuse its input early and close the pipe.
     let writer = std::thread::spawn(move || drop(stdin.write_all(&bytes)));
     let output = child.wait_with_output().expect("the program ends");
     writer.join().expect("the writer ends");
     output
 }
 
-/// Runs a program that must succeed, and returns what it wrote to standard output.
+/// Runs a program that must succeed, and returns its standard output.
 ///
 /// # Panics
 /// If its exit status is not 0.
@@ -57,7 +57,7 @@ pub fn succeed(name: &str, arguments: &[&str], input: &[u8]) -> Vec<u8> {
     output.stdout
 }
 
-/// A directory of small files that programs can be run on.
+/// A directory of small input files for programs.
 pub struct Samples {
     folder: tempfile::TempDir,
 }
@@ -80,8 +80,9 @@ impl Samples {
     }
 }
 
-/// The samples, made once by the programs themselves: `2012-01-22/` (a session), `session.jsonl`,
-/// `graph.jsonl`, `optimized.jsonl`, `marginals.jsonl`, `x.result.json`, `four.mc` (a signed graph) and `four.proof`; `paper.toml` and `stages.toml` are those of `pipelines/`.
+/// The samples, made once by the programs themselves: `2012-01-22/` (a session), `session.jsonl`, `graph.jsonl`,
+/// `optimized.jsonl`, `marginals.jsonl`, `x.result.json`, `four.mc` (a signed graph) and `four.proof`. `paper.toml` and
+/// `stages.toml` come from `pipelines/`.
 ///
 /// # Panics
 /// If a program fails.

@@ -1,8 +1,8 @@
-//! The programs of the workspace, and how the contract calls each: what their own Cargo.toml says.
+//! The programs of the workspace, and how the contract calls each of them. Both come from the Cargo.toml of each program.
 //!
-//! A crate named `posecut-NAME` with a `src/main.rs` is a program. Unless it says otherwise it reads a pose graph and writes one,
-//! with no arguments that it needs; the others say under `[package.metadata.posecut]` how they are called. So a new program changes
-//! no other crate.
+//! A crate named `posecut-NAME` with a `src/main.rs` is a program. By default it reads a pose graph, writes one and needs no
+//! arguments. Other programs declare under `[package.metadata.posecut]` how to call them. So a new program needs no change in
+//! another crate.
 
 use std::process::Output;
 use std::sync::OnceLock;
@@ -18,17 +18,17 @@ pub struct Row {
     pub name: &'static str,
     /// Arguments before the input; `{sample}` stands for a sample's path, `{posecut-NAME}` for a program's.
     pub arguments: &'static [&'static str],
-    /// The sample that it reads, if one file.
+    /// The sample that the program reads, if it reads one file.
     pub input: Option<&'static str>,
-    /// Whether it takes that input from standard input too.
+    /// Whether the program accepts that input on standard input too.
     pub pipe: bool,
-    /// Whether it writes one file or standard output, and not a folder.
+    /// Whether the program writes one file or standard output, and not a folder.
     pub stream: bool,
-    /// What other programs rely on in its `--stats`.
+    /// The keys of its `--stats` on which other programs rely.
     pub statistics: &'static [&'static str],
 }
 
-/// One call, as a crate declares it.
+/// One call, as declared in a Cargo.toml.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Call {
@@ -72,10 +72,10 @@ struct Declared {
     statistics: Vec<String>,
 }
 
-/// Names programs, separated by spaces: the tests of the contract look at no others.
+/// The environment variable that limits the tests of the contract to these programs, separated by spaces.
 const ONLY: &str = "POSECUT_CONTRACT_ONLY";
 
-/// Every call of every program, in order of names.
+/// Every call of every program, in the order of names.
 ///
 /// # Panics
 /// If a crate's Cargo.toml cannot be read or declares something else.
@@ -101,7 +101,7 @@ pub fn programs() -> Vec<String> {
 }
 
 impl Row {
-    /// The arguments of this call, its input last.
+    /// The arguments of this call, with the input last.
     ///
     /// # Panics
     /// If a path is not UTF-8.
@@ -118,14 +118,14 @@ impl Row {
         self.arguments.iter().map(sample).chain(input).collect()
     }
 
-    /// Runs this call with more arguments, which come before somebody else's command.
+    /// Runs this call with more arguments, placed before `--` and a command of its own, if there is one.
     pub fn run(&self, more: &[&str]) -> Output {
         let all = self.arguments_with(more);
         let all: Vec<&str> = all.iter().map(String::as_str).collect();
         run(self.name, &all, b"")
     }
 
-    /// The arguments with more, which come before somebody else's command.
+    /// The arguments of this call and more, placed before `--` and a command of its own, if there is one.
     pub fn arguments_with(&self, more: &[&str]) -> Vec<String> {
         let mut all = self.arguments();
         let end = all.iter().position(|argument| argument == "--").unwrap_or(all.len());
@@ -158,7 +158,7 @@ fn rows(path: &std::path::Path) -> Vec<Row> {
     rows
 }
 
-/// The table lives as long as the test, so its words may too.
+/// Makes words static. They are never freed, because the table lives as long as the test.
 fn words(words: Vec<String>) -> &'static [&'static str] {
     words.into_iter().map(|word| &*word.leak()).collect::<Vec<_>>().leak()
 }

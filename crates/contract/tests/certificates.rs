@@ -1,10 +1,10 @@
-//! Certificates of multicuts of pose graphs, which one program writes and another one checks.
+//! Tests certificates of multicuts of pose graphs: one program writes them, another one checks them.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use posecut_contract::{run, succeed};
 
-/// Two sessions; 0-3, 1-4, 2-5 support each other, 0-6 stands alone.
+/// Two sessions. The edges 0-3, 1-4 and 2-5 support each other; 0-6 has no support.
 const POSES: &str = r#"{"kind":"header","format":"posecut","version":1,"dimension":2}
 {"kind":"node","id":0,"session":"a","frame":0,"pose":[0,0,0]}
 {"kind":"node","id":1,"session":"a","frame":1,"pose":[1,0,0]}

@@ -1,4 +1,4 @@
-//! The re-admission pipeline, a script around two stages.
+//! Tests the re-admission pipeline, a script around two stages.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -6,7 +6,7 @@ use std::process::Command;
 
 use posecut_contract::{program, workspace};
 
-/// Two chains of four steps with a gap between them, a loop in the first, and one edge over the gap that has no support.
+/// Two chains of four steps with a gap between them. The first has a loop; one edge without support crosses the gap.
 fn with_a_gap() -> String {
     let mut text = "{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":2}\n".to_owned();
     for id in 0..10 {

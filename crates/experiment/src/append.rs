@@ -1,4 +1,4 @@
-//! Files that grow by a line at a time.
+//! Files to which lines are appended.
 
 use std::fs::File;
 use std::io::Write as _;
@@ -8,7 +8,7 @@ use anyhow::Context as _;
 use posecut_stage::close;
 use serde::Serialize;
 
-/// Appends a line of JSON. Where that fails, no part of the line is left for the next one to follow on.
+/// Appends a line of JSON. On failure the file is cut back, so that the next line does not follow half a line.
 pub(crate) fn append(path: &Path, value: &impl Serialize) -> anyhow::Result<()> {
     let place = || format!("{}: cannot be written", path.display());
     let mut line = serde_json::to_vec(value)?;
@@ -16,7 +16,7 @@ pub(crate) fn append(path: &Path, value: &impl Serialize) -> anyhow::Result<()> 
     let mut file = File::options().create(true).append(true).open(path).with_context(place)?;
     let length = file.metadata().with_context(place)?.len();
     if let Err(error) = file.write_all(&line) {
-        // The error that is reported is the one that matters.
+        // The writing error is reported; a further error here would add nothing.
         let _ = file.set_len(length);
         return Err(error).with_context(place);
     }

@@ -1,4 +1,4 @@
-//! One call of a stage program: its limit, its CPU seconds, and what it means when it fails.
+//! One call of a stage program: its limit, its CPU seconds, and the meaning of its failure.
 
 use std::collections::BTreeMap;
 use std::io::Read as _;
@@ -13,11 +13,11 @@ use crate::digest::digest_path;
 use crate::lock::Lock;
 use crate::make_rules::shell;
 
-/// What became of a task.
+/// The outcome of a task.
 pub(crate) enum Outcome {
-    /// SHA-256 of each output, and CPU seconds on all threads.
+    /// The task wrote its outputs: SHA-256 of each, and CPU seconds summed over threads.
     Done { outputs: BTreeMap<String, String>, cpu_seconds: f64 },
-    /// The method failed on this graph: a result, which does not depend on the machine's state.
+    /// The method failed on this graph. This is a result and does not depend on the machine's state.
     FailedRun { said: String, cpu_seconds: f64, by_limit: bool },
 }
 
@@ -33,7 +33,7 @@ pub(crate) fn call(task: &Task, lock: &Lock, threads: usize) -> anyhow::Result<O
     let mut command = command(task);
     command.stdin(lock.stdin()?).stdout(Stdio::null()).stderr(Stdio::piped());
     if threads > 1 && std::env::var_os("RAYON_NUM_THREADS").is_none() {
-        // Tasks fill the processors already; their results do not depend on the number of threads.
+        // Parallel tasks fill the processors already, and results do not depend on the number of threads.
         command.env("RAYON_NUM_THREADS", "1");
     }
     let mut child = command.spawn().with_context(|| format!("cannot be started: {}", called()))?;
@@ -45,7 +45,7 @@ pub(crate) fn call(task: &Task, lock: &Lock, threads: usize) -> anyhow::Result<O
     let cpu_seconds = (ended.rusage.utime + ended.rusage.stime).as_secs_f64();
     let said = String::from_utf8_lossy(&said);
     if let Some(limit) = task.cpu_limit {
-        // The limit counts for each process; a script that calls several is measured here.
+        // The system's limit applies to each process. A script that calls several processes is checked here.
         if cpu_seconds >= limit as f64 || ended_by_limit(ended.status, cpu_seconds, limit as f64) {
             let said = format!("{}: stopped at {limit} CPU seconds", task.stage);
             return Ok(Outcome::FailedRun { said, cpu_seconds, by_limit: true });
@@ -67,7 +67,7 @@ pub(crate) fn call(task: &Task, lock: &Lock, threads: usize) -> anyhow::Result<O
     Ok(Outcome::Done { outputs: outputs.collect::<anyhow::Result<_>>()?, cpu_seconds })
 }
 
-/// The command of a task, through a shell that sets the limit where there is one.
+/// The command of a task. If there is a limit, a shell sets it.
 fn command(task: &Task) -> Command {
     let Some(limit) = task.cpu_limit.filter(|_| cfg!(unix)) else {
         let mut command = Command::new(&task.argv[0]);
@@ -75,12 +75,12 @@ fn command(task: &Task) -> Command {
         return command;
     };
     let mut command = Command::new("sh");
-    // One second more, so that CPU seconds as they are measured are surely past the limit.
+    // Allow one second more, so that the measured CPU seconds certainly exceed the limit.
     command.args(["-c", &format!("ulimit -t {} && exec \"$@\"", limit + 1), "sh"]).args(&task.argv);
     command
 }
 
-/// Whether the kernel ended a program at its limit: it counts in ticks, and the time it reports afterwards may be less.
+/// Whether the kernel ended a program at its limit. The kernel counts in ticks and may report less time afterwards.
 #[cfg(unix)]
 fn ended_by_limit(status: ExitStatus, cpu_seconds: f64, limit: f64) -> bool {
     use std::os::unix::process::ExitStatusExt as _;
@@ -93,14 +93,14 @@ fn ended_by_limit(_: ExitStatus, _: f64, _: f64) -> bool {
     false
 }
 
-/// Whether a program ended with an error of its own. One that a signal ended says nothing of the method: somebody
-/// interrupted it, or the machine had no memory left.
+/// Whether a program ended with an error of its own. A program that a signal ended says nothing about the method: somebody
+/// interrupted it, or the machine ran out of memory.
 fn failed_by_itself(status: ExitStatus) -> bool {
-    // From 126 on, a shell reports programs that it could not start and signals.
+    // A shell uses 126 and above for signals and for programs that it could not start.
     status.code().is_some_and(|code| (1..126).contains(&code))
 }
 
-/// The last thing that a program said, without the folders that differ from machine to machine.
+/// The last line of a program's messages, without folders, which differ from machine to machine.
 fn reason(task: &Task, said: &str) -> String {
     let last = said.lines().last().unwrap_or("it ended with an error and said nothing");
     let mut text = last.split_once("error: ").map_or(last, |(_, error)| error).to_owned();

@@ -1,4 +1,4 @@
-//! Results held to expectations.
+//! Compares results with expectations.
 
 mod accept;
 mod compare;
@@ -17,26 +17,26 @@ use crate::{Expected, Measured, Plan, measure};
 /// The comparison of all rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
-    /// One a file, in the order of the plan, then means and orders.
+    /// One row for each file, in the order of the plan, then means and orders.
     pub rows: Vec<Row>,
-    /// Recorded rows of files that this plan does not make.
+    /// The number of recorded rows whose files this plan does not make.
     pub not_checked: usize,
 }
 
-/// One file, mean or order against its expectation.
+/// The comparison of one file, mean or order with its expectation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// The file below the folder of results, or the order in words.
     pub name: String,
     /// The step that writes it.
     pub stage: String,
-    /// What does not hold, one sentence each.
+    /// The expectations that do not hold, one sentence each.
     pub failures: Vec<String>,
-    /// What holds, and by how much.
+    /// The expectations that hold, with their margins.
     pub notes: Vec<String>,
-    /// The largest distance as a share of its tolerance, and the quantity.
+    /// The largest deviation as a share of its tolerance, and its quantity.
     pub largest: Option<(f64, String)>,
-    /// The tasks that write it, by their places in the plan.
+    /// The indices in the plan of the tasks that write it.
     pub tasks: Vec<usize>,
 }
 
@@ -47,7 +47,7 @@ impl Report {
     }
 }
 
-/// Compares the outputs of a plan with what is expected. Reads every covered file.
+/// Compares the outputs of a plan with the expectations. Reads every covered file.
 pub fn check(expected: &Expected, plan: &Plan, results: &Path) -> Report {
     let measured = measure(plan, &expected.cover, results);
     let mut rows: Vec<Row> = measured.iter().map(|row| compare(expected, row)).collect();

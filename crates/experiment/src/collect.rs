@@ -1,4 +1,4 @@
-//! Results of many runs in one file.
+//! Collects the results of many runs in one file.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 use crate::journal::Journals;
 use crate::{Plan, Task, times};
 
-/// What of a result is kept: what tables and maps need, without history and per-session detail.
+/// The fields of a result that are kept: those that tables and maps need, without history and per-session detail.
 const KEPT: &[&str] = &[
     "format",
     "version",
@@ -24,18 +24,18 @@ const KEPT: &[&str] = &[
     "doubts",
 ];
 
-/// What was gathered.
+/// The collected results.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Collected {
     /// One JSON object a line, in the plan's order: the same bytes for the same results.
     pub results: Vec<u8>,
     /// The CPU seconds of the runs' methods, one JSON object a line. They differ from run to run.
     pub times: Vec<u8>,
-    /// Results that are there.
+    /// The number of results found.
     pub found: usize,
     /// Failed runs.
     pub failed: usize,
-    /// Results that are not there, though no run failed.
+    /// The number of results that are missing although no run failed.
     pub missing: usize,
 }
 
@@ -55,11 +55,11 @@ struct RunTime<'a> {
     cpu_seconds: f64,
 }
 
-/// Gathers the results of a plan that are there, in the plan's order, and its failed runs.
+/// Collects the existing results of a plan, in the plan's order, and its failed runs.
 pub fn collect(plan: &Plan) -> anyhow::Result<Collected> {
     let dependencies = plan.dependencies()?;
     let mut journals = Journals::default();
-    // Why a task has no output: its own failure, or that of the first task that it reads from.
+    // For each task, why it has no output: its own failure, or that of the first task that it reads from.
     let mut failures: Vec<Option<String>> = Vec::with_capacity(plan.tasks.len());
     let places: HashMap<&str, usize> =
         plan.tasks.iter().enumerate().map(|(place, task)| (task.id.as_str(), place)).collect();
@@ -97,7 +97,7 @@ pub fn collect(plan: &Plan) -> anyhow::Result<Collected> {
             }
             let known = seconds[step.group.as_str()].get(id).filter(|(digest, _)| *digest == step.digest);
             let reached = failures[places[id.as_str()]].is_none() || known.is_some();
-            // Steps after a failed one have no time, and need none.
+            // Steps after a failed one did not run and have no time.
             if reached {
                 total = total.zip(known).map(|(total, (_, seconds))| total + seconds);
             }
@@ -115,7 +115,7 @@ fn line(bytes: &mut Vec<u8>, record: &impl Serialize) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What is kept of a result; `None` if it is not there.
+/// The kept fields of a result; `None` if the result does not exist.
 fn result(task: &Task) -> anyhow::Result<Option<Map<String, Value>>> {
     let path = &task.id;
     let bytes = match std::fs::read(Path::new(path)) {

@@ -124,7 +124,7 @@ pub(crate) fn execute(command: &Command, context: &mut Context) -> anyhow::Resul
             let before = Expected::read(expected)?;
             let (after, changes) = accept(&before, &plan, &selection.results)?;
             let text = after.write()?;
-            // What cannot be shown is not recorded either.
+            // Show the changes first: if that fails, nothing is recorded.
             context.write_bytes(changes.as_bytes())?;
             write_atomically(expected, |writer| Ok(writer.write_all(text.as_bytes())?))?;
             Ok(Outcome::Done)
@@ -204,7 +204,7 @@ fn execute_check(
     Ok(if report.holds() { Outcome::Done } else { Outcome::CheckFailed })
 }
 
-/// No output may take the place of what a plan reads and writes.
+/// Notes all files that a plan reads and writes, so that no output may replace them.
 fn note_read(context: &mut Context, plan: &Plan) {
     for task in &plan.tasks {
         context.note_read(&task.id);

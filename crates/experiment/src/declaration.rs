@@ -14,29 +14,29 @@ use crate::{Graphs, Halves, toml_text};
 /// The longest chain of declarations that build on each other.
 const LONGEST_CHAIN: usize = 16;
 
-/// A longer file is no declaration: 16 MiB.
+/// The largest file that is read as a declaration: 16 MiB.
 const LARGEST_FILE: u64 = 16 << 20;
 
 /// A declared experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Experiment {
-    /// Its name: the folder of its results, and their label `pipeline`.
+    /// The name of the experiment: the folder of its results and their label `pipeline`.
     pub name: String,
     /// The label `family` of its results, for tables over several experiments.
     pub family: Option<String>,
-    /// Names of sessions; `A+B` joins the whole sessions A and B.
+    /// Names of sessions. `A+B` joins the complete sessions A and B.
     pub sessions: Vec<String>,
-    /// Where sessions come from, if not from where the command line says.
+    /// The origin of the sessions, if the declaration fixes it; otherwise the command line decides.
     pub source: Option<Origin>,
     /// Given graphs.
     pub graphs: Vec<Graphs>,
-    /// Whether only those graphs run that are listed under `sessions`, as the command line asks.
+    /// Whether to run only those graphs that are listed under `sessions`, as the command line requests.
     pub only: bool,
     /// Which sessions and graphs are for tuning and which for tests.
     pub halves: Option<Halves>,
-    /// CPU seconds that a task of a method may take. With a limit, a method that fails is a result too.
+    /// The limit on CPU seconds of one task of a method. With a limit, a method that fails counts as a result.
     pub cpu_limit: Option<u64>,
-    /// Names of sessions where they are simulated, if others.
+    /// Names of the sessions if sessions are simulated and other names apply then.
     pub simulated_sessions: Option<Vec<String>>,
     /// Seeds 1 to this number.
     pub seeds: u64,
@@ -44,17 +44,17 @@ pub struct Experiment {
     pub methods: Vec<String>,
     /// The method whose optimised graph the others are compared with.
     pub reference: String,
-    /// Which files stay.
+    /// The files to keep.
     pub keep: Keep,
     /// Steps by name.
     pub stages: BTreeMap<String, Step>,
     /// Methods as chains of steps between construction and optimisation.
     pub chains: BTreeMap<String, Vec<String>>,
-    /// Parameters that options may name, with their values where no grid says otherwise.
+    /// Parameters that options may name, with their default values, which grids override.
     pub parameters: BTreeMap<String, String>,
-    /// Parameters computed from others.
+    /// Parameters that are computed from other parameters.
     pub derived: BTreeMap<String, Derived>,
-    /// Blocks of parameter values; without any, there is one point.
+    /// Blocks of parameter values. Without a block, the experiment has one point.
     pub grids: Vec<Grid>,
 }
 
@@ -64,35 +64,35 @@ pub struct Experiment {
 pub enum Origin {
     /// posecut-simulate makes them.
     Simulated,
-    /// They are real: `--nclt`, or the folder `nclt` below `--data`.
+    /// Sessions are real: from `--nclt`, or from the folder `nclt` below `--data`.
     Nclt,
 }
 
-/// Which files of an experiment stay when nobody needs them any more.
+/// The files of an experiment that stay after their last use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Keep {
-    /// All of them.
+    /// All files.
     #[default]
     All,
-    /// Results and session graphs; what lies between is made and removed.
+    /// Results and session graphs. Files between them are removed after their last use.
     Results,
 }
 
 /// One step: a stage program with options.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Step {
-    /// The program's name in the list of stages; the step's own name unless given.
+    /// The program's name in the list of stages; by default the name of the step.
     pub program: Option<String>,
-    /// Its options; `{name}` stands for a parameter's value.
+    /// The options of the program; `{name}` is replaced by a parameter's value.
     pub options: Vec<String>,
 }
 
-/// A parameter computed from another: `factor * of^power`, in six significant digits, or one of some texts.
+/// A parameter computed from another one: `factor * of^power` in six significant digits, or a text selected by its value.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Derived {
-    /// A parameter; a number where there are no texts.
+    /// The other parameter. Without `texts` its value must be a number.
     pub of: String,
     /// The factor.
     #[serde(default = "one")]
@@ -100,10 +100,10 @@ pub struct Derived {
     /// The exponent.
     #[serde(default = "one")]
     pub power: f64,
-    /// Text by the parameter's value, such as options that only some cases have.
+    /// A text for each value of the parameter, such as options that only some values need.
     #[serde(default)]
     pub texts: BTreeMap<String, String>,
-    /// The text of all other values; without it they are errors.
+    /// The text for all other values. Without it, other values are errors.
     pub otherwise: Option<String>,
 }
 
@@ -111,7 +111,7 @@ fn one() -> f64 {
     1.0
 }
 
-/// All combinations of some parameters' values, for some of the methods, sessions and seeds.
+/// All combinations of the values of some parameters, for some of the methods, sessions and seeds.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Grid {
     /// Values of each parameter that varies.
@@ -120,7 +120,7 @@ pub struct Grid {
     pub methods: Option<Vec<String>>,
     /// Instead of the experiment's sessions.
     pub sessions: Option<Vec<String>>,
-    /// Sessions that are left out, whichever were asked for.
+    /// Sessions that this block leaves out, even if they were requested.
     pub except: Vec<String>,
     /// Instead of the experiment's number of seeds.
     pub seeds: Option<u64>,
@@ -158,12 +158,12 @@ struct File {
 }
 
 impl Experiment {
-    /// Reads a declaration; what it does not say comes from the file that it names as `base`, beside it.
+    /// Reads a declaration. Missing keys come from the file that it names as `base`, relative to its own folder.
     pub fn read(path: &Path) -> anyhow::Result<Self> {
         Self::read_above(path, &mut Vec::new())
     }
 
-    /// Reads a declaration and its bases; `above` are the resolved paths of the declarations that build on it.
+    /// Reads a declaration and its bases. `above` has the resolved paths of the declarations that build on it, to detect circles.
     fn read_above(path: &Path, above: &mut Vec<PathBuf>) -> anyhow::Result<Self> {
         let place = path.display();
         let text = text(path).with_context(|| format!("{place}: cannot be read"))?;
@@ -224,7 +224,7 @@ impl Experiment {
 
     fn overlay(&mut self, file: File, stem: String) -> anyhow::Result<()> {
         self.name = file.name.unwrap_or(stem);
-        // Sessions of its own are meant wherever they come from.
+        // A declaration that names `sessions` means them for simulation too, so it does not inherit `simulated_sessions`.
         let inherited = self.simulated_sessions.take().filter(|_| file.sessions.is_none());
         self.simulated_sessions = file.simulated_sessions.or(inherited);
         self.sessions = file.sessions.unwrap_or(std::mem::take(&mut self.sessions));
@@ -255,7 +255,7 @@ impl Experiment {
         Ok(())
     }
 
-    /// Refuses what contradicts itself, and names that would leave the folder of results.
+    /// Refuses contradictions, and names that would lead outside the folder of results.
     pub(crate) fn validate(&self) -> anyhow::Result<()> {
         self.check_names()?;
         let every = self.grids.iter().filter_map(|grid| grid.methods.as_ref()).flatten();
@@ -286,7 +286,7 @@ impl Experiment {
         Ok(())
     }
 
-    /// Sessions and graphs are checked where they are found, since these lists may hold patterns.
+    /// Checks names, except those of sessions and graphs: their lists may hold patterns, so they are checked when they are found.
     fn check_names(&self) -> anyhow::Result<()> {
         check("the experiment's name", &self.name)?;
         for (method, steps) in &self.chains {
@@ -312,7 +312,7 @@ impl Experiment {
         })
     }
 
-    /// Takes its declared options from a step of a method, as the program that takes its place does not know them.
+    /// Removes the declared options of a step of a method, because the program that replaces it does not know them.
     pub fn forget_options(&mut self, step: &str) {
         if self.chains.values().flatten().any(|other| other == step)
             && let Some(declared) = self.stages.get_mut(step)
@@ -321,13 +321,13 @@ impl Experiment {
         }
     }
 
-    /// Replaces the options of a step, as the command line asks.
+    /// Replaces the options of a step, as the command line requests.
     pub fn set_options(&mut self, step: &str, options: &str) {
         self.stages.entry(step.to_owned()).or_default().options = words(options);
     }
 }
 
-/// Labels of results that are no parameters.
+/// Labels of results that are not parameters.
 const LABELS: &[&str] = &["pipeline", "family", "half", "cluster", "session", "seed", "method"];
 
 fn text(path: &Path) -> anyhow::Result<String> {
@@ -361,7 +361,7 @@ fn step(value: &Value) -> anyhow::Result<Step> {
     })
 }
 
-/// A value as options and labels have it.
+/// The text of a value, for options and labels.
 fn scalar(value: &Value) -> anyhow::Result<String> {
     Ok(match value {
         Value::String(text) => text.clone(),

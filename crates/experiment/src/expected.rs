@@ -1,4 +1,4 @@
-//! Expectations, as `pipelines/expected.toml` states them.
+//! The expectations in `pipelines/expected.toml`.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -8,17 +8,17 @@ use anyhow::{Context as _, bail};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
-/// What is expected of experiments.
+/// The expected results of experiments.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Expected {
-    /// How far numbers may be off, by family: `odometry` for `odometry_x`.
+    /// The tolerance of numbers by family: `odometry` for `odometry_x`.
     #[serde(default)]
     pub tolerance: BTreeMap<String, Tolerance>,
-    /// Which experiments rows are recorded of.
+    /// The experiments whose rows are recorded.
     #[serde(default)]
     pub cover: Vec<Cover>,
-    /// Which method does better.
+    /// Which method must do better than which other one.
     #[serde(default)]
     pub order: Vec<Order>,
     /// Counts and chosen edges of one file.
@@ -33,17 +33,17 @@ pub struct Expected {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tolerance {
-    /// In the number's own unit.
+    /// The absolute tolerance, in the number's own unit.
     #[serde(default)]
     pub absolute: f64,
-    /// A share of the expected value.
+    /// The relative tolerance, as a share of the expected value.
     #[serde(default)]
     pub relative: f64,
-    /// Why it may be off at all.
+    /// Why the number may differ at all.
     pub reason: String,
 }
 
-/// An experiment whose files have rows.
+/// An experiment whose files have expected rows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cover {
@@ -69,18 +69,18 @@ pub struct Order {
     pub share: f64,
     /// How many seeds.
     pub seeds: u64,
-    /// The sessions that the share was recorded for: it is judged where the plan has all of them. All that the plan
-    /// has unless given.
+    /// The sessions for which the share was recorded. It is checked only if the plan has all of them. By default all sessions
+    /// of the plan.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sessions: Vec<String>,
-    /// Why it must.
+    /// Why the method must do better.
     pub reason: String,
 }
 
 /// Values of one file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recorded<T> {
-    /// The file below the folder of results; `1-5` in place of a seed is the mean over them.
+    /// The file below the folder of results. `1-5` instead of a seed means the mean over these seeds.
     pub file: String,
     /// The step that writes it.
     pub stage: String,
@@ -101,7 +101,7 @@ const HEAD: &str = "\
 ";
 
 impl Expected {
-    /// Reads the file.
+    /// Reads the expectations from a file.
     pub fn read(path: &Path) -> anyhow::Result<Self> {
         let place = path.display();
         let text = std::fs::read_to_string(path).with_context(|| format!("{place}: cannot be read"))?;

@@ -1,4 +1,4 @@
-//! What of a stage's output is compared with expectations.
+//! Fingerprints of outputs: the values that are compared with expectations.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -9,8 +9,7 @@ use serde_json::Value;
 
 /// Counts and choices that must agree exactly, and numbers that must agree closely.
 ///
-/// All are read from the output itself and not from what a stage says of it, so that they hold for other
-/// people's stages too.
+/// All values are computed from the output itself, not from a stage's statistics, so they work for other people's stages too.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Fingerprint {
     /// Numbers of things, and lists of ids such as `7 9-12`.
@@ -20,7 +19,7 @@ pub struct Fingerprint {
 }
 
 impl Fingerprint {
-    /// Of a pose graph (`.jsonl`), a result (`.result.json`) or a folder of tables. O(size).
+    /// Reads a pose graph (`.jsonl`), a result (`.result.json`) or a folder of tables. O(size).
     pub fn read(path: &Path) -> anyhow::Result<Self> {
         let place = path.display();
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -75,7 +74,7 @@ fn graph(graph: &PoseGraph) -> Fingerprint {
     let odometry = || graph.edges_of(EdgeKind::Odometry);
     found.mean("odometry", components, odometry().filter_map(|edge| edge.measurement.as_deref()));
     found.mean("landmark", components, landmarks().filter_map(|edge| edge.measurement.as_deref()));
-    // The first and the last diagonal term: a translation's and a rotation's weight.
+    // The first and the last diagonal term: the information of a translation and of a rotation.
     let weights: Vec<[f64; 2]> = odometry()
         .filter_map(|edge| {
             let information = graph.information(edge)?;
@@ -101,7 +100,7 @@ fn result(bytes: &[u8]) -> anyhow::Result<Fingerprint> {
     Ok(found)
 }
 
-/// A simulated session: rows and mean of each table.
+/// The fingerprint of a simulated session: number of rows and mean of each table.
 fn folder(path: &Path) -> anyhow::Result<Fingerprint> {
     let mut found = Fingerprint::default();
     for entry in std::fs::read_dir(path).with_context(|| format!("{}: cannot be listed", path.display()))? {
@@ -110,7 +109,7 @@ fn folder(path: &Path) -> anyhow::Result<Fingerprint> {
         let text =
             std::fs::read_to_string(&file).with_context(|| format!("{}: cannot be read", file.display()))?;
         found.count(&format!("{name}_rows"), text.lines().count());
-        // Without the time, beside which nothing else would be seen.
+        // Leave out the time column: it is so large that it would hide all other numbers.
         let numbers = text.lines().flat_map(|line| line.split(',').skip(1));
         let numbers: Vec<f64> = numbers
             .filter_map(|number| number.trim().parse().ok())
@@ -121,7 +120,7 @@ fn folder(path: &Path) -> anyhow::Result<Fingerprint> {
     Ok(found)
 }
 
-/// `7 9-12`: ids in order, runs of them shortened.
+/// Writes ids as `7 9-12`: in order, with runs shortened.
 fn ranges(ids: &[u64]) -> String {
     let mut parts: Vec<String> = Vec::new();
     let mut rest = ids;
@@ -134,7 +133,7 @@ fn ranges(ids: &[u64]) -> String {
     parts.join(" ")
 }
 
-/// The ids of such a list.
+/// Reads the ids of a list that [`ranges`] wrote.
 pub(crate) fn ids(ranges: &str) -> BTreeSet<u64> {
     ranges
         .split_whitespace()
@@ -146,7 +145,7 @@ pub(crate) fn ids(ranges: &str) -> BTreeSet<u64> {
         .collect()
 }
 
-/// Ids as such a list.
+/// Writes ids as such a list.
 pub(crate) fn listed(ids: impl Iterator<Item = u64>) -> String {
     ranges(&ids.collect::<Vec<_>>())
 }

@@ -1,4 +1,4 @@
-//! Graphs that are given as files, as a declaration names them.
+//! Graphs that a declaration gives as files.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -13,22 +13,21 @@ const EXTENSIONS: &[&str] = &["g2o", "graph", "toro", "jsonl"];
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Graphs {
-    /// Files below the folder of data, with `*` and `?`: one pattern or several. A folder is one graph: all its files are
-    /// joined.
+    /// One or several patterns with `*` and `?` for files below the folder of data. A folder is one graph: its files are joined.
     #[serde(deserialize_with = "patterns")]
     pub files: Vec<String>,
-    /// What the graphs are called; `{stem}` stands for the file's name without its extension.
+    /// The names of the graphs. `{stem}` is the file's name without its extension.
     #[serde(default = "stem")]
     pub name: String,
-    /// Options of the step `label`, after those of `[stages]`. `{folder}` is the file's folder, `{data}` that of all data.
+    /// Options of the step `label`, after those of `[stages]`. `{folder}` is the file's folder, `{data}` the folder of all data.
     #[serde(default)]
     pub label: String,
-    /// Options of the step `convert`, in the same way.
+    /// Options of the step `convert`, with the same replacements.
     #[serde(default)]
     pub convert: String,
-    /// The unit of the bootstrap, where several graphs are variants of one; a graph's name unless given.
+    /// The unit of the bootstrap, if several graphs are variants of one. By default the name of the graph.
     pub cluster: Option<String>,
-    /// Where people get these files, for the message that says they are missing.
+    /// Where to get these files, for the message that they are missing.
     pub from: Option<String>,
 }
 
@@ -54,7 +53,7 @@ fn stem() -> String {
 pub(crate) struct GraphFile {
     pub(crate) name: String,
     pub(crate) cluster: String,
-    /// Its file, or all files that are joined.
+    /// The file of the graph, or all files to join.
     pub(crate) files: Vec<String>,
     /// Options of the steps, with paths in place of `{folder}`, `{stem}` and `{data}`.
     pub(crate) convert: Vec<String>,
@@ -62,7 +61,7 @@ pub(crate) struct GraphFile {
 }
 
 impl Graphs {
-    /// The graphs that are there, in order of their paths. Having none is an error.
+    /// The existing graphs, in order of their paths. It is an error if there is none.
     pub(crate) fn find(&self, data: &Path) -> anyhow::Result<Vec<GraphFile>> {
         let mut paths = BTreeSet::new();
         for files in &self.files {
@@ -85,7 +84,7 @@ impl Graphs {
 
     fn graph(&self, data: &Path, path: &Path) -> anyhow::Result<GraphFile> {
         let text = |path: &Path| path.to_string_lossy().into_owned();
-        // Not `file_stem` of a folder, which may have a point in its name.
+        // Do not use `file_stem` for a folder, whose name may contain a dot.
         let stem = if path.is_dir() { path.file_name() } else { path.file_stem() };
         let stem = stem.map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         let folder = text(path.parent().unwrap_or(data));

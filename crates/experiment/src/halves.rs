@@ -1,8 +1,8 @@
 //! The tuning half and the test half of a family.
 //!
-//! Constants are chosen on the first half and judged on the second, so that no page reports how well a constant fits the
-//! graphs it was chosen with. A declaration names both halves by patterns of names, and every session or graph of it
-//! belongs to exactly one; or it names them by seeds, and every seed belongs to exactly one.
+//! Constants are chosen on the tuning half and judged on the test half, so that no reported result comes from graphs on which
+//! a constant was chosen. A declaration defines both halves by patterns of names or by seeds. Every session and graph, or
+//! every seed, belongs to exactly one half.
 
 use std::collections::BTreeMap;
 
@@ -28,7 +28,7 @@ impl Half {
     }
 }
 
-/// Which sessions and graphs belong to which half, by names or patterns with `*` and `?`; or which seeds of all sessions do.
+/// The two halves: by names of sessions and graphs, or patterns with `*` and `?`; or by seeds of all sessions.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Halves {
@@ -44,12 +44,12 @@ pub struct Halves {
     /// Seeds of the test half, instead of names.
     #[serde(default)]
     pub test_seeds: Vec<u64>,
-    /// Why the halves are not independent, where one cluster has members in both.
+    /// Why the halves are not independent, if a cluster has members in both.
     pub dependent: Option<String>,
 }
 
 impl Halves {
-    /// The half of a session or graph; an error where it is in both or in neither.
+    /// The half of a session or graph; an error if it is in both or in neither.
     pub fn of(&self, name: &str) -> anyhow::Result<Half> {
         match (any(&self.tuning, name)?, any(&self.test, name)?) {
             (true, false) => Ok(Half::Tuning),
@@ -66,7 +66,7 @@ impl Halves {
         !self.tuning_seeds.is_empty() || !self.test_seeds.is_empty()
     }
 
-    /// The half of a seed; an error where it is in neither.
+    /// The half of a seed; an error if it is in neither.
     pub fn of_seed(&self, seed: u64) -> anyhow::Result<Half> {
         if self.tuning_seeds.contains(&seed) {
             Ok(Half::Tuning)
@@ -77,7 +77,7 @@ impl Halves {
         }
     }
 
-    /// Refuses blocks of seeds that overlap, stand beside names, or are not explained.
+    /// Refuses blocks of seeds that overlap, that are combined with names, or that the declaration does not explain.
     pub(crate) fn validate(&self) -> anyhow::Result<()> {
         if !self.by_seed() {
             return Ok(());
@@ -114,7 +114,7 @@ impl Halves {
     }
 }
 
-/// Whether one of the patterns is that of a name.
+/// Whether one of the patterns matches a name.
 pub(crate) fn any(patterns: &[String], name: &str) -> anyhow::Result<bool> {
     for pattern in patterns {
         let matcher = glob::Pattern::new(pattern)

@@ -1,4 +1,4 @@
-//! Nothing is written outside the folders of results and simulated sessions, not through links either.
+//! Checks that a plan writes nothing outside the folders of results and simulated sessions, even through links.
 
 use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
@@ -7,10 +7,10 @@ use anyhow::{Context as _, bail};
 
 use crate::{Plan, Source};
 
-/// Endings of the files beside a group.
+/// The endings of the files that the runner writes beside a group.
 const BESIDE: [&str; 3] = ["tasks.jsonl", "tasks.jsonl.damaged", "times.jsonl"];
 
-/// Refuses a plan with a file that would be written elsewhere.
+/// Refuses a plan that would write a file elsewhere.
 pub(crate) fn check(plan: &Plan, source: &Source) -> anyhow::Result<()> {
     let roots = [resolved(&source.results)?, resolved(&source.simulated)?];
     let mut folders: HashMap<PathBuf, PathBuf> = HashMap::new();
@@ -30,7 +30,7 @@ pub(crate) fn check(plan: &Plan, source: &Source) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The resolved path of a file that is no link itself. Each folder is resolved once.
+/// The resolved path of a file that is not a link itself. Each folder is resolved once.
 fn in_folder(path: &Path, folders: &mut HashMap<PathBuf, PathBuf>) -> anyhow::Result<PathBuf> {
     let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else { return resolved(path) };
     if !folders.contains_key(folder) {
@@ -39,7 +39,7 @@ fn in_folder(path: &Path, folders: &mut HashMap<PathBuf, PathBuf>) -> anyhow::Re
     Ok(folders[folder].join(name))
 }
 
-/// A path without links, whose last parts need not exist yet.
+/// Resolves all links of a path. Its last parts need not exist yet.
 fn resolved(path: &Path) -> anyhow::Result<PathBuf> {
     let place = || format!("{}: cannot be resolved; name another folder", path.display());
     let mut existing = path;
@@ -54,7 +54,7 @@ fn resolved(path: &Path) -> anyhow::Result<PathBuf> {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
                 let part = existing.components().next_back().with_context(place)?;
                 if part == Component::ParentDir {
-                    // Once the missing folder is made, it would lead elsewhere.
+                    // Once the missing folder exists, the path would lead elsewhere.
                     bail!(
                         "{}: leads back (..) out of a folder that does not exist; name it directly",
                         path.display()

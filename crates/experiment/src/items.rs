@@ -1,4 +1,4 @@
-//! What an experiment runs on: sessions, sessions that are joined, and given graphs.
+//! The items that an experiment runs on: sessions, joined sessions and given graphs.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -10,12 +10,12 @@ use crate::halves::any;
 use crate::names::check;
 use crate::{Experiment, Half, Halves, Origin, Source};
 
-/// One session, several that are joined (`A+B`), or one given graph.
+/// One session, several joined sessions (`A+B`), or one given graph.
 pub(crate) struct Item {
     pub(crate) name: String,
     /// The unit of the bootstrap.
     pub(crate) cluster: String,
-    /// Its half, if halves are named by sessions and graphs.
+    /// The half of the item, if halves are defined by names.
     half: Option<Half>,
     pub(crate) kind: Kind,
 }
@@ -30,7 +30,7 @@ impl Item {
     }
 }
 
-/// What an item is made from.
+/// The source of an item.
 pub(crate) enum Kind {
     /// Names of the sessions and their data.
     Sessions(Vec<(String, String)>),
@@ -38,7 +38,7 @@ pub(crate) enum Kind {
 }
 
 impl Source {
-    /// The folder of real sessions, if this experiment uses them.
+    /// The folder of real sessions, if the experiment uses real sessions.
     fn nclt(&self, experiment: &Experiment) -> Option<PathBuf> {
         match experiment.source {
             Some(Origin::Simulated) => None,
@@ -55,7 +55,7 @@ impl Source {
         self.nclt(experiment).is_none()
     }
 
-    /// The file or folder of a session, if it is there or can be made.
+    /// The file or folder of a session, if it exists or can be simulated.
     fn session(&self, experiment: &Experiment, name: &str) -> Option<String> {
         let text = |path: PathBuf| path.to_string_lossy().into_owned();
         match self.nclt(experiment) {
@@ -67,14 +67,14 @@ impl Source {
         }
     }
 
-    /// The ground truth beside an archive, which its session's graph depends on too.
+    /// The file of ground truth beside an archive. The graph of the session depends on it too.
     pub(crate) fn beside(&self, experiment: &Experiment, name: &str) -> Option<String> {
         let path = self.nclt(experiment)?.join(format!("groundtruth_{name}.csv"));
         path.is_file().then(|| path.to_string_lossy().into_owned())
     }
 }
 
-/// All items of an experiment, of both halves. Sessions without data are left out and noted.
+/// All items of an experiment, of both halves. Sessions without data are left out and recorded.
 pub(crate) fn items(
     experiment: &Experiment,
     source: &Source,
@@ -142,7 +142,7 @@ fn add_sessions(
     sessions.retain(|name| seen.insert(name.as_str()));
     for name in sessions {
         if found.iter().any(|item| matches(std::slice::from_ref(name), &item.name).unwrap_or(false)) {
-            // A grid or the command line names a given graph.
+            // The name is that of a given graph, which a grid or the command line selects.
             continue;
         }
         if !experiment.graphs.is_empty() && experiment.source.is_none() {
@@ -167,8 +167,8 @@ fn add_sessions(
     Ok(())
 }
 
-/// The sessions and graphs of an experiment that has halves, by name, with the half of each; once for every seed where halves
-/// are blocks of seeds.
+/// The names of the sessions and graphs of an experiment with halves, each with its half. If halves are blocks of seeds, a name
+/// occurs once for every seed.
 pub fn members(experiment: &Experiment, source: &Source) -> anyhow::Result<Vec<(String, &'static str)>> {
     let by_seed = experiment.halves.as_ref().is_some_and(Halves::by_seed);
     let mut members = Vec::new();

@@ -1,4 +1,4 @@
-//! What has been finished: one line a task, beside the group that it belongs to.
+//! The journal of finished tasks: one line a task, in a file beside the group of the task.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fs;
@@ -17,13 +17,13 @@ pub(crate) struct Entry {
     pub(crate) digest: String,
     /// SHA-256 of each output.
     pub(crate) outputs: BTreeMap<String, String>,
-    /// Why the task has no outputs, of a failed run.
+    /// For a failed run, why the task has no outputs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) failed: Option<String>,
 }
 
-/// The finished tasks of some groups. Lines are appended as tasks finish, so that nothing is lost when the run
-/// is killed, and sorted when it ends, so that a resumed run leaves the same bytes as an undisturbed one.
+/// The finished tasks of some groups. A line is appended when a task finishes, so that a killed run loses nothing. At the end
+/// of the run the lines are sorted, so that a resumed run leaves the same bytes as an undisturbed one.
 #[derive(Default)]
 pub(crate) struct Journals(HashMap<String, BTreeMap<String, Entry>>);
 
@@ -63,9 +63,9 @@ impl Journals {
         Ok(())
     }
 
-    /// Writes a group's lines in order of their tasks' names.
+    /// Writes a group's lines in the order of their task ids.
     pub(crate) fn sort(&self, group: &str) -> anyhow::Result<()> {
-        // A group of which no task was finished need not have a folder.
+        // A group without a finished task may have no folder.
         self.0
             .get(group)
             .filter(|entries| !entries.is_empty())
@@ -77,8 +77,8 @@ fn lines(bytes: &[u8]) -> impl Iterator<Item = &[u8]> {
     bytes.split(|byte| *byte == b'\n').filter(|line| !line.trim_ascii().is_empty())
 }
 
-/// The tasks of a journal that can be read, and whether another line than the last is broken. A last line without an end is one
-/// that a killed run did not finish.
+/// The readable tasks of a journal, and whether a line is damaged. An incomplete last line does not count as damage: a killed
+/// run leaves one.
 fn read(path: &Path, bytes: &[u8]) -> (BTreeMap<String, Entry>, bool) {
     let mut entries = BTreeMap::new();
     let mut broken: Vec<usize> = Vec::new();
@@ -106,7 +106,7 @@ fn read(path: &Path, bytes: &[u8]) -> (BTreeMap<String, Entry>, bool) {
     (entries, !broken.is_empty())
 }
 
-/// Keeps a damaged journal under another name: whoever put something else there may want it.
+/// Keeps a damaged journal under another name, because somebody may need what is in it.
 fn set_aside(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     let mut name = path.as_os_str().to_owned();
     name.push(".damaged");

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::check::Report;
 
-/// One test case a row; the class is `EXPERIMENT.STAGE`.
+/// Writes one test case for each row; its class is `EXPERIMENT.STAGE`.
 pub fn junit(report: &Report) -> String {
     let failed = report.rows.iter().filter(|row| !row.failures.is_empty()).count();
     let mut text = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
@@ -48,7 +48,7 @@ fn escaped(text: &str) -> String {
             '>' => escaped.push_str("&gt;"),
             '"' => escaped.push_str("&quot;"),
             '\n' => escaped.push_str("&#10;"),
-            // XML 1.0 has no other control characters.
+            // XML 1.0 forbids all other control characters.
             character if character.is_control() => escaped.push('\u{fffd}'),
             character => escaped.push(character),
         }

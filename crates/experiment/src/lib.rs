@@ -1,11 +1,11 @@
-//! Experiments as declarations: which stages run in which order with which arguments, over which sessions,
-//! seeds and parameters, and what is expected to come out.
+//! Experiments as declarations. A declaration says which stages run, in which order and with which arguments, over which
+//! sessions, seeds and parameters, and which results are expected.
 //!
 //! A declaration ([`Experiment`]) and the stage programs ([`Programs`]) expand to a [`Plan`]: a list of tasks,
-//! each one call of a stage program with its inputs, outputs and digest. [`run`] works a plan off on several
-//! threads, resumes where an earlier run stopped and never runs a finished task again; a plan is also written
-//! as JSON Lines or as rules for Make, for other engines. [`collect()`] gathers the results, [`check`] holds them
-//! to expectations.
+//! each one call of a stage program with its inputs, outputs and digest. [`run`] executes a plan on several
+//! threads, resumes where an earlier run stopped and never runs a finished task again. For other engines, a plan can
+//! be written as JSON Lines or as rules for Make. [`collect()`] collects the results, and [`check`] compares them with
+//! expectations.
 
 mod append;
 mod call;

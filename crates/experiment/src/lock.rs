@@ -1,4 +1,4 @@
-//! One run at a time over the same tasks.
+//! A lock that allows one run at a time over the same tasks.
 
 use std::fs::{File, TryLockError};
 use std::path::Path;
@@ -7,13 +7,12 @@ use std::process::Stdio;
 use anyhow::Context as _;
 use posecut_stage::{info, warn};
 
-/// A lock that the stages share with the runner that called them, since it is their standard input: when a
-/// runner is killed, the next one waits until the stages that outlived it have ended, so that no two write
-/// one file.
+/// A lock that a runner shares with the stages that it calls, by passing it as their standard input. If a runner is killed,
+/// the next one therefore waits until the surviving stages have ended, and no two stages write the same file.
 pub(crate) struct Lock(File);
 
 impl Lock {
-    /// Waits for the lock of the tasks that start with this group.
+    /// Waits for the lock of a run whose first task is in this group.
     pub(crate) fn take(group: &str) -> anyhow::Result<Self> {
         let group = Path::new(group);
         let name = group.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -42,7 +41,7 @@ impl Lock {
         Ok(Self(file))
     }
 
-    /// Standard input for a stage: empty, and the lock.
+    /// The standard input of a stage: an empty file that carries the lock.
     pub(crate) fn stdin(&self) -> anyhow::Result<Stdio> {
         Ok(Stdio::from(self.0.try_clone().context("the lock cannot be shared")?))
     }

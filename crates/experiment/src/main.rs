@@ -1,4 +1,4 @@
-//! `posecut-experiment`: plans and runs declared experiments, and holds their results to expectations.
+//! `posecut-experiment`: plans and runs declared experiments, and checks their results against expectations.
 
 mod command;
 

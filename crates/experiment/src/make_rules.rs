@@ -1,11 +1,11 @@
-//! A plan as rules for Make, for people who want Make to run it, and as the yardstick for other engines.
+//! Writes a plan as rules for Make: for users who prefer Make, and as a reference for other engines.
 
 use std::fmt::Write as _;
 
 use crate::Plan;
 
-/// Rules for GNU Make: `make -f FILE` runs the plan, with `-j` in parallel. Make goes by times, not by digests:
-/// it does not see that an option has changed.
+/// Rules for GNU Make: `make -f FILE` runs the plan, with `-j` in parallel. Make compares times, not digests, so it does not
+/// notice a changed option.
 pub fn make_rules(plan: &Plan) -> String {
     let mut text = String::from(
         "equals := =\n# Written by posecut-experiment plan --format make.\n.DELETE_ON_ERROR:\n.SECONDARY:\n",
@@ -24,7 +24,7 @@ pub fn make_rules(plan: &Plan) -> String {
     text
 }
 
-/// A file's name where Make reads names.
+/// A file's name, escaped for Make.
 fn name(path: &str) -> String {
     path.replace('$', "$$")
         .replace('#', "\\#")
@@ -33,7 +33,7 @@ fn name(path: &str) -> String {
         .replace('=', "$(equals)")
 }
 
-/// A word of a command line, quoted where a shell would take it apart.
+/// A word of a command line, quoted if a shell would split it.
 pub(crate) fn shell(word: &str) -> String {
     let plain = |character: char| character.is_ascii_alphanumeric() || "-_./=,+:%@".contains(character);
     if !word.is_empty() && word.chars().all(plain) {

@@ -1,4 +1,4 @@
-//! The rows that a plan's outputs give.
+//! Computes the rows of a plan's outputs.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -8,16 +8,16 @@ use anyhow::Context as _;
 use crate::expected::Cover;
 use crate::{Fingerprint, Plan, Task};
 
-/// What was found in one file, or in the same file of several seeds.
+/// The values of one file, or the means over the same file of several seeds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
     /// The file below the folder of results.
     pub file: String,
     /// The step that writes it.
     pub stage: String,
-    /// The tasks that write it, by their places in the plan.
+    /// The indices in the plan of the tasks that write it.
     pub tasks: Vec<usize>,
-    /// Its values, or why it has none.
+    /// The values, or why there are none.
     pub found: Result<Fingerprint, String>,
 }
 
@@ -45,7 +45,7 @@ pub fn measure(plan: &Plan, covers: &[Cover], results: &Path) -> Vec<Measured> {
             }
         }
         for (file, tasks) in means {
-            // A plan of fewer seeds has nothing to say of the mean over more.
+            // A plan with fewer seeds cannot give this mean.
             if tasks.len() as u64 == cover.mean_over {
                 let found = mean(plan, &tasks).map_err(|error| format!("{error:#}"));
                 rows.push(Measured { file, stage: "evaluate".to_owned(), tasks, found });
@@ -55,17 +55,17 @@ pub fn measure(plan: &Plan, covers: &[Cover], results: &Path) -> Vec<Measured> {
     rows
 }
 
-/// The place of a file among runs.
+/// The run that a file belongs to.
 struct Run {
     file: String,
-    /// Absent for what all seeds share.
+    /// Absent for files that all seeds share.
     seed: Option<u64>,
 }
 
 impl Run {
     fn of(task: &Task, results: &Path, cover: &Cover, plan: &Plan) -> Option<Self> {
         let Ok(path) = Path::new(&task.id).strip_prefix(results) else {
-            // A simulated session lies elsewhere; it belongs to an experiment whose tasks read it.
+            // A simulated session is in another folder. It belongs to each experiment whose tasks read it.
             let folder = results.join(&cover.experiment);
             let read = plan
                 .tasks

@@ -1,14 +1,14 @@
-//! Names that become parts of paths: of experiments, sessions, graphs, steps, methods and parameters.
+//! Checks names that become parts of paths: of experiments, sessions, graphs, steps, methods and parameters.
 
 use anyhow::bail;
 
-/// The longest name, in bytes: file systems allow 255 for a file, and files add endings.
+/// The longest name, in bytes. File systems allow 255 for a file name, and endings are added to the name.
 const LONGEST: usize = 180;
 
-/// What a name may have beside letters and digits.
+/// The characters that a name may contain in addition to letters and digits.
 const MARKS: &str = "._+-=~@()' ";
 
-/// Refuses a name that is no single part of a path, or that a shell or a list separated by commas would take apart.
+/// Refuses a name that is not a single part of a path, or that a shell or a comma-separated list would split.
 pub(crate) fn check(what: &str, name: &str) -> anyhow::Result<()> {
     check_value(what, name)?;
     let starts_well = name.starts_with(|first: char| first.is_alphanumeric() || first == '_');
@@ -18,7 +18,8 @@ pub(crate) fn check(what: &str, name: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The same for a parameter's value, which follows the parameter's name in a path: it may be empty or start with a sign.
+/// Checks a parameter's value in the same way. The value follows the parameter's name in a path, so it may be empty or start
+/// with a sign.
 pub(crate) fn check_value(what: &str, value: &str) -> anyhow::Result<()> {
     let allowed = |character: &char| character.is_alphanumeric() || MARKS.contains(*character);
     if let Some(wrong) = value.chars().find(|character| !allowed(character)) {
@@ -37,7 +38,7 @@ pub(crate) fn check_value(what: &str, value: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// A name as messages show it: in one line, shortened.
+/// A name for messages: on one line and shortened.
 pub(crate) fn shown(name: &str) -> String {
     const SHOWN: usize = 60;
     let escaped: String = name.chars().take(SHOWN).flat_map(char::escape_debug).collect();

@@ -1,4 +1,4 @@
-//! Points of a grid, and their values in options.
+//! The points of a grid, and their values in options.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,7 +11,7 @@ use crate::{Experiment, Grid};
 pub struct Point(pub BTreeMap<String, String>);
 
 impl Point {
-    /// All points of a grid: the product of its axes, other parameters at their declared values.
+    /// All points of a grid: the product of its axes. Other parameters have their declared values.
     pub fn all(experiment: &Experiment, grid: &Grid) -> Vec<Self> {
         let mut points = vec![Self(experiment.parameters.clone())];
         for (name, values) in &grid.axes {
@@ -29,8 +29,8 @@ impl Point {
         points
     }
 
-    /// Replaces `{name}` in words by parameter values. A word that is nothing but one parameter becomes as many words as
-    /// the value has, none for an empty one.
+    /// Replaces `{name}` in words by parameter values. A word that consists of one parameter only is split into the words of its
+    /// value; an empty value gives no word.
     pub fn fill(&self, experiment: &Experiment, words: &[String]) -> anyhow::Result<Vec<String>> {
         let mut filled = Vec::new();
         for word in words {
@@ -68,7 +68,7 @@ impl Point {
         Ok(six_digits(value))
     }
 
-    /// The part of a path that tells values of these parameters apart; empty without parameters.
+    /// The part of a path that distinguishes the values of these parameters; empty without parameters.
     pub fn folder(&self, names: &BTreeSet<String>) -> String {
         let parts: Vec<String> =
             names.iter().filter_map(|name| Some(format!("{name}={}", self.0.get(name)?))).collect();
@@ -80,7 +80,7 @@ impl Point {
 pub(crate) fn used<'a>(experiment: &Experiment, words: impl Iterator<Item = &'a String>) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     for word in words {
-        // The replacement is thrown away, so nothing can fail here; unknown names are told when they are filled.
+        // Only the names matter here, so the result is ignored. `fill` reports unknown names.
         let _ = replace(word, |name| {
             let name = experiment.derived.get(name).map_or(name, |derived| derived.of.as_str());
             if experiment.parameters.contains_key(name) {
@@ -108,7 +108,7 @@ pub(crate) fn replace(
     Ok(text)
 }
 
-/// Six significant digits without trailing zeros: 0.1 * 3 is written 0.3.
+/// Writes six significant digits without trailing zeros: 0.1 * 3 becomes 0.3.
 fn six_digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     rounded.to_string()

@@ -16,45 +16,44 @@ use crate::{Source, held};
 /// One call of a stage program.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Task {
-    /// Unique in the plan: its first output.
+    /// The id, unique in the plan: the first output.
     pub id: String,
-    /// The step that it runs.
+    /// The step that the task runs.
     pub stage: String,
-    /// Tasks that belong together and may run on a machine of their own once the groups they read from are done.
+    /// The group of the task. A group may run on a machine of its own once the groups that it reads from are done.
     pub group: String,
     /// The command line, without a shell.
     pub argv: Vec<String>,
-    /// Files and folders that it reads.
+    /// Files and folders that the task reads.
     pub inputs: Vec<String>,
-    /// Files and folders that it writes.
+    /// Files and folders that the task writes.
     pub outputs: Vec<String>,
-    /// Files that it writes besides, with wall times in them; no result.
+    /// Further files that the task writes. They contain wall times and are not results.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub statistics: Vec<String>,
-    /// Files besides the program that decide what it does.
+    /// Files other than the program that decide what the task does, such as a script.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<String>,
-    /// Whether its outputs are removed once nobody needs them.
+    /// Whether the outputs are removed after their last reader.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub temporary: bool,
-    /// CPU seconds that it may take. A task with a limit that fails is a failed run, which is a result.
+    /// The limit on CPU seconds. A task with a limit that fails is a failed run, which counts as a result.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cpu_limit: Option<u64>,
-    /// What a result is called by.
+    /// The labels of a result.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub labels: BTreeMap<String, Value>,
-    /// The tasks of a result's method, by id: their CPU seconds are those of the method.
+    /// For a result, the ids of the tasks of its method. The sum of their CPU seconds is the time of the method.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub chain: Vec<String>,
-    /// Over the arguments, the content of the program, and the digests of what it reads: equal digests, equal
-    /// outputs.
+    /// A digest over the arguments, the content of the program and the digests of the inputs. Equal digests mean equal outputs.
     pub digest: String,
 }
 
-/// Tasks; what a task reads is written by an earlier one or lies there before.
+/// A list of tasks. Every input of a task is written by an earlier task or exists before the run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Plan {
-    /// In an order in which they can run one after the other.
+    /// The tasks, in an order in which they can run one after the other.
     pub tasks: Vec<Task>,
 }
 
@@ -85,7 +84,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Writes one task a line.
+    /// Writes the plan, one task a line.
     pub fn write(&self, mut writer: impl Write) -> anyhow::Result<()> {
         for task in &self.tasks {
             serde_json::to_writer(&mut writer, task)?;
@@ -94,7 +93,7 @@ impl Plan {
         Ok(())
     }
 
-    /// The places of the tasks that each task reads from.
+    /// For each task, the indices of the tasks that it reads from.
     pub fn dependencies(&self) -> anyhow::Result<Vec<Vec<usize>>> {
         let mut writers: HashMap<&str, usize> = HashMap::new();
         let mut dependencies = Vec::with_capacity(self.tasks.len());
@@ -113,8 +112,7 @@ impl Plan {
         Ok(dependencies)
     }
 
-    /// Fills in the digests, from the first task to the last. Reads every program and every input that no task
-    /// writes once.
+    /// Fills in the digests, from the first task to the last. Reads each program, and each input that no task writes, once.
     pub(crate) fn seal(&mut self) -> anyhow::Result<()> {
         let mut digests = Digests::default();
         let mut written: HashMap<String, String> = HashMap::new();
@@ -152,7 +150,7 @@ impl Plan {
 }
 
 impl Task {
-    /// Whether it writes a result.
+    /// Whether the task writes a result.
     pub(crate) fn is_result(&self) -> bool {
         self.outputs.first().is_some_and(|output| output.ends_with(".result.json"))
     }

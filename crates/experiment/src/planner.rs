@@ -1,4 +1,4 @@
-//! From declarations to a plan.
+//! Expands declarations to a plan.
 
 use std::collections::{BTreeSet, HashMap};
 use std::path::PathBuf;
@@ -15,22 +15,22 @@ mod task;
 
 use task::Parts;
 
-/// Where sessions and graphs come from and results go.
+/// The folders of sessions, graphs and results.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
-    /// A folder of NCLT sessions, as `DATE/` or `DATE_sen.tar.gz`; simulated sessions unless given.
+    /// The folder of NCLT sessions, as `DATE/` or `DATE_sen.tar.gz`. Without it, sessions are simulated.
     pub nclt: Option<PathBuf>,
-    /// The folder of given graphs, and of real sessions in its folder `nclt`.
+    /// The folder of given graphs. Its folder `nclt` holds real sessions.
     pub data: Option<PathBuf>,
-    /// Only the items or seeds of this half.
+    /// Run only the items or seeds of this half.
     pub half: Option<Half>,
-    /// Where simulated sessions go.
+    /// The folder for simulated sessions.
     pub simulated: PathBuf,
-    /// Where results go.
+    /// The folder for results.
     pub results: PathBuf,
 }
 
-/// Expands experiments to tasks. Sessions without data are left out and returned by name.
+/// Expands experiments to tasks. Sessions without data are left out, and their names are returned.
 pub fn plan(
     experiments: &[Experiment],
     programs: &Programs,
@@ -50,7 +50,7 @@ pub fn plan(
                 if !runs(experiment, grid, item).with_context(named)? {
                     continue;
                 }
-                // Construction draws random numbers; a given graph is what it is.
+                // Only construction draws random numbers, so a given graph needs one seed.
                 let seeds = match item.kind {
                     Kind::Sessions(_) => grid.seeds.unwrap_or(experiment.seeds),
                     Kind::Graph(_) => 1,
@@ -157,7 +157,7 @@ impl Planner<'_> {
     }
 }
 
-/// The parameters of a run, by the files whose place they decide: those of a session, of a graph, of a method.
+/// The parameters of a run, by the files whose paths they determine: those of a session, a graph or a method.
 struct Placed {
     session: BTreeSet<String>,
     graph: BTreeSet<String>,
@@ -194,7 +194,7 @@ fn join(folder: &str, part: &str) -> String {
     if part.is_empty() { folder.to_owned() } else { format!("{folder}/{part}") }
 }
 
-/// What a result is called by.
+/// The labels of a result.
 fn labels(run: &Run<'_>, pipeline: &str, method: &str) -> Vec<(String, String)> {
     let mut labels = vec![("pipeline", pipeline.to_owned())];
     if let Some(family) = &run.experiment.family {
@@ -209,7 +209,7 @@ fn labels(run: &Run<'_>, pipeline: &str, method: &str) -> Vec<(String, String)> 
     labels.into_iter().map(|(name, value)| (name.to_owned(), value)).chain(parameters).collect()
 }
 
-/// Where a method's files go.
+/// The folders for a method's files.
 struct Folders<'a> {
     group: &'a str,
     methods: &'a str,

@@ -1,4 +1,4 @@
-//! The stage programs, as `pipelines/stages.toml` lists them.
+//! The stage programs that `pipelines/stages.toml` lists.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -14,28 +14,28 @@ use serde::Deserialize;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Programs {
     listed: BTreeMap<String, Program>,
-    /// What there is besides.
+    /// Programs that the list leaves out.
     registry: Registry,
-    /// Where programs named without a path are looked for before the PATH.
+    /// The folder that is searched before the PATH for programs named without a path.
     folder: Option<PathBuf>,
 }
 
-/// How one stage program is called.
+/// How to call one stage program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Program {
-    /// A name, looked for on the PATH, or a path.
+    /// A name to search on the PATH, or a path.
     pub path: String,
-    /// The command line: `{program}`, `{options}`, `{input}`, `{output}`, and what the stage needs besides.
+    /// The command line: `{program}`, `{options}`, `{input}`, `{output}`, and further names that the stage needs.
     pub argv: Vec<String>,
-    /// Appended where statistics are wanted: `{statistics}` is the file.
+    /// The words to append if statistics are wanted. `{statistics}` is the file.
     pub statistics: Vec<String>,
-    /// Prints the version: a receipt that the program is there.
+    /// The command that prints the version, which shows that the program is there.
     pub version: Vec<String>,
-    /// Files besides the program that decide what it does, such as a script.
+    /// Files other than the program that decide what it does, such as a script.
     pub files: Vec<String>,
 }
 
-/// A section of the list. What it leaves out is as every stage of this workspace has it.
+/// A section of the list. Missing keys get the values that fit every stage of this workspace.
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Section {
@@ -50,7 +50,7 @@ struct Section {
 impl Section {
     fn program(self, stage: &str) -> Program {
         let words = |words: &[&str]| words.iter().map(|&word| word.to_owned()).collect();
-        // Who writes a whole command line, or names a program, says what it takes besides.
+        // A section with a command line or program of its own must also say how to get statistics or the version.
         let statistics = if self.argv.is_some() { &[][..] } else { &["--stats", "{statistics}"] };
         let version = if self.program.is_some() { &[][..] } else { &["{program}", "--version"] };
         Program {
@@ -66,7 +66,7 @@ impl Section {
 }
 
 impl Programs {
-    /// Reads the list; `folder` is where programs named without a path are looked for first.
+    /// Reads the list. Programs named without a path are searched in `folder` first.
     pub fn read(path: &Path, folder: Option<&Path>) -> anyhow::Result<Self> {
         let place = path.display();
         let text = std::fs::read_to_string(path).with_context(|| format!("{place}: cannot be read"))?;
@@ -82,15 +82,15 @@ impl Programs {
         Ok(programs)
     }
 
-    /// Puts another program in a stage's place; it is called by the same command line.
+    /// Replaces the program of a stage. The new program is called with the same command line.
     pub fn replace(&mut self, stage: &str, program: &str) -> anyhow::Result<()> {
         let known = self.get(stage).with_context(|| format!("--program {stage}={program}"))?.into_owned();
         self.listed.insert(stage.to_owned(), Program { path: program.to_owned(), ..known });
         Ok(())
     }
 
-    /// A program by its stage's name. A stage that the list leaves out is the program `posecut-STAGE`, if there is one, called like
-    /// every stage from graph to graph.
+    /// The program of a stage. If the list leaves the stage out, this is the program `posecut-STAGE`, if it exists; it is called
+    /// like every stage from graph to graph.
     pub fn get(&self, stage: &str) -> anyhow::Result<Cow<'_, Program>> {
         if let Some(program) = self.listed.get(stage) {
             return Ok(Cow::Borrowed(program));
@@ -106,7 +106,7 @@ impl Programs {
         Ok(Cow::Owned(usual(found)))
     }
 
-    /// The same program by its path where it lies in the folder of programs.
+    /// The same program with its path, if it is in the folder of programs.
     fn found(&self, program: Program) -> Program {
         match self.folder.as_deref().and_then(|folder| beside(folder, &program.path)) {
             Some(path) => Program { path, ..program },
@@ -114,7 +114,7 @@ impl Programs {
         }
     }
 
-    /// Every stage with its program and what the version command says: those of the list, and those that lie in the folder of
+    /// Every stage with its program and the output of its version command: the stages of the list, and those in the folder of
     /// programs.
     pub fn versions(&self) -> Vec<(String, String, anyhow::Result<String>)> {
         let mut stages = self.listed.clone();
@@ -158,7 +158,7 @@ fn beside(folder: &Path, program: &str) -> Option<String> {
     (!program.contains('/') && path.is_file()).then(|| path.to_string_lossy().into_owned())
 }
 
-/// The file of a program: itself if it has a path, else the first of its name on the PATH.
+/// The file of a program: the given path, or else the first program of this name on the PATH.
 pub(crate) fn locate(program: &str) -> anyhow::Result<PathBuf> {
     if program.contains('/') {
         let path = PathBuf::from(program);

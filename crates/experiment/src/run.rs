@@ -16,17 +16,17 @@ use crate::lock::Lock;
 use crate::schedule::{Schedule, select};
 use crate::{Plan, times};
 
-/// How often a task is tried before it counts as failed.
+/// The number of attempts before a task counts as failed.
 const ATTEMPTS: usize = 2;
 
-/// Which part of a plan to run, and how.
+/// The part of a plan to run, and how to run it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct RunOptions {
-    /// Tasks at once; 0 takes all processors.
+    /// The number of tasks to run at once; 0 uses all processors.
     pub threads: usize,
-    /// Only what several groups read: simulated sessions and session graphs.
+    /// Run only tasks whose outputs several groups read: simulated sessions and session graphs.
     pub shared: bool,
-    /// Only share K of N of the other groups, K from 1.
+    /// Run only share K of N of the other groups, K from 1.
     pub shard: Option<(usize, usize)>,
     /// Run failed runs again.
     pub retry: bool,
@@ -37,21 +37,21 @@ pub struct RunOptions {
 pub struct Summary {
     /// Tasks run.
     pub run: usize,
-    /// Tasks that were finished before or that nobody needs.
+    /// Tasks that were finished before or that no remaining task needs.
     pub finished_before: usize,
-    /// Failed runs: tasks with a limit that were stopped or ended with an error. They are results.
+    /// Failed runs: tasks with a limit that reached it or ended with an error. They count as results.
     pub failed_runs: usize,
-    /// Tasks that read what a failed run should have written.
+    /// Tasks that were not run because a failed run did not write their input.
     pub without_input: usize,
-    /// Tasks that failed twice, with what they said.
+    /// Tasks that failed twice, with their error messages.
     pub failed: Vec<String>,
-    /// Tasks that read what a failed one should have written.
+    /// Tasks that were not run because a failed task did not write their input.
     pub not_run: usize,
     /// Tasks and their wall time by stage.
     pub stages: BTreeMap<String, StageTime>,
 }
 
-/// Where the time went.
+/// The time that one stage took.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct StageTime {
     /// Calls.
@@ -67,13 +67,13 @@ struct Shared {
     running: usize,
     /// An error of the runner itself, which ends the run.
     broken: Option<anyhow::Error>,
-    /// The tasks of methods, whose CPU seconds are noted.
+    /// The ids of the tasks of methods: their CPU seconds are recorded.
     timed: HashSet<String>,
 }
 
-/// Runs what has not been run: each task once what it reads is there, temporary files removed once nobody reads
-/// them. A task that fails is tried once more; what depends on it is left out, and everything else still runs. A task with a
-/// limit that fails is a failed run: it is noted like a finished one.
+/// Runs all unfinished tasks. A task starts when its inputs are there, and temporary files are removed after their last
+/// reader. A task that fails is tried once more; if it fails again, the tasks that depend on it are left out, and all others
+/// still run. A task with a limit that fails is a failed run and is recorded like a finished task.
 pub fn run(plan: &Plan, options: &RunOptions, progress: &ProgressBar) -> anyhow::Result<Summary> {
     let selected = select(plan, &plan.dependencies()?, options);
     let Some(first) = selected.iter().position(|selected| *selected) else { return Ok(Summary::default()) };
@@ -92,7 +92,7 @@ pub fn run(plan: &Plan, options: &RunOptions, progress: &ProgressBar) -> anyhow:
     let changed = Condvar::new();
     let work = || work(plan, &lock, threads, &shared, &changed, progress);
     std::thread::scope(|scope| {
-        // This thread is one of them, and the only one where no other can be started.
+        // This thread works too, so the run goes on even if no other thread can be started.
         for _ in 1..threads.min(needed) {
             if Builder::new().spawn_scoped(scope, work).is_err() {
                 break;
@@ -110,7 +110,7 @@ pub fn run(plan: &Plan, options: &RunOptions, progress: &ProgressBar) -> anyhow:
         return Err(error);
     }
     sorted.into_iter().collect::<anyhow::Result<()>>()?;
-    // What a killed run left, and what a stage that outlived it wrote.
+    // Remove temporary files of a killed run, and of stages that outlived it.
     for &place in shared.schedule.temporary.iter().filter(|&&place| shared.schedule.wanted[place] == 0) {
         plan.tasks[place].outputs.iter().try_for_each(|output| remove(output))?;
     }
@@ -169,7 +169,7 @@ fn work(
     }
 }
 
-/// Notes how a task ended.
+/// Records how a task ended.
 fn note(
     plan: &Plan,
     place: usize,
@@ -190,7 +190,7 @@ fn note(
     }
 }
 
-/// Notes a finished task, frees those that waited for it, and removes what nobody needs any more.
+/// Records a finished task, makes the tasks that waited for it ready, and removes files that no task needs any more.
 fn finish(
     plan: &Plan,
     place: usize,
@@ -220,7 +220,7 @@ fn finish(
     release(plan, place, state)
 }
 
-/// Notes a failed run. What reads from it is not run, and what it left from another time is removed.
+/// Records a failed run. Tasks that depend on it are not run, and outputs of all these from earlier runs are removed.
 fn fail(
     plan: &Plan,
     place: usize,
@@ -251,7 +251,7 @@ fn fail(
     Ok(())
 }
 
-/// Removes temporary files that this task was the last to read.
+/// Removes temporary files whose last reader was this task.
 fn release(plan: &Plan, place: usize, state: &mut Shared) -> anyhow::Result<()> {
     for other in state.schedule.dependencies[place].clone() {
         state.schedule.wanted[other] -= 1;

@@ -1,4 +1,4 @@
-//! Which tasks of a plan still have to run, and in which order.
+//! The tasks of a plan that still have to run, and their order.
 
 use std::collections::{BTreeSet, HashSet};
 use std::path::Path;
@@ -9,32 +9,32 @@ use crate::digest::digest_path;
 use crate::journal::Journals;
 use crate::{Plan, RunOptions, Task};
 
-/// What is known of a task's outputs before a run.
+/// The state of a task before a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
-    /// Finished, and its outputs are there as it left them.
+    /// Finished, and its outputs are unchanged.
     Fresh,
-    /// Still to do, or to do again for somebody who reads it.
+    /// Not finished, or to be run again for a task that reads it.
     Open,
-    /// A failed run, which stays one until its digest changes.
+    /// A failed run. It stays failed until its digest changes.
     Failed,
 }
 
 /// The tasks to run.
 pub(crate) struct Schedule {
-    /// For each task, who reads from it among those that run.
+    /// For each task, the tasks of this run that read from it.
     pub(crate) readers: Vec<Vec<usize>>,
-    /// For each task, how many that it reads from have not run yet.
+    /// For each task, how many of the tasks that it reads from have not run yet.
     pub(crate) waiting: Vec<usize>,
     /// For each task, how many of its readers have not run yet.
     pub(crate) wanted: Vec<usize>,
-    /// The tasks to run that wait for nobody, first ones first.
+    /// The tasks that can run now, in the order of the plan.
     pub(crate) ready: BTreeSet<usize>,
-    /// Tasks to run, all in all.
+    /// The number of tasks to run.
     pub(crate) needed: usize,
-    /// Tasks that need not run.
+    /// The number of tasks that need not run.
     pub(crate) finished: usize,
-    /// For each task, the earlier ones that it reads from.
+    /// For each task, the earlier tasks that it reads from.
     pub(crate) dependencies: Vec<Vec<usize>>,
     /// For each task, whether it is a failed run or reads from one.
     pub(crate) doomed: Vec<bool>,
@@ -117,7 +117,7 @@ fn mark(place: usize, dependencies: &[Vec<usize>], states: &[State], needed: &mu
     }
 }
 
-/// The tasks of this call: all, those that several groups share, or one share of the others.
+/// Selects the tasks of this call: all tasks, the tasks that several groups share, or one share of the others.
 pub(crate) fn select(plan: &Plan, dependencies: &[Vec<usize>], options: &RunOptions) -> Vec<bool> {
     let mut shared: HashSet<&str> = HashSet::new();
     for (place, task) in plan.tasks.iter().enumerate() {

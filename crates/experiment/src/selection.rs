@@ -1,4 +1,4 @@
-//! Which experiments, where from and where to: the part of the command line that all commands share.
+//! The arguments that all commands share: experiments, inputs and results.
 
 use std::path::{Path, PathBuf};
 
@@ -64,7 +64,7 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// The declarations, with what the command line changes.
+    /// The declarations, with the changes that the command line requests.
     pub fn declared(&self) -> anyhow::Result<Vec<Experiment>> {
         let mut experiments: Vec<Experiment> =
             self.experiments.iter().map(|path| Experiment::read(path)).collect::<anyhow::Result<_>>()?;
@@ -87,7 +87,7 @@ impl Selection {
             experiment.validate().with_context(|| format!("experiment {}", experiment.name))?;
         }
         for (stage, program) in self.replacements()? {
-            // The declared options are those of our program: another one gets what the command line says for it.
+            // The declared options belong to this workspace's program. A replacement gets only options from the command line.
             let ours = self.programs.as_deref().is_some_and(|folder| Path::new(program).starts_with(folder));
             for experiment in experiments.iter_mut().filter(|_| !ours) {
                 experiment.forget_options(stage);
@@ -110,7 +110,7 @@ impl Selection {
         Ok(experiments)
     }
 
-    /// The stage programs, with what the command line replaces.
+    /// The stage programs, with the replacements from the command line.
     pub fn programs(&self) -> anyhow::Result<Programs> {
         let beside = std::env::current_exe().ok().and_then(|path| Some(path.parent()?.to_owned()));
         let mut programs = Programs::read(&self.stages, self.programs.as_deref().or(beside.as_deref()))?;
@@ -120,14 +120,14 @@ impl Selection {
         Ok(programs)
     }
 
-    /// Stages and the programs that replace theirs.
+    /// Pairs of a stage and the program that replaces the stage's own.
     fn replacements(&self) -> anyhow::Result<Vec<(&str, &str)>> {
         let parted =
             |text: &'_ str| format!("--program {text}: expected STAGE=PROGRAM, such as pcm=./my-stage");
         self.replacements.iter().map(|text| text.split_once('=').with_context(|| parted(text))).collect()
     }
 
-    /// The plan: read, if a task list is named, else expanded from the declarations.
+    /// The plan, read from a task list if one is named, otherwise expanded from the declarations.
     pub fn plan(&self) -> anyhow::Result<Plan> {
         let is_list = |path: &Path| path.extension().is_some_and(|extension| extension == "jsonl");
         if let [list] = self.experiments.as_slice()
@@ -148,7 +148,7 @@ impl Selection {
         Ok(plan)
     }
 
-    /// Where from and where to.
+    /// The folders of inputs and results.
     fn source(&self) -> Source {
         Source {
             nclt: self.nclt.clone(),

@@ -1,10 +1,10 @@
-//! How large a plan may become. It is counted before it is made.
+//! Limits the size of a plan. The size is counted before the plan is made.
 
 use anyhow::bail;
 
 use crate::Grid;
 
-/// The most results of one plan. A plan holds about 15 kB for each of them.
+/// The largest number of results of one plan. A plan needs about 15 kB of memory for each.
 const LARGEST: u64 = 100_000;
 
 /// Results counted so far.
@@ -17,7 +17,7 @@ impl Size {
         let counted = |count: usize| u64::try_from(count).unwrap_or(u64::MAX);
         let points =
             grid.axes.values().fold(1, |points: u64, values| points.saturating_mul(counted(values.len())));
-        // The reference runs even where there are no methods.
+        // The reference runs even if there are no methods.
         let results = [points, counted(methods.max(1))].into_iter().fold(seeds, u64::saturating_mul);
         self.0 = self.0.saturating_add(results);
         if self.0 > LARGEST {

@@ -1,4 +1,4 @@
-//! CPU seconds of tasks: one line a task, beside its group. They differ from run to run, so they are in files of their own.
+//! CPU seconds of tasks, one line a task, in a file beside its group. They differ from run to run, so they have their own files.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -22,12 +22,12 @@ fn path(group: &str) -> PathBuf {
     PathBuf::from(format!("{group}.times.jsonl"))
 }
 
-/// Notes the time of a task; the last line of a task counts.
+/// Appends the time of a task. Of several lines for one task, the last one counts.
 pub(crate) fn add(group: &str, id: &str, digest: &str, cpu_seconds: f64) -> anyhow::Result<()> {
     append(&path(group), &Time { id: id.to_owned(), digest: digest.to_owned(), cpu_seconds })
 }
 
-/// The times of a group's tasks, by id, with the digest that each had.
+/// The times of a group's tasks by id, with the digest of each task.
 pub(crate) fn read(group: &str) -> anyhow::Result<BTreeMap<String, (String, f64)>> {
     let path = path(group);
     let bytes = match fs::read(&path) {
@@ -35,13 +35,13 @@ pub(crate) fn read(group: &str) -> anyhow::Result<BTreeMap<String, (String, f64)
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Vec::new(),
         Err(error) => return Err(error).with_context(|| format!("{}: cannot be read", path.display())),
     };
-    // A broken line costs a time, and no result.
+    // Skip a damaged line: only a time is lost, not a result.
     let times =
         bytes.split(|byte| *byte == b'\n').filter_map(|line| serde_json::from_slice::<Time>(line).ok());
     Ok(times.map(|time| (time.id, (time.digest, time.cpu_seconds))).collect())
 }
 
-/// Writes one line a task, in the order of their names.
+/// Writes one line a task, in the order of their ids.
 pub(crate) fn sort(group: &str) -> anyhow::Result<()> {
     let times = read(group)?;
     if times.is_empty() {

@@ -3,7 +3,7 @@
 use anyhow::anyhow;
 use serde::de::DeserializeOwned;
 
-/// Reads a text; an error names the line. The library's own message is a drawing of several lines.
+/// Parses a text. An error is one sentence that names the line; the library's own message takes several lines.
 pub(crate) fn parse<T: DeserializeOwned>(text: &str) -> anyhow::Result<T> {
     toml::from_str(text).map_err(|error| {
         let message = error.message().split_whitespace().collect::<Vec<_>>().join(" ");

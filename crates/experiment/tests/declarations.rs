@@ -1,4 +1,4 @@
-//! What a declaration may say, and what is told of one that cannot be used.
+//! Tests valid declarations, and the messages for invalid ones.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -68,7 +68,7 @@ fn a_swapped_stage_is_called_in_its_place() {
     let mine: Vec<&str> = plan.lines().filter(|line| line.contains("./mine.sh")).collect();
     assert_eq!(mine.len(), 4);
     assert!(mine.iter().all(|line| line.contains("\"stage\":\"pcm\"") && !line.contains("--gate")));
-    // With options of its own it gets those.
+    // If options are given for the replacement, it gets those.
     let own = ["--program", "pcm=./mine.sh", "--set", "trial.pcm=--reach 3"];
     let plan = String::from_utf8(workshop.call("plan", &own).stdout).unwrap();
     let mine: Vec<&str> = plan.lines().filter(|line| line.contains("./mine.sh")).collect();
@@ -99,7 +99,7 @@ fn real_and_simulated_sessions_and_exceptions_are_as_declared() {
     assert_eq!(results(&[]), [0, 4, 4]);
     assert_eq!(results(&["--nclt", "nclt"]), [4, 4, 0]);
     assert_eq!(results(&["--sessions", "one"]), [4, 0, 0], "the command line has the last word");
-    // Who builds on it and names sessions means these, simulated too.
+    // A declaration that builds on this one and names sessions means these sessions for simulation too.
     workshop.write("ground.toml", &declared);
     workshop.write("trial.toml", "base = \"ground.toml\"\nseeds = 1\n");
     assert_eq!(results(&[]), [0, 2, 2]);
@@ -116,7 +116,7 @@ fn real_and_simulated_sessions_and_exceptions_are_as_declared() {
 
 #[test]
 fn runs_that_would_overwrite_each_other_are_refused() {
-    // Two blocks with the same point and other methods are one; a parameter that nobody names is still told apart.
+    // Two blocks with the same point and different methods are joined. A parameter that no option names still distinguishes runs.
     let twice = GRID.replace("[[grid]]\nkind = [\"grouped\"]", "[[grid]]\nkind = [\"uniform\"]");
     let workshop = Workshop::new(&twice);
     let plan = String::from_utf8(workshop.call("plan", &["--format", "results"]).stdout).unwrap();

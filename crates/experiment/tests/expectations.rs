@@ -1,4 +1,4 @@
-//! The comparator, tested by planted changes: each must be found, named, and blamed on the stage that made it.
+//! Tests the comparison with planted changes: it must find and name each change and the stage that made it.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -30,7 +30,7 @@ seeds = 2
 reason = "the claim"
 "#;
 
-/// Results as stages would leave them, small.
+/// A workshop with small results, as stages would write them.
 fn results() -> Workshop {
     let workshop = Workshop::new(EXPERIMENT);
     for session in ["one", "two"] {
@@ -89,14 +89,14 @@ fn accept(workshop: &Workshop) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Exit status, what is said, and the JUnit file.
+/// Runs the check; returns exit status, report and JUnit file.
 fn check(workshop: &Workshop) -> (Option<i32>, String, String) {
     let output = workshop.call("check", &["--expected", "expected.toml", "--junit", "check.xml"]);
     let said = String::from_utf8(output.stdout).unwrap() + &String::from_utf8_lossy(&output.stderr);
     (output.status.code(), said, fs::read_to_string(workshop.path("check.xml")).unwrap_or_default())
 }
 
-/// Changes JSON Lines records of a file.
+/// Edits the JSON Lines records of a file.
 fn change(workshop: &Workshop, name: &str, edit: impl Fn(&mut Value)) {
     let name = format!("results/trial-simulated/{name}");
     let text = fs::read_to_string(workshop.path(&name)).unwrap();
@@ -110,7 +110,7 @@ fn change(workshop: &Workshop, name: &str, edit: impl Fn(&mut Value)) {
     workshop.write(&name, &lines);
 }
 
-/// The stages that a report blames.
+/// The stages that a report names as origins.
 fn blamed(said: &str) -> Vec<&str> {
     said.lines().filter_map(|line| line.strip_prefix("FAILED in stage `")?.split('`').next()).collect()
 }
@@ -172,7 +172,7 @@ fn another_choice_of_edges_is_told_by_its_ids_and_blamed_on_the_stage() {
             value.as_object_mut().unwrap().remove("rejected_by");
         }
     };
-    // PCM differs, and what follows it does too.
+    // PCM differs, and so do the stages after it.
     for name in ["one/1/pcm.jsonl", "one/1/pcm.optimized.jsonl", "one/1/pcm+gc.jsonl"] {
         change(&workshop, name, flip);
     }
@@ -248,13 +248,13 @@ fn an_order_that_no_longer_holds_fails() {
     let (status, said, _) = check(&workshop);
     assert_eq!(status, Some(1), "{said}");
     assert!(said.contains("lower RMSE in 2 of 4 runs, a share of 0.50, where at least 0.75 is expected (the claim); not in one/2 (60.000 m against 42.000 m)"), "{said}");
-    // Seed 2 has no row of its own; the mean has.
+    // Seed 2 has no row of its own, but the mean has one.
     assert!(said.contains("trial-simulated/one/1-2/pcm+gc.result.json"), "{said}");
 }
 
 #[test]
 fn a_share_is_judged_on_the_sessions_it_was_recorded_for() {
-    // As with two of the four sessions of NCLT: 1 of 2 runs is below the share of all sessions.
+    // This is like a plan with two of the four NCLT sessions: 1 of 2 runs is below the share for all sessions.
     let workshop = results();
     let text = fs::read_to_string(workshop.path("expected.toml")).unwrap();
     write_result(&workshop, "one/2/pcm+gc.result.json", 60.0, 3);
@@ -303,7 +303,7 @@ fn a_file_without_expectation_fails() {
     assert!(said.contains("not checked, since this run does not make them: 1 file"), "{said}");
 }
 
-/// `accept -o` of a result put the list of changes in its place.
+/// Regression: `accept -o` with the name of a result replaced the result by the list of changes.
 #[test]
 fn no_output_takes_the_place_of_a_result_or_of_the_expectations() {
     let result = "results/trial-simulated/one/1/pcm.result.json";
@@ -327,7 +327,7 @@ fn no_output_takes_the_place_of_a_result_or_of_the_expectations() {
     }
 }
 
-/// The expectations were recorded before it turned out that the changes could not be shown.
+/// Regression: the expectations were recorded although the changes could not be shown.
 #[test]
 fn changes_that_cannot_be_shown_are_not_recorded() {
     let workshop = results();

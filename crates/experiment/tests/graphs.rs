@@ -1,4 +1,4 @@
-//! Given graphs, halves, joined sessions, limits: what a declaration over them runs and collects.
+//! Tests what a declaration with given graphs, halves, joined sessions and limits runs and collects.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -72,7 +72,7 @@ fn graphs_are_converted_labelled_and_judged_like_sessions() {
     let labels = serde_json::json!({"pipeline": "trial", "family": "mine", "half": "tuning", "cluster": "first_a",
         "session": "first_a", "seed": 1, "method": "none"});
     assert_eq!(result["labels"], labels);
-    // Labels decide what comes out: others make everything anew that follows.
+    // The results depend on labels: with other labels all later tasks run again.
     workshop.write("data/set/second.csv", "i,j,inlier\n1,2,0\n");
     workshop.run(DATA);
     assert_eq!(workshop.take_log()["label"], 1);
@@ -143,7 +143,7 @@ fn a_failed_run_is_a_result_and_stays_one_until_something_changes() {
     assert_eq!((done["failed_runs"].as_u64(), done["without_input"].as_u64()), (Some(3), Some(6)));
     assert_eq!(done["not_run"], 0);
     assert_eq!(workshop.take_log()["pcm"], 6, "an error is tried twice");
-    // None of it runs again, and nothing is left of it.
+    // Failed runs do not run again, and no files of theirs remain.
     workshop.run(DATA);
     assert!(workshop.take_log().is_empty());
     assert!(workshop.files("results").keys().all(|name| !name.contains("pcm.")));

@@ -1,5 +1,5 @@
-//! Experiments made to hurt: mutated declarations, folders with stale and foreign files. None makes the runner panic, write
-//! outside its folders or say more than a sentence. The same seed gives the same experiments on every machine.
+//! Hostile experiments: mutated declarations, folders with stale and foreign files. None may make the runner panic, write
+//! outside its folders or print more than one sentence. The same seed gives the same experiments on every machine.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![cfg(unix)]
@@ -14,10 +14,10 @@ use posecut_stage::rand::RngExt as _;
 use posecut_stage::{ChaCha8Rng, random};
 use workshop::Workshop;
 
-/// Experiments, some seconds in all.
+/// The number of experiments: some seconds in total.
 const COUNT: u64 = 150;
 
-/// A small sound declaration.
+/// A small valid declaration.
 const SOUND: &str = r#"
 sessions = ["one"]
 seeds = 1
@@ -38,7 +38,7 @@ gate = 1
 gate = [1, 2]
 "#;
 
-/// What a declaration may hold and should not.
+/// Hostile values for a declaration.
 const VALUES: &[&str] = &[
     "\"../../../escaped\"",
     "\"../../../../escaped\"",
@@ -81,7 +81,7 @@ const VALUES: &[&str] = &[
     "[1, 1]",
 ];
 
-/// Lines at the head of a declaration.
+/// Keys at the head of a declaration.
 const KEYS: &[&str] = &[
     "name",
     "base",
@@ -100,7 +100,7 @@ const KEYS: &[&str] = &[
     "unknown",
 ];
 
-/// Tables at its end.
+/// Tables at the end of a declaration.
 const TABLES: &[&str] = &[
     "[[grid]]\n\"../x\" = [1]\n",
     "[[grid]]\ngate = VALUE\n",
@@ -116,7 +116,7 @@ const TABLES: &[&str] = &[
     "[[graphs]]\nfiles = \"*.g2o\"\nname = VALUE\ncluster = VALUE\n",
 ];
 
-/// Places of a run's files.
+/// Paths of a run's files.
 const PLACES: &[&str] = &[
     "results",
     "results/trial-simulated",
@@ -140,12 +140,12 @@ fn pick<'a, T: ?Sized>(random: &mut ChaCha8Rng, all: &[&'a T]) -> &'a T {
     all[random.random_range(0..all.len())]
 }
 
-/// A declaration: sound, with hostile values, or with some of its bytes changed.
+/// A declaration: valid, with hostile values, or with some bytes changed.
 fn declaration(random: &mut ChaCha8Rng) -> Vec<u8> {
     let mut text = SOUND.to_owned();
     for _ in 0..random.random_range(0..2) {
         let (key, value) = (pick(random, KEYS), pick(random, VALUES));
-        // Not twice: that is a mistake of TOML alone.
+        // Remove the old key first: a duplicate key would only test the TOML library.
         let rest: Vec<&str> = text.lines().filter(|line| !line.starts_with(&format!("{key} ="))).collect();
         text = format!("{key} = {value}\n{}\n", rest.join("\n"));
     }
@@ -166,10 +166,10 @@ fn declaration(random: &mut ChaCha8Rng) -> Vec<u8> {
     bytes
 }
 
-/// Puts something where the run wants a file or folder.
+/// Puts something where the run needs a file or folder.
 fn occupy(random: &mut ChaCha8Rng, workshop: &Workshop, outside: &Path) {
     let path = workshop.path(pick(random, PLACES));
-    // What was put there before may be in the way.
+    // Give up if something from an earlier call is in the way.
     if fs::create_dir_all(path.parent().unwrap()).is_err() || path.is_symlink() {
         return;
     }
@@ -183,7 +183,7 @@ fn occupy(random: &mut ChaCha8Rng, workshop: &Workshop, outside: &Path) {
     };
 }
 
-/// Everything below a folder but the workshop, with the content of files.
+/// Everything below a folder except the workshop, with the content of files.
 fn listing(folder: &Path, workshop: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut all = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
@@ -230,7 +230,7 @@ fn hostile_experiments_end_with_a_result_or_a_sentence() {
         assert!((0..=2).contains(&code) && !said.contains("panicked"), "{code}: {}", what());
         if code == 2 {
             let lines: Vec<&str> = said.lines().filter(|line| !line.contains(": warning: ")).collect();
-            // The failed tasks of a run are listed below its sentence.
+            // A run lists its failed tasks below its sentence.
             let (sentences, listed): (Vec<&str>, Vec<&str>) =
                 lines.iter().partition(|line| !line.starts_with("  "));
             let errors =

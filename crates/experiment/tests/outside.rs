@@ -1,4 +1,4 @@
-//! Declarations that lead outside the folder of results, round in a circle, or beyond memory.
+//! Tests declarations that lead outside the folder of results, that refer to each other in a circle, or that exceed memory.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -6,7 +6,7 @@ mod workshop;
 
 use workshop::{EXPERIMENT, GRID, Workshop};
 
-/// What an experiment is refused with; nothing is left outside the workshop or in it.
+/// The message that refuses an experiment. Checks that it is one sentence and that the run leaves no files in the workshop.
 fn refused(workshop: &Workshop, task: &str, more: &[&str]) -> String {
     let output = workshop.call(task, more);
     let said = String::from_utf8(output.stderr).unwrap();
@@ -16,7 +16,7 @@ fn refused(workshop: &Workshop, task: &str, more: &[&str]) -> String {
     said
 }
 
-/// Two declarations that named each other as `base` overflowed the stack.
+/// Regression: two declarations that named each other as `base` overflowed the stack.
 #[test]
 fn bases_in_a_circle_are_refused() {
     let workshop = Workshop::new("base = \"second.toml\"\n");
@@ -33,7 +33,7 @@ fn bases_in_a_circle_are_refused() {
     assert!(refused(&workshop, "plan", &[]).contains("a chain has at most 16 declarations"));
 }
 
-/// Sessions called `../../../x` were simulated outside `--simulated`, and their results written outside `--results`.
+/// Regression: sessions named `../../../x` were simulated outside `--simulated`, and their results written outside `--results`.
 #[test]
 fn names_that_leave_the_folder_of_results_are_refused() {
     for (from, to, part) in [
@@ -68,7 +68,7 @@ fn names_that_leave_the_folder_of_results_are_refused() {
     assert!(refused(&workshop, "run", &[]).contains("is 300 bytes long"));
 }
 
-/// A task list wrote wherever its paths led.
+/// Regression: a task list wrote to any path that it named.
 #[test]
 fn task_lists_that_leave_the_folder_of_results_are_refused() {
     let workshop = Workshop::new(EXPERIMENT);
@@ -88,7 +88,7 @@ fn task_lists_that_leave_the_folder_of_results_are_refused() {
     }
     workshop.write("plan.jsonl", &list.replace("results/", "elsewhere/"));
     let output = workshop.call("plan", &["plan.jsonl", "--results", "elsewhere"]);
-    // Where the folder is named, only the digests are wrong.
+    // If the command line names the folder, only the digests are wrong.
     assert!(String::from_utf8_lossy(&output.stderr).contains("plan again"));
 }
 
@@ -127,7 +127,7 @@ fn links_that_leave_the_folder_of_results_are_refused() {
     assert_eq!(workshop.run(&[])["run"], 40);
 }
 
-/// A plan of 100 million seeds took 4 GB before anything ran.
+/// Regression: a plan of 100 million seeds took 4 GB before anything ran.
 #[test]
 fn more_results_than_a_plan_can_have_are_refused() {
     let workshop = Workshop::new(&EXPERIMENT.replace("seeds = 2", "seeds = 100000000"));

@@ -1,4 +1,4 @@
-//! The declarations in `pipelines/`.
+//! Tests the declarations in `pipelines/`.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -10,7 +10,7 @@ fn pipelines(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../pipelines").join(name)
 }
 
-/// The point of the map with covariance times 9 and 10 % uniform mistakes is the paper's table.
+/// The map contains the paper's table as the point with covariance times 9 and 10 % uniform mistakes.
 #[test]
 fn the_published_table_is_a_point_of_the_map() {
     let map = Experiment::read(&pipelines("regimes.toml")).unwrap();

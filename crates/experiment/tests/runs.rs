@@ -1,4 +1,4 @@
-//! Plans are worked off once, in parallel, after failures and after being killed, with the same bytes.
+//! Tests that a plan runs each task once and gives the same bytes: in parallel, after failures and after being killed.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -12,7 +12,7 @@ use workshop::{EXPERIMENT, GRID, Workshop, assert_same, counts};
 fn what_several_runs_share_runs_once() {
     let workshop = Workshop::new(EXPERIMENT);
     let done = workshop.run(&[]);
-    // Two sessions, two seeds; oracle, pcm and pcm+gc are optimised, pcm stands at the head of pcm+gc.
+    // Two sessions, two seeds. oracle, pcm and pcm+gc are optimised; pcm is the first step of pcm+gc.
     let expected = counts(&[
         ("simulate", 2),
         ("ingest", 2),
@@ -41,18 +41,18 @@ fn finished_tasks_do_not_run_again_and_changed_ones_do() {
     assert_eq!((again["run"].as_u64(), again["finished_before"].as_u64()), (Some(0), Some(40)));
     assert!(workshop.take_log().is_empty());
 
-    // Another option: that stage and what follows it.
+    // After a change of options, that stage and all later ones run again.
     workshop.run(&["--set", "trial.pcm=--gate 2"]);
     let expected = counts(&[("pcm", 4), ("multicut", 4), ("optimize", 8), ("evaluate", 8)]);
     assert_eq!(workshop.take_log(), expected);
 
-    // Another program of the same name: everything it makes.
+    // After a change of the program, all its tasks run again.
     let script = std::fs::read_to_string(workshop.path("stage.sh")).unwrap();
     workshop.write("stage.sh", &format!("{script}# changed\n"));
     assert_eq!(workshop.run(&["--set", "trial.pcm=--gate 2"])["run"], 40);
     workshop.take_log();
 
-    // An output that somebody edited, and one that somebody removed.
+    // One output is edited and one is removed.
     workshop.write("results/trial-simulated/one/1/graph.jsonl", "edited");
     workshop.remove("results/trial-simulated/two/2/pcm.result.json");
     workshop.run(&["--set", "trial.pcm=--gate 2"]);
@@ -89,7 +89,7 @@ fn a_grid_has_a_folder_for_each_set_of_parameters_and_leaves_only_results() {
     let workshop = Workshop::new(GRID);
     workshop.run(&[]);
     let log = workshop.take_log();
-    // Ingest depends on the scale alone, construction on rate and kind too.
+    // Ingest depends only on the scale; construction depends on rate and kind too.
     assert_eq!((log["simulate"], log["ingest"], log["construct"]), (2, 4, 2 * 4 * 2 + 1));
     let left = workshop.files("results");
     assert!(left.keys().all(|name| !name.contains("graph.jsonl") && !name.contains("optimized")), "{left:?}");
@@ -104,7 +104,7 @@ fn a_grid_has_a_folder_for_each_set_of_parameters_and_leaves_only_results() {
         assert!(text.contains(part), "{part} in {text}");
     }
     assert_eq!(workshop.run(&[])["run"], 0);
-    // A removed result is made again together with the temporary files that it needs, which go again.
+    // A removed result is made again with the temporary files that it needs; these are removed afterwards.
     workshop.remove(name);
     workshop.run(&[]);
     assert_same(&workshop.files("results"), &left, "made again");
@@ -185,7 +185,7 @@ fn make_one_at_a_time_gives_the_same_bytes() {
     }
 }
 
-/// Bytes that are no text blocked every later run until somebody deleted the file.
+/// Regression: bytes that are not text blocked every later run until somebody deleted the file.
 #[test]
 fn a_damaged_journal_costs_only_the_tasks_that_it_lost() {
     let workshop = Workshop::new(EXPERIMENT);
@@ -213,7 +213,7 @@ fn a_damaged_journal_costs_only_the_tasks_that_it_lost() {
     workshop.remove(&format!("{journal}.damaged"));
     workshop.remove("results/trial-simulated/one/1.times.jsonl");
     assert_same(&workshop.left(), &whole, "after the damage");
-    // A line that a killed run did not finish is nobody's damage.
+    // A line that a killed run did not finish does not count as damage.
     let unfinished = text.trim_end().len() - 5;
     std::fs::write(&path, &text[..unfinished]).unwrap();
     let output = workshop.call("run", &[]);

@@ -1,4 +1,4 @@
-//! Halves that are blocks of seeds.
+//! Tests halves that are blocks of seeds.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

@@ -1,4 +1,4 @@
-//! The declarations of the trust benchmark.
+//! Tests the declarations of the trust benchmark.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -13,7 +13,7 @@ fn declarations() -> Vec<Experiment> {
     files.sort();
     let files = files.iter().filter(|path| path.extension().is_some_and(|extension| extension == "toml"));
     let all: Vec<Experiment> = files.map(|path| Experiment::read(path).unwrap()).collect();
-    // What others build on has no family.
+    // Skip base declarations: they have no family.
     all.into_iter().filter(|experiment| experiment.family.is_some()).collect()
 }
 
@@ -50,7 +50,7 @@ fn no_family_mixes_tuning_and_test() {
     }
 }
 
-/// A method that is missing from a family could not be compared.
+/// Every family runs every method; a missing one could not be compared.
 #[test]
 fn every_family_runs_every_method_with_a_limit() {
     let experiments = declarations();

@@ -1,7 +1,7 @@
-//! Fuzzes all targets, or those named, for a time. Findings are written to a folder and named by target, seed and number.
+//! Fuzzes all or some targets for a given time. Findings are written to a folder and named by target, seed and number.
 //!
-//! An input that ends the process (stack, memory) leaves no finding: say `--trace` and run the same seed again, and the
-//! last file `TARGET.current` is it.
+//! An input that ends the process (stack, memory) leaves no finding. Run the same seed again with `--trace`: the last file
+//! `TARGET.current` is that input.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -44,10 +44,10 @@ struct Arguments {
     trace: bool,
 }
 
-/// The name of the input at work and the input, for the watchdog.
+/// The name and the content of the current input, for the watchdog.
 type Current = Arc<Mutex<Option<(String, Vec<u8>)>>>;
 
-/// How often the watchdog looks.
+/// The interval at which the watchdog looks.
 const LOOK: Duration = Duration::from_millis(500);
 
 fn main() -> anyhow::Result<ExitCode> {
@@ -60,7 +60,7 @@ fn main() -> anyhow::Result<ExitCode> {
         .collect();
     anyhow::ensure!(!targets.is_empty(), "no target has one of these names");
     std::fs::create_dir_all(&arguments.findings).context("the folder of findings cannot be made")?;
-    // A panic is a finding, told once and in few words.
+    // A panic is a finding and is reported once, without the default message.
     std::panic::set_hook(Box::new(|_| {}));
     let current = Current::default();
     watch(current.clone(), Duration::from_secs_f64(arguments.slowest), arguments.findings.clone());
@@ -120,7 +120,7 @@ fn say(text: &str) {
 
 /// Ends the process on an input that takes too long: a hang is a finding like any other.
 ///
-/// Looks are counted, not seconds: a process that is stopped and continued does not look meanwhile, and is not at fault.
+/// The time is counted in looks, not on a clock: a process that is stopped and continued must not count as a hang.
 fn watch(current: Current, slowest: Duration, findings: PathBuf) {
     std::thread::spawn(move || {
         let (mut at, mut waited) = (String::new(), Duration::ZERO);

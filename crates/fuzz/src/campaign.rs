@@ -8,10 +8,10 @@ use rand::RngExt as _;
 
 use crate::{Outcome, Target, mutate};
 
-/// Inputs longer than this are cut: readers are linear, so long inputs find nothing that short ones do not.
+/// Longer inputs are cut to this length. Readers take linear time, so long inputs find nothing that short ones miss.
 const LONGEST: usize = 1 << 15;
 
-/// Inputs kept for their outcome; the oldest ones of the pool are seeds and stay.
+/// The number of inputs that are kept for their outcome. The seeds are the oldest inputs of the pool and always stay.
 const LARGEST_POOL: usize = 2_000;
 
 /// An input on which a target panicked.
@@ -19,7 +19,7 @@ const LARGEST_POOL: usize = 2_000;
 pub struct Finding {
     /// The number of the input in the campaign, from 0.
     pub number: u64,
-    /// What the panic said.
+    /// The message of the panic.
     pub message: String,
     /// The input.
     pub input: Vec<u8>,
@@ -85,7 +85,7 @@ impl Campaign {
     }
 }
 
-/// An outcome without what differs from input to input: numbers and quoted text.
+/// An outcome without its numbers and quoted text, which differ from input to input.
 fn signature(outcome: &Outcome) -> String {
     let text = match outcome {
         Outcome::Read(what) => what,

@@ -3,8 +3,8 @@
 use posecut_stage::ChaCha8Rng;
 use rand::RngExt as _;
 
-/// Numbers at which arithmetic changes its mind: zeros, limits of integers and floats, subnormals, powers of two, what
-/// other languages call numbers.
+/// Numbers that are critical for arithmetic: zeros, limits of integers and floats, subnormals, powers of two, and the
+/// number notations of other languages.
 const NUMBERS: &[&str] = &[
     "0",
     "-0",
@@ -78,7 +78,7 @@ const NUMBERS: &[&str] = &[
     "1000000",
 ];
 
-/// Applies one to eight changes; `other` is what words, lines and stretches are borrowed from.
+/// Applies one to eight changes. Words, lines and stretches are borrowed from `other`.
 pub fn mutate(input: &mut Vec<u8>, other: &[u8], words: &[&str], random: &mut ChaCha8Rng) {
     let rounds = 1 + (random.random_range(0..8_u32) * random.random_range(0..8_u32)) / 7;
     for _ in 0..rounds {
@@ -145,7 +145,7 @@ fn replace_number(input: &mut Vec<u8>, random: &mut ChaCha8Rng) {
         token[0].is_ascii_digit() || (b"-.".contains(&token[0]) && token.iter().any(u8::is_ascii_digit))
     });
     let Some(place) = pick(&numbers, random).cloned() else { return };
-    // Half of the time a number that stands elsewhere in the file: ids that agree lead deeper than ids that do not.
+    // Half of the time, take a number from elsewhere in the file: matching ids get deeper into a reader than unknown ones.
     if random.random::<bool>() {
         if let Some(number) = pick(NUMBERS, random) {
             replace(input, place, number.as_bytes());

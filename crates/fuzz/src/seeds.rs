@@ -9,7 +9,7 @@ use posecut_geometry::{LieGroup as _, SE2};
 use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 use serde_json::Value;
 
-/// Inputs that once were findings, and others by hand: `crates/fuzz/corpus/TARGET/`.
+/// Former findings and hand-written inputs, from `crates/fuzz/corpus/TARGET/`.
 pub(crate) fn kept(target: &str) -> Vec<Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(target);
     let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
@@ -25,7 +25,7 @@ fn written(graph: &PoseGraph) -> Vec<u8> {
     bytes
 }
 
-/// Twenty-odd nodes of testdata/graph.jsonl around four landmark edges, as many correct as incorrect ones.
+/// Some twenty nodes of testdata/graph.jsonl around four landmark edges: two correct and two incorrect ones.
 fn planar() -> PoseGraph {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/graph.jsonl");
     let text = std::fs::read(file).expect("testdata/graph.jsonl belongs to the sources");
@@ -74,7 +74,7 @@ fn spatial() -> PoseGraph {
     graph
 }
 
-/// Planar and spatial, with and without marks, and the least there is.
+/// Graphs in the plane and in space, with and without rejected edges, and the smallest possible graph.
 pub(crate) fn graphs() -> Vec<Vec<u8>> {
     let mut marked = planar();
     for (place, edge) in marked.edges.iter_mut().filter(|edge| edge.kind == EdgeKind::Landmark).enumerate() {
@@ -93,7 +93,7 @@ pub(crate) fn graphs() -> Vec<Vec<u8>> {
     vec![written(&planar()), written(&marked), written(&spatial()), least.as_bytes().to_vec()]
 }
 
-/// Graphs that the optimiser has given marginals, with edges that PCM rejected.
+/// Graphs with marginals from the optimiser and edges that PCM rejected.
 pub(crate) fn predicted() -> Vec<Vec<u8>> {
     let with_marginals = |mut graph: PoseGraph, identity: &[f64], covariance: &[f64]| {
         for node in &mut graph.nodes {
@@ -152,7 +152,7 @@ pub(crate) fn instances() -> Vec<Vec<u8>> {
     vec![ring.into_bytes(), b"MULTICUT\n0 1 -1\n1 2 2.5e-1\n2 0 1\n\n3 3 7\n0 1 1\n".to_vec()]
 }
 
-/// The instance whose certificates are checked.
+/// The instance to which the certificates belong.
 pub(crate) fn instance() -> &'static posecut_multicut::Graph {
     static INSTANCE: OnceLock<posecut_multicut::Graph> = OnceLock::new();
     INSTANCE.get_or_init(|| {
@@ -190,11 +190,11 @@ pub(crate) fn published() -> Vec<Vec<u8>> {
     vec![b"source = \"somewhere\"\n[rmse.pcm]\n\"2012-01-22\" = 97.4\n[rmse.\"pcm+gc\"]\n\"2012-01-22\" = 19.4\n".to_vec()]
 }
 
-/// A line that opens a file within an input of several.
+/// The start of a line that opens a file in an input of several files.
 pub(crate) const OPENING: &str = "==== ";
 
-/// A simulated session, cut to its first rows: all files, then the odometry that was integrated, then wheels and
-/// attitude alone.
+/// A simulated session, cut to its first rows: once with all files, once with only the integrated odometry, and twice with only
+/// wheels and an attitude.
 pub(crate) fn sessions() -> Vec<Vec<u8>> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let route = posecut_simulate::Route::Wander;
@@ -228,7 +228,8 @@ pub(crate) fn sessions() -> Vec<Vec<u8>> {
     ]
 }
 
-/// The files of the first session as an uncompressed archive, and one that tries to leave its place.
+/// The files of the last of these sessions as an uncompressed archive, and the same archive with a member whose name leads
+/// outside.
 pub(crate) fn archives() -> Vec<Vec<u8>> {
     let mut archive = tar::Builder::new(Vec::new());
     for (name, content) in sections(&sessions()[3]) {
@@ -252,7 +253,7 @@ pub(crate) fn archives() -> Vec<Vec<u8>> {
     vec![plain, escaping]
 }
 
-/// The files of an input of several.
+/// Splits an input of several files into these files.
 pub(crate) fn sections(input: &[u8]) -> Vec<(String, &[u8])> {
     let mut files: Vec<(String, &[u8])> = Vec::new();
     let mut start = None;

@@ -1,4 +1,4 @@
-//! What is fuzzed, and the laws it must keep.
+//! The targets of fuzzing, and the laws that they must keep.
 
 mod readers;
 mod session;
@@ -9,12 +9,12 @@ use std::path::PathBuf;
 
 use crate::seeds;
 
-/// What a target made of an input.
+/// The outcome of a target for one input.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// It was taken; in few words what for.
+    /// The input was accepted, with a short description.
     Read(String),
-    /// It was refused, with this sentence.
+    /// The input was refused, with this sentence.
     Refused(String),
 }
 
@@ -26,17 +26,17 @@ impl Outcome {
 
 /// A reader or a stage.
 pub struct Target {
-    /// Its name: the folder of its corpus, and the stream of its random numbers.
+    /// The name of the target, of the folder of its corpus and of the stream of its random numbers.
     pub name: &'static str,
-    /// Words that mean something to it.
+    /// Words of the target's format.
     pub words: &'static [&'static str],
-    /// Gives it an input; panics where a law is broken.
+    /// Gives an input to the target; panics if a law is broken.
     pub read: fn(&[u8]) -> Outcome,
     seeds: fn() -> Vec<Vec<u8>>,
 }
 
 impl Target {
-    /// Sound inputs, then those kept in the corpus.
+    /// Valid inputs, then those in the corpus.
     pub fn seeds(&self) -> Vec<Vec<u8>> {
         let mut all = (self.seeds)();
         all.extend(seeds::kept(self.name));
@@ -79,7 +79,7 @@ const JSON: &[&str] = &[
 const CSV: &[&str] =
     &["nan", "frame_i", "frame_j", "score", "session_i", "session_j", "wheels.csv", "kvh.csv"];
 
-/// Everything that is fuzzed.
+/// All targets.
 pub const TARGETS: &[Target] = &[
     Target { name: "jsonl", words: JSON, read: readers::jsonl, seeds: seeds::graphs },
     Target { name: "schema", words: JSON, read: readers::schema, seeds: seeds::graphs },
@@ -139,7 +139,7 @@ thread_local! {
     static SCRATCH: OnceCell<tempfile::TempDir> = const { OnceCell::new() };
 }
 
-/// A path for readers that open files themselves; in memory where the system offers that.
+/// A path for readers that open files themselves; in memory if the system offers that.
 fn scratch(name: &str) -> PathBuf {
     SCRATCH.with(|folder| {
         let folder = folder.get_or_init(|| {

@@ -2,7 +2,7 @@
 
 use posecut_fuzz::{Campaign, TARGETS};
 
-/// Inputs a target: some seconds in all.
+/// The number of inputs for each target: some seconds in total.
 const INPUTS: u64 = 1_500;
 
 #[test]

@@ -1,11 +1,11 @@
-//! Hostile graphs for every program that takes one from standard input and is no target in this process: a new stage is among
-//! them without a word here.
+//! Hostile graphs for every program that reads one from standard input and is not a target in this process. A new stage is
+//! included automatically.
 
 use posecut_contract::registry::table;
 use posecut_contract::run;
 use posecut_fuzz::{Campaign, TARGETS};
 
-/// Inputs a program: each starts a process.
+/// The number of inputs for each program. Each input starts a process.
 const INPUTS: usize = 200;
 
 #[test]
@@ -28,7 +28,7 @@ fn programs_that_are_no_target_answer_hostile_graphs() {
                 let last = said.lines().last().unwrap_or_default();
                 assert!(last.starts_with(&error) && output.stdout.is_empty(), "{call}");
             }
-            // The reader's answer steers the next inputs.
+            // The outcome of the reader guides the choice of the next inputs.
             campaign.step(input).expect("the reader has its own test");
         }
         assert!((1..INPUTS).contains(&refused), "posecut-{}: {refused} of {INPUTS} refused", row.name);

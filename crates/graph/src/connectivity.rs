@@ -1,8 +1,8 @@
-//! Connected parts of a graph: the one meaning of "connected" for all stages. They differ in the edges that they count.
+//! Connected components of a graph. All stages share this definition of "connected" and differ only in the edges that count.
 
 use crate::{Edge, PoseGraph};
 
-/// Nodes and edges of one connected part.
+/// The nodes and edges of one connected component.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Component {
     /// Nodes, ascending.
@@ -11,9 +11,9 @@ pub struct Component {
     pub edges: Vec<usize>,
 }
 
-/// Splits a graph into its connected parts, in the order of their first nodes.
+/// Splits a graph into its connected components, in the order of their first nodes.
 ///
-/// `edges` gives the two ends of each edge, which must be below `nodes`. A node without edges is a part of its own.
+/// `edges` gives the two ends of each edge, which must be below `nodes`. A node without edges is a component of its own.
 /// Takes almost linear time.
 pub fn connected_components(
     nodes: usize,
@@ -39,19 +39,19 @@ pub fn connected_components(
     components
 }
 
-/// Disjoint sets with path halving; the smaller root wins, so that the result does not depend on sizes.
+/// Disjoint sets with path halving. The smaller root becomes the root of a union, so the roots do not depend on set sizes.
 #[derive(Clone, Debug)]
 pub struct Forest {
     parent: Vec<usize>,
 }
 
 impl Forest {
-    /// Every node alone.
+    /// Every node in a set of its own.
     pub fn new(nodes: usize) -> Self {
         Self { parent: (0..nodes).collect() }
     }
 
-    /// The node that stands for the set of this one: the lowest of them.
+    /// The representative of the set that contains this node: the lowest node of the set.
     pub fn root(&mut self, mut node: usize) -> usize {
         while self.parent[node] != node {
             self.parent[node] = self.parent[self.parent[node]];
@@ -60,7 +60,7 @@ impl Forest {
         node
     }
 
-    /// Whether the two were apart before.
+    /// Joins the sets of two nodes; returns whether they were separate before.
     pub fn join(&mut self, a: usize, b: usize) -> bool {
         let (a, b) = (self.root(a), self.root(b));
         self.parent[a.max(b)] = a.min(b);
@@ -69,12 +69,12 @@ impl Forest {
 }
 
 impl PoseGraph {
-    /// The places of an edge's nodes: where it comes from and where it goes. O(1) where ids count from 0, else O(log n).
+    /// The indices of an edge's nodes, `from` and `to`. O(1) if ids count from 0, else O(log n).
     pub fn ends(&self, edge: &Edge) -> Option<(usize, usize)> {
         Some((self.node_index(edge.from)?, self.node_index(edge.to)?))
     }
 
-    /// For each node the first node of its part, over the edges in use that count. Almost linear time.
+    /// For each node the first node of its component. Only edges in use for which `counts` is true join nodes. Almost linear.
     pub fn first_of_part(&self, counts: impl Fn(&Edge) -> bool) -> Vec<usize> {
         let mut forest = Forest::new(self.nodes.len());
         let joining = self.edges.iter().filter(|edge| edge.in_use() && counts(edge));

@@ -1,4 +1,4 @@
-//! Whether a graph lives in the plane or in space.
+//! The dimension of a graph: plane or space.
 
 use std::fmt;
 
@@ -51,7 +51,7 @@ impl Dimension {
         side * (side + 1) / 2
     }
 
-    /// How a pose is laid out, in words for messages.
+    /// The layout of a pose, in words for messages.
     pub fn pose_layout(self) -> &'static str {
         match self {
             Self::Two => "[x, y, theta]",

@@ -1,33 +1,33 @@
-//! Errors that say where, what and what to do.
+//! Errors that name the position, the problem and the remedy.
 
 use std::fmt;
 
-/// A file that is not a sound pose graph, or cannot be read.
+/// The file is not a valid pose graph, or cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
-    /// The bytes did not arrive.
+    /// The bytes could not be read.
     #[error("{source_name}: cannot be read: {error}")]
     Io {
         /// The file's name.
         source_name: String,
-        /// What the system said.
+        /// The system's error.
         error: std::io::Error,
     },
-    /// The bytes are no sound pose graph.
+    /// The bytes are not a valid pose graph.
     #[error("{0}")]
     Format(Box<FormatProblem>),
 }
 
-/// Place, problem and remedy of a fault in a file.
+/// Position, problem and remedy of an error in a file.
 #[derive(Debug)]
 pub struct FormatProblem {
     /// The file's name.
     pub source_name: String,
     /// The line, counted from 1; 0 where the whole file is meant.
     pub line: u64,
-    /// The record, such as `landmark 2574`, as far as known.
+    /// The record, such as `landmark 2574`, if known.
     pub record: Option<String>,
-    /// The field, as far as known.
+    /// The field, if known.
     pub field: Option<String>,
     /// What is wrong.
     pub problem: String,
@@ -97,7 +97,7 @@ pub enum WriteError {
     /// The system refused the bytes.
     #[error(transparent)]
     Io(#[from] std::io::Error),
-    /// A number that JSON cannot hold. The remedy lies with whoever computed it.
+    /// A number that JSON cannot represent. The program that computed it must be fixed.
     #[error(
         "{record}, field \"{field}\": the value is {value}, and NaN and infinity are not written; look at the stage's own input and options, or report it as a fault of the stage"
     )]

@@ -6,7 +6,7 @@ use crate::read::read_graph;
 use crate::write::write_graph;
 use crate::{Edge, EdgeKind, Header, Node, ReadError, WriteError};
 
-/// A pose graph: header, nodes by id, edges by id, and the lines nobody here understands.
+/// A pose graph: header, nodes by id, edges by id, and records of unknown kind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PoseGraph {
     /// Format, dimension, shared noise models, provenance.
@@ -25,8 +25,8 @@ impl PoseGraph {
         Self { header, nodes: Vec::new(), edges: Vec::new(), unknown: Vec::new() }
     }
 
-    /// Reads and validates a graph; `source_name` is what errors call it. Nodes and edges may stand in any
-    /// order after the header; they are sorted by id. O(size).
+    /// Reads and validates a graph; errors call it `source_name`. Nodes and edges may follow the header in any order; they are
+    /// sorted by id. O(size).
     pub fn read(source_name: &str, reader: impl BufRead) -> Result<Self, ReadError> {
         read_graph(source_name, reader)
     }
@@ -37,7 +37,7 @@ impl PoseGraph {
         write_graph(self, writer)
     }
 
-    /// The place of a node in `nodes`. O(1) where ids count from 0, else O(log n).
+    /// The index of a node in `nodes`. O(1) if ids count from 0, else O(log n).
     pub fn node_index(&self, id: u64) -> Option<usize> {
         let guess = usize::try_from(id).ok()?;
         if self.nodes.get(guess).is_some_and(|node| node.id == id) {
@@ -46,7 +46,7 @@ impl PoseGraph {
         self.nodes.binary_search_by_key(&id, |node| node.id).ok()
     }
 
-    /// The information of an edge: its own, or that of its noise model.
+    /// The information matrix of an edge: its own, or that of its noise model.
     pub fn information<'a>(&'a self, edge: &'a Edge) -> Option<&'a [f64]> {
         if let Some(information) = &edge.information {
             return Some(information);
@@ -79,12 +79,12 @@ impl PoseGraph {
         names
     }
 
-    /// Takes the edges that a stage rejected out of the graph, for tools that do not know the mark.
+    /// Removes rejected edges from the graph, for tools that do not know the mark `rejected_by`.
     pub fn drop_rejected(&mut self) {
         self.edges.retain(Edge::in_use);
     }
 
-    /// Sorts nodes and edges by id, as files have them.
+    /// Sorts nodes and edges by id, as in the canonical form.
     pub fn sort(&mut self) {
         self.nodes.sort_by_key(|node| node.id);
         self.edges.sort_by_key(|edge| edge.id);

@@ -1,4 +1,4 @@
-//! The first line of a file: format, dimension, shared noise models, and where the data came from.
+//! The first line of a file: format, dimension, shared noise models and provenance.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -12,7 +12,7 @@ pub struct Header {
     pub dimension: Dimension,
     /// Information matrices that edges share by name (`"noise":"odometry"`), in the order read.
     pub noise_models: Vec<(String, NoiseModel)>,
-    /// What each stage did so far, oldest first. Kept as read: other people's stages may write their own fields.
+    /// What each stage did so far, oldest first. Entries are kept as read, because other people's stages may write other fields.
     pub provenance: Vec<Value>,
     /// Unknown fields, passed through.
     pub extra: Extra,
@@ -62,7 +62,7 @@ pub struct NoiseModel {
     pub extra: Extra,
 }
 
-/// What one stage did: enough to do it again. Holds no wall times, host names or paths, so that the same
+/// What one stage did, in enough detail to repeat it. It holds no wall times, host names or paths, so that the same
 /// input, arguments and seed give the same bytes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
@@ -76,12 +76,12 @@ pub struct Provenance {
     pub seed: Option<u64>,
     /// The files it read.
     pub inputs: Vec<InputDigest>,
-    /// The names of its doubts about the result; absent where there are none, as in files of older programs.
+    /// The names of its doubts about the result. The field is absent if there are none, and in files of older programs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub doubts: Vec<String>,
 }
 
-/// The names of the doubts in an entry of the history; none in one of an unknown layout.
+/// The names of the doubts in an entry of the history. An entry of an unknown layout has none.
 pub fn doubts_of(entry: &Value) -> impl Iterator<Item = &str> {
     entry.get("doubts").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str)
 }

@@ -5,8 +5,8 @@
 //! radians; `information` is the row-major upper triangle of the information matrix (6 or 21 terms) in
 //! the order translation, rotation, and weighs `Log(measurement^-1 * (X_from^-1 * X_to))`.
 //!
-//! What this crate promises: numbers survive reading and writing bit for bit; records of unknown kind and
-//! unknown fields of known records pass through unchanged; what cannot be right is refused with file, line,
+//! This crate promises: numbers survive reading and writing bit for bit; records of unknown kind and
+//! unknown fields of known records pass through unchanged; impossible content is refused with file, line,
 //! record and field ([`ReadError`]); a file is written in one canonical form.
 //!
 //! ```
@@ -46,13 +46,13 @@ pub use record::{Edge, EdgeKind, EdgeTruth, FIXED, Node, NodeTruth, Record};
 pub use schema::schema;
 pub use typed::UnusableField;
 
-// The groups that `for_dimension!` names.
+// `for_dimension!` names these groups.
 pub use posecut_geometry::{SE2, SE3};
 
 /// The fields this crate does not know, in the order read.
 pub type Extra = serde_json::Map<String, serde_json::Value>;
 
-/// The name of the format, as it stands in the header.
+/// The name of the format, as in the header.
 pub const FORMAT: &str = "posecut";
 
 /// The version of the format that this crate reads and writes.

@@ -1,4 +1,4 @@
-//! One line of JSON to one record, in a single pass, with the field in hand when something is wrong.
+//! Parses one line of JSON to one record in a single pass; an error names the field.
 
 mod key;
 mod line;
@@ -75,7 +75,7 @@ struct KindOnly {
     kind: Option<String>,
 }
 
-/// The value of `"kind"`: at once where it stands first, by a pass over the line where it does not.
+/// The value of `"kind"`. If it is not the first field, this takes a pass over the line.
 pub(crate) fn kind_of(line: &str) -> Result<std::borrow::Cow<'_, str>, Problem> {
     if let Some(rest) = line.strip_prefix("{\"kind\":\"")
         && let Some(end) = rest.find(['"', '\\'])
@@ -90,8 +90,8 @@ pub(crate) fn kind_of(line: &str) -> Result<std::borrow::Cow<'_, str>, Problem> 
     })
 }
 
-/// A record of a kind that only other programs know: it passes through as it stands, and so must be what they can read, with
-/// one kind and numbers that are finite.
+/// Checks a record of an unknown kind. It passes through unchanged, so other programs must be able to read it: it needs
+/// exactly one kind and finite numbers.
 pub(crate) fn check_unknown(line: &str) -> Result<(), Problem> {
     #[derive(Deserialize)]
     struct Unknown {

@@ -1,4 +1,4 @@
-//! Reading a file record by record, or whole.
+//! Reading a file record by record or as a whole.
 
 use std::io::{BufRead, Read};
 
@@ -7,11 +7,11 @@ use crate::parse::{check_unknown, kind_of, parse_edge, parse_header, parse_node}
 use crate::validate::Validator;
 use crate::{Edge, EdgeKind, Header, Node, PoseGraph, ReadError, Record};
 
-/// A longer line is no record of any format here: 16 MiB.
+/// The longest line that is read: 16 MiB. No record of any supported format is longer.
 pub const LONGEST_LINE: u64 = 16 << 20;
 
-/// Reads records one by one, each checked by itself and against the header. What concerns several records
-/// (duplicate ids, dangling edges) is checked by [`PoseGraph::read`], which holds them all.
+/// Reads records one by one and checks each by itself and against the header. Errors that concern several records
+/// (duplicate ids, dangling edges) are found by [`PoseGraph::read`], which holds all records.
 pub struct RecordReader<R> {
     reader: R,
     source_name: String,
@@ -19,13 +19,13 @@ pub struct RecordReader<R> {
     buffer: Vec<u8>,
     header: Header,
     header_pending: bool,
-    /// Bytes do not arrive, or a line has no end: nothing can follow.
+    /// No record can follow, because the bytes could not be read or a line is too long.
     ended: bool,
     validator: Validator,
 }
 
 impl<R: BufRead> RecordReader<R> {
-    /// Reads the header line; `source_name` is what errors call the file.
+    /// Reads the header line; errors call the file `source_name`.
     pub fn new(source_name: &str, reader: R) -> Result<Self, ReadError> {
         let mut lines = Lines { reader, line: 0 };
         let mut buffer = Vec::new();
@@ -60,7 +60,7 @@ impl<R: BufRead> RecordReader<R> {
         })
     }
 
-    /// The header, known from the start.
+    /// The header, which [`Self::new`] has read.
     pub fn header(&self) -> &Header {
         &self.header
     }
@@ -157,7 +157,7 @@ impl LineFault {
 }
 
 impl<R: BufRead> Lines<R> {
-    /// The next line that is not blank, without its end; false at the end of the file.
+    /// Reads the next line that is not blank, without its end; returns false at the end of the file.
     fn next_into(&mut self, buffer: &mut Vec<u8>) -> Result<bool, LineFault> {
         loop {
             buffer.clear();
@@ -210,21 +210,21 @@ pub(crate) fn read_graph(source_name: &str, reader: impl BufRead) -> Result<Pose
     }
 }
 
-/// All that is wrong with a file, and what is sound in it.
+/// All errors of a file, and its valid records.
 #[derive(Debug)]
 pub struct Examination {
-    /// The records that are sound by themselves, sorted by id; `None` if the header is not.
+    /// The records that are valid by themselves, sorted by id; `None` if the header is not valid.
     pub graph: Option<PoseGraph>,
     /// The line of each node, in the order of the graph.
     pub node_lines: Vec<u64>,
     /// The line of each edge, in the order of the graph.
     pub edge_lines: Vec<u64>,
-    /// What is wrong, in the order of lines; what concerns several records comes last.
+    /// The errors in the order of lines, then those that concern several records.
     pub faults: Vec<FormatProblem>,
 }
 
-/// Reads on after faults: one fault a record, then all ids that stand twice and all edges to missing nodes. Only bytes
-/// that do not arrive are an error. After a line that is too long, the rest is not looked at.
+/// Reads on after errors in the file and lists them: one for each record, then all duplicate ids and all edges to missing
+/// nodes. Fails only if the bytes cannot be read. After a line that is too long, the rest is not examined.
 pub fn examine(source_name: &str, reader: impl BufRead) -> Result<Examination, ReadError> {
     let mut examination =
         Examination { graph: None, node_lines: Vec::new(), edge_lines: Vec::new(), faults: Vec::new() };
@@ -268,7 +268,7 @@ fn sort_both(graph: &mut PoseGraph, node_lines: Vec<u64>, edge_lines: Vec<u64>) 
     (node_lines, edge_lines)
 }
 
-/// What is wrong between records, each with its line.
+/// The errors between records, each with its line.
 fn relations<'a>(
     graph: &'a PoseGraph,
     node_lines: &'a [u64],
@@ -280,7 +280,7 @@ fn relations<'a>(
     nodes.chain(edges).chain(dangling(graph, edge_lines))
 }
 
-/// Sorts records by id and keeps each with its line. Files in canonical form are left as they are.
+/// Sorts records by id together with their line numbers. Records that are sorted already stay untouched.
 fn sort_with_lines<T>(records: &mut Vec<T>, lines: Vec<u64>, id: impl Fn(&T) -> u64) -> Vec<u64> {
     if records.is_sorted_by_key(&id) {
         return lines;

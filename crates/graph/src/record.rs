@@ -1,4 +1,4 @@
-//! Nodes and edges as they stand in a file.
+//! Nodes and edges as files hold them.
 
 use serde_json::Value;
 
@@ -20,9 +20,9 @@ pub enum Record {
 /// A viewpoint (keyframe).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Node {
-    /// Identity, unique among nodes.
+    /// The id, unique among nodes.
     pub id: u64,
-    /// The session (experience) it belongs to.
+    /// The session (experience) that the node belongs to.
     pub session: Option<String>,
     /// The frame number within the down-sampled session.
     pub frame: Option<i64>,
@@ -30,9 +30,9 @@ pub struct Node {
     pub utime: Option<i64>,
     /// The current estimate, world from body.
     pub pose: Option<Vec<f64>>,
-    /// The landmark (component of the multicut) it was assigned to.
+    /// The landmark (component of the multicut) that the node belongs to.
     pub landmark: Option<u64>,
-    /// What only construction and evaluation may look at.
+    /// The truth, which only construction and evaluation may read.
     pub truth: Option<NodeTruth>,
     /// Unknown fields, passed through.
     pub extra: Extra,
@@ -47,12 +47,12 @@ pub struct NodeTruth {
     pub extra: Extra,
 }
 
-/// What an edge claims to know.
+/// The kind of an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum EdgeKind {
     /// Motion between successive nodes of a session.
     Odometry,
-    /// A recognised place: a loop closure, right or wrong.
+    /// A recognised place: a loop closure, correct or incorrect.
     Landmark,
 }
 
@@ -71,7 +71,7 @@ impl EdgeKind {
 pub struct Edge {
     /// Odometry or landmark.
     pub kind: EdgeKind,
-    /// Identity, unique among edges of both kinds.
+    /// The id, unique among edges of both kinds.
     pub id: u64,
     /// The node in whose frame the measurement is given.
     pub from: u64,
@@ -81,15 +81,15 @@ pub struct Edge {
     pub measurement: Option<Vec<f64>>,
     /// Upper triangle of the information matrix, row-major.
     pub information: Option<Vec<f64>>,
-    /// A noise model of the header, in place of `information`.
+    /// The name of a noise model in the header, instead of `information`.
     pub noise: Option<String>,
-    /// What only construction and evaluation may look at.
+    /// The truth, which only construction and evaluation may read.
     pub truth: Option<EdgeTruth>,
     /// The stage that rejected the edge; absent while it is in use.
     pub rejected_by: Option<String>,
-    /// The multicut's cost of cutting it.
+    /// The multicut's cost of cutting the edge.
     pub cost: Option<f64>,
-    /// The confidence of whoever proposed it.
+    /// The confidence of the program that proposed the edge.
     pub score: Option<f64>,
     /// Unknown fields, passed through.
     pub extra: Extra,
@@ -114,27 +114,27 @@ impl Edge {
         }
     }
 
-    /// Whether no stage has rejected it.
+    /// Whether the edge is in use: no stage has rejected it.
     pub fn in_use(&self) -> bool {
         self.rejected_by.is_none()
     }
 
-    /// Marks the edge as rejected by a stage; the first to reject it stays named.
+    /// Marks the edge as rejected by a stage. If the edge is already rejected, the earlier stage's name stays.
     pub fn reject(&mut self, stage: &str) {
         self.rejected_by.get_or_insert_with(|| stage.to_owned());
     }
 
-    /// Puts the edge in use again, whoever rejected it.
+    /// Removes the mark of rejection, whichever stage made it.
     pub fn readmit(&mut self) {
         self.rejected_by = None;
     }
 
-    /// Whether the truth says it is a correct edge; `None` if nobody knows.
+    /// Whether the edge is correct by its truth; `None` if that is unknown.
     pub fn truth_correct(&self) -> Option<bool> {
         self.truth.as_ref().and_then(|truth| truth.correct)
     }
 
-    /// Kind and id, as messages name it.
+    /// Kind and id, as messages name the edge.
     pub fn name(&self) -> String {
         format!("{} {}", self.kind.name(), self.id)
     }
@@ -150,17 +150,17 @@ pub struct EdgeTruth {
 }
 
 impl EdgeTruth {
-    /// Whether an edge is correct, and nothing else.
+    /// The truth with only this label.
     pub fn of(correct: bool) -> Self {
         Self { correct: Some(correct), extra: Extra::new() }
     }
 }
 
-/// The field of a node that is to stay at its pose, g2o's `FIX`: true or false.
+/// The field that says whether a node stays at its pose (g2o's `FIX`): true or false.
 pub const FIXED: &str = "fixed";
 
 impl Node {
-    /// Whether it is to stay at its pose; the field's value where that is neither true nor false.
+    /// Whether the node stays at its pose. If the field is neither true nor false, its value is the error.
     pub fn is_fixed(&self) -> Result<bool, &Value> {
         match self.extra.get(FIXED) {
             None | Some(Value::Null) => Ok(false),
@@ -169,7 +169,7 @@ impl Node {
         }
     }
 
-    /// The estimate, if there is one, else the identity of that dimension.
+    /// The estimate; the identity of that dimension if there is none.
     pub fn pose_or_identity(&self, dimension: Dimension) -> Vec<f64> {
         self.pose.clone().unwrap_or_else(|| dimension.identity())
     }

@@ -6,10 +6,10 @@ use crate::{Dimension, FORMAT, VERSION};
 
 /// The JSON Schema (draft 2020-12) of one line of a pose graph.
 ///
-/// `$defs/plane` and `$defs/space` describe the lines of a file of dimension 2 and 3; the whole schema takes either. It
-/// takes everything that the reader takes. What a schema of single lines cannot say, the reader refuses in addition: ids
-/// that stand twice, edges to missing nodes, unknown noise models, quaternions whose norm is not 1, information that is
-/// not positive semidefinite, fields that stand twice, and whole numbers written with a fraction or an exponent.
+/// `$defs/plane` and `$defs/space` describe the lines of a file of dimension 2 and 3; the whole schema accepts both. It
+/// accepts everything that the reader accepts. The reader also refuses what a schema of single lines cannot express:
+/// duplicate ids, edges to missing nodes, unknown noise models, quaternions whose norm is not 1, information that is
+/// not positive semidefinite, duplicate fields, and whole numbers written with a fraction or an exponent.
 pub fn schema() -> Value {
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",

@@ -1,7 +1,7 @@
-//! From lists of numbers to motions and matrices.
+//! Converts lists of numbers to motions and matrices.
 //!
-//! A file says whether its poses lie in the plane or in space; mathematics is written once, for any group of motions.
-//! [`for_dimension!`](crate::for_dimension) is the one place where the first becomes the second.
+//! The dimension is known only when a file is read, but the mathematics is generic over the group of motions.
+//! [`for_dimension!`](crate::for_dimension) is the only code that turns a [`Dimension`] into a group.
 
 use nalgebra::SMatrix;
 use posecut_geometry::covariance::unpack_upper_triangle;
@@ -48,7 +48,7 @@ pub struct UnusableField {
 }
 
 impl Dimension {
-    /// Components of a pose as a motion in space, where the plane is `z = 0`; `None` if they are no pose.
+    /// A pose in components as a motion in space; the plane is `z = 0`. `None` if the components are not a pose.
     pub fn spatial(self, components: &[f64]) -> Option<SE3> {
         match self {
             Self::Two => SE2::from_components(components).map(|pose| pose.to_spatial()),
@@ -56,7 +56,7 @@ impl Dimension {
         }
     }
 
-    /// The components of a motion in space; in the plane what is left of it there.
+    /// The components of a motion in space; in dimension 2, those of its projection to the plane.
     pub fn components(self, pose: &SE3) -> Vec<f64> {
         match self {
             Self::Two => pose.to_planar().components(),
@@ -71,7 +71,7 @@ impl Dimension {
 }
 
 impl PoseGraph {
-    /// The estimate of every node; the identity where there is none.
+    /// The estimate of every node; the identity for a node without one.
     pub fn poses<G: LieGroup<DOF>, const DOF: usize>(&self) -> Result<Vec<G>, UnusableField> {
         let pose = |node: &crate::Node| {
             G::from_components(&node.pose_or_identity(self.header.dimension)).ok_or_else(|| UnusableField {
@@ -83,8 +83,8 @@ impl PoseGraph {
         self.nodes.iter().map(pose).collect()
     }
 
-    /// What an edge measures: its motion, and the information of its error in the order translation, rotation. `None` if it lacks
-    /// one of them.
+    /// The measured motion of an edge, and the information matrix of its error in the order translation, rotation. `None` if one
+    /// of them is missing.
     pub fn measurement<G: LieGroup<DOF>, const DOF: usize>(
         &self,
         edge: &Edge,

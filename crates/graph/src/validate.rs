@@ -1,4 +1,4 @@
-//! What a record must satisfy beyond being JSON with the right fields.
+//! Checks on a record beyond being JSON with the right fields.
 
 use std::collections::HashSet;
 
@@ -6,10 +6,11 @@ use crate::definiteness::negative_eigenvalue;
 use crate::error::Problem;
 use crate::{Dimension, Edge, EdgeKind, Header, Node};
 
-/// How far the norm of a quaternion may be from 1.
+/// The largest accepted distance of a quaternion's norm from 1.
 const QUATERNION_TOLERANCE: f64 = 1e-3;
 
-/// Checks records against a header; remembers the last information matrix, since neighbours share it.
+/// Checks records against a header. It remembers the last valid information matrix, because successive edges often share one
+/// and the eigenvalues are expensive.
 pub(crate) struct Validator {
     pub(crate) dimension: Dimension,
     noise_models: HashSet<String>,

@@ -1,5 +1,4 @@
-//! Writing the canonical form: known fields in a fixed order, unknown ones after them, numbers in their
-//! shortest exact notation.
+//! Writes the canonical form: known fields in a fixed order, then unknown fields; numbers in their shortest exact notation.
 
 use std::io::Write;
 
@@ -8,7 +7,7 @@ use serde_json::Value;
 
 use crate::{Edge, FORMAT, Header, Node, PoseGraph, VERSION, WriteError};
 
-/// Bytes gathered before they go to the writer.
+/// The number of bytes to collect before a write.
 const CHUNK: usize = 1 << 16;
 
 pub(crate) fn write_graph(graph: &PoseGraph, mut writer: impl Write) -> Result<(), WriteError> {
@@ -177,7 +176,7 @@ impl Line {
         self.bytes.extend_from_slice(b"\":");
     }
 
-    /// Keys bring their own comma; the first of a nested object has one too many.
+    /// Removes the comma before the first field of a nested object: every key writes a comma before itself.
     fn drop_leading_comma(&mut self, start: usize) {
         if self.bytes.get(start) == Some(&b',') {
             self.bytes.remove(start);
@@ -211,8 +210,8 @@ impl Line {
         Ok(())
     }
 
-    /// Whole numbers without a fraction (information matrices are mostly zeros), the rest in the shortest
-    /// notation that reads back to the same bits.
+    /// Writes a whole number without a fraction (information matrices are mostly zeros) and any other in the shortest notation
+    /// that reads back to the same bits.
     fn number(&mut self, value: f64) -> Result<(), WriteError> {
         const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
         let whole = value.trunc() == value

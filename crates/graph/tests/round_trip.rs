@@ -1,4 +1,4 @@
-//! What is written reads back to the same bits, and what is read is written as it was.
+//! A written graph reads back to the same bits, and a graph in canonical form is written as it was read.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

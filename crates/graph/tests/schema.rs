@@ -1,4 +1,4 @@
-//! The schema says what the reader says, as far as a schema of single lines can.
+//! The schema and the reader agree, as far as a schema of single lines can express the rules.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -21,7 +21,7 @@ fn of(name: &str) -> Validator {
 const HEADER: &str = r#"{"kind":"header","format":"posecut","version":1,"dimension":2,"noise_models":{"wheels":{"information":[1,0,0,1,0,1]}}}"#;
 const NODES: &str = "{\"kind\":\"node\",\"id\":0}\n{\"kind\":\"node\",\"id\":1}";
 
-/// Whether the reader takes a line in its place.
+/// Whether the reader accepts a line at its position in a file.
 fn read(line: &str) -> bool {
     let text =
         if line.contains("\"header\"") { line.to_owned() } else { format!("{HEADER}\n{NODES}\n{line}\n") };
@@ -57,7 +57,7 @@ fn both_take_what_is_sound() {
     }
 }
 
-/// One counterexample for each refusal that concerns one line.
+/// Tries one counterexample for each rule that concerns one line.
 #[test]
 fn both_refuse_what_is_not() {
     let (schema, plane) = (whole(), of("plane"));
@@ -110,7 +110,7 @@ fn both_refuse_what_is_not() {
     }
 }
 
-/// The list in the documentation of `schema`: should a schema learn to say one of them, this fails.
+/// Tests the list in the documentation of `schema`: this fails as soon as the schema expresses one of its rules.
 #[test]
 fn what_only_the_reader_refuses_is_known() {
     let schema = whole();

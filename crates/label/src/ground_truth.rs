@@ -1,6 +1,6 @@
 //! Labels from ground-truth poses.
 //!
-//! With the true poses `X_i` and `X_j`, an edge that measures `Z` is correct where its error
+//! With the true poses `X_i` and `X_j`, an edge that measures `Z` is correct if its error
 //! `E = Z^-1 (X_i^-1 X_j)` moves by less than one tolerance and turns by less than another.
 
 mod chain;
@@ -15,14 +15,14 @@ use posecut_stage::Context;
 
 use crate::{Options, described, set};
 
-/// True poses of nodes, and what messages call where they come from.
+/// The true poses of nodes, and the name of their source for messages.
 #[derive(Clone, Debug)]
 pub struct GroundTruth {
     source: String,
     poses: HashMap<u64, SE3>,
 }
 
-/// Reads the ground truth that the options name; `None` where they name none.
+/// Reads the ground truth that the options name; `None` if they name none.
 pub fn read(
     options: &Options,
     graph: &PoseGraph,
@@ -68,7 +68,7 @@ pub fn apply(graph: &mut PoseGraph, truth: &GroundTruth, options: &Options) -> a
     let dimension = graph.header.dimension;
     for node in &mut graph.nodes {
         if options.vertices {
-            // An estimate that starts from the truth would know it.
+            // Remove the pose, so that no method starts from the truth.
             node.pose = None;
         }
         if let Some(pose) = truth.poses.get(&node.id) {

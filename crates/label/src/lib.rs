@@ -1,9 +1,9 @@
 //! Labels for landmark edges: which of them are correct.
 //!
-//! Exactly one source of labels is used: a table of labels ([`table`]), a list of the correct pairs ([`pairs`]), one
-//! answer for all edges, or ground-truth poses ([`ground_truth`]). Without a source the labels of the file are checked:
-//! every landmark edge must have one. A label without its edge and an edge without its label are errors, so that a file
-//! of labels that belongs to another graph is not used by mistake.
+//! Labels come from exactly one source: a table of labels ([`table`]), a list of the correct pairs ([`pairs`]), one
+//! answer for all edges, or ground-truth poses ([`ground_truth`]). Without a source the labels in the file are checked:
+//! every landmark edge must have one. A label without an edge and an edge without a label are errors, so that the labels
+//! of another graph are not used by mistake.
 
 pub mod ground_truth;
 mod options;
@@ -57,7 +57,7 @@ fn landmarks(graph: &mut PoseGraph) -> impl Iterator<Item = &mut Edge> {
     graph.edges.iter_mut().filter(|edge| edge.kind == EdgeKind::Landmark)
 }
 
-/// Writes a label; other fields of `truth` stay.
+/// Sets the label of an edge and keeps the other fields of `truth`.
 pub(crate) fn set(edge: &mut Edge, correct: bool) {
     match &mut edge.truth {
         Some(truth) => truth.correct = Some(correct),
@@ -65,12 +65,12 @@ pub(crate) fn set(edge: &mut Edge, correct: bool) {
     }
 }
 
-/// What messages call an edge: its kind, id and ends.
+/// An edge in words for messages: its kind, id and ends.
 pub(crate) fn described(edge: &Edge) -> String {
     format!("{} ({} {})", edge.name(), edge.from, edge.to)
 }
 
-/// Positions of landmark edges by their ends as they are in the file.
+/// The positions of landmark edges by their ends, in the direction of the file.
 pub(crate) fn by_ends(graph: &PoseGraph) -> HashMap<(u64, u64), Vec<usize>> {
     let mut positions: HashMap<(u64, u64), Vec<usize>> = HashMap::new();
     for (position, edge) in graph.edges.iter().enumerate() {

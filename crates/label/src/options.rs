@@ -68,7 +68,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// Refuses numbers that mean nothing.
+    /// Refuses meaningless numbers.
     pub fn check(&self) -> anyhow::Result<()> {
         for (name, value) in [
             ("--tolerance-translation", self.tolerance_translation),

@@ -39,7 +39,7 @@ pub fn read(file: &str, bytes: &[u8]) -> anyhow::Result<Vec<Pair>> {
     Ok(pairs)
 }
 
-/// Labels the edges between listed pairs correct and all others incorrect. Refuses a pair without edge.
+/// Labels the edges between listed pairs correct and all others incorrect. Refuses a pair without an edge.
 pub fn apply(graph: &mut PoseGraph, file: &str, pairs: &[Pair]) -> anyhow::Result<()> {
     let positions = by_ends(graph);
     landmarks(graph).for_each(|edge| set(edge, false));

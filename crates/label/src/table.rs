@@ -18,7 +18,7 @@ pub struct Row {
     pub correct: bool,
 }
 
-/// Reads a table of labels. Columns are found by name, others are ignored. Where there is a column `kind`, only rows
+/// Reads a table of labels. Columns are found by name; other columns are ignored. If there is a column `kind`, only rows
 /// `loop` are landmark edges.
 pub fn read(file: &str, bytes: &[u8]) -> anyhow::Result<Vec<Row>> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(bytes);
@@ -62,15 +62,15 @@ pub fn read(file: &str, bytes: &[u8]) -> anyhow::Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// Writes the labels. Several edges between the same nodes are taken in the order of both files; an edge written in the
-/// other direction is found too. Refuses rows without edge and edges without row.
+/// Sets the labels. Several edges between the same nodes get their rows in the order of both files. A row also matches an
+/// edge in the other direction. Refuses rows without an edge and edges without a row.
 pub fn apply(graph: &mut PoseGraph, file: &str, rows: &[Row]) -> anyhow::Result<()> {
     let mut labels: HashMap<(u64, u64), VecDeque<&Row>> = HashMap::new();
     for row in rows {
         labels.entry(row.ends).or_default().push_back(row);
     }
     let mut take = |ends: (u64, u64)| labels.get_mut(&ends).and_then(VecDeque::pop_front);
-    // Edges that have a row of their own direction come first, or one of the other direction would take it from them.
+    // First serve edges that have a row in their own direction; otherwise an edge in the other direction could take that row.
     let mut others = Vec::new();
     for (position, edge) in graph.edges.iter_mut().enumerate() {
         if edge.kind == EdgeKind::Landmark {

@@ -1,4 +1,4 @@
-//! Labels from every source, and what is refused.
+//! Tests labels from every source, and refusals.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -6,7 +6,7 @@ use posecut_graph::{EdgeKind, PoseGraph};
 use posecut_label::{pairs, table};
 use proptest::prelude::*;
 
-/// Landmark edges between these nodes, of ten in a row.
+/// A graph of ten nodes in a row, with landmark edges between these pairs.
 fn graph(landmarks: &[(u64, u64)]) -> PoseGraph {
     let mut text =
         String::from("{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":2}\n");
@@ -45,7 +45,7 @@ fn by_pairs(landmarks: &[(u64, u64)], text: &str) -> Result<Vec<bool>, String> {
 fn a_table_labels_edges_by_columns_in_any_order() {
     let text = "inlier,note,j,kind,i\n1,x,5,loop,0\n0,y,6,loop,1\n1,z,1,odom,0\n";
     assert_eq!(by_table(&[(0, 5), (1, 6)], text).unwrap(), [true, false]);
-    // Without kinds every row is a landmark edge; an edge written the other way round is found.
+    // Without a column `kind` every row is a landmark edge. An edge in the other direction is found too.
     assert_eq!(by_table(&[(6, 1), (0, 5)], "i,j,inlier\n0,5,true\n1,6,false\n").unwrap(), [false, true]);
 }
 
@@ -53,7 +53,7 @@ fn a_table_labels_edges_by_columns_in_any_order() {
 fn edges_of_the_same_pair_are_taken_in_order() {
     let text = "i,j,inlier\n0,5,0\n0,5,1\n5,0,1\n";
     assert_eq!(by_table(&[(0, 5), (0, 5), (5, 0)], text).unwrap(), [false, true, true]);
-    // The row of its own direction is for the edge that has it, whichever comes first.
+    // An edge gets the row of its own direction, even if another row comes first.
     assert_eq!(by_table(&[(5, 0), (0, 5)], "i,j,inlier\n0,5,0\n5,0,1\n").unwrap(), [true, false]);
 }
 
@@ -84,7 +84,7 @@ fn listed_pairs_are_correct_in_either_direction_and_all_others_not() {
 }
 
 proptest! {
-    /// What a table says of a graph's own edges is what comes out, in whatever order its rows stand.
+    /// A table of all edges of a graph gives exactly its labels, in any order of rows.
     #[test]
     fn a_table_of_the_graphs_own_edges_is_read_back(
         edges in prop::collection::vec((0_u64..5, 5_u64..10, any::<bool>()), 1..20),

@@ -1,4 +1,4 @@
-//! The program: ground truth, zero measurements, and exactly one source of labels.
+//! Tests the program: ground truth, zero measurements, and exactly one source of labels.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -55,7 +55,7 @@ fn ground_truth_decides_within_both_tolerances() {
     assert!(text.contains("\"truth\":{\"pose\":[10,10,0]") && !text.contains("\"id\":1,\"pose\""), "{text}");
     assert_eq!(labelled(&[], &["--vertices", "--tolerance-translation", "inf"]).0, [true, true, false]);
     assert_eq!(labelled(&[], &["--vertices", "--tolerance-rotation", "30"]).0, [true, false, true]);
-    // Another graph, with poses and as a chain of odometry.
+    // Ground truth from another graph: with poses, and as a chain of odometry.
     let odometry: Vec<&str> = GRAPH.lines().filter(|line| !line.contains("landmark")).collect();
     let chain = odometry.join("\n") + "\n";
     let bare = chain

@@ -1,8 +1,7 @@
-//! The rejection stage that knows the truth. Optimising what it leaves gives the paper's pseudo ground
-//! truth, and the best result any rejection can hope for.
+//! The rejection stage that knows the truth. Optimising the remaining graph gives the paper's pseudo ground truth, which is
+//! the best result that any rejection can reach.
 //!
-//! It is the one rejection stage that looks at `truth`, which is why it is a program of its own and not an
-//! option of another.
+//! It is the only rejection stage that reads `truth`. Therefore it is a program of its own and not an option of another one.
 
 use anyhow::bail;
 use posecut_graph::{EdgeKind, PoseGraph};
@@ -32,7 +31,8 @@ impl GraphStage for Options {
     }
 }
 
-/// Rejects what the truth calls incorrect; returns how many edges that are, and of how many nothing is known.
+/// Rejects the landmark edges that the truth calls incorrect. Returns their number, and the number of edges of unknown
+/// correctness.
 pub fn reject_incorrect(graph: &mut PoseGraph) -> (usize, usize) {
     let (mut rejected, mut unknown) = (0, 0);
     for edge in graph.edges.iter_mut().filter(|edge| edge.kind == EdgeKind::Landmark) {

@@ -1,4 +1,4 @@
-//! From the command line to a program.
+//! Runs the program that the command line names.
 
 use std::ffi::{OsStr, OsString};
 use std::io::{self, Write as _};
@@ -10,10 +10,10 @@ use posecut_stage::{answer, fail, hand_over_standard_output};
 use crate::listing::{help, versions};
 use crate::registry::{Program, Registry};
 
-/// The name that answers and errors carry.
+/// The program's name in answers and errors.
 const NAME: &str = "posecut";
 
-/// Does what the arguments after the program's own name say.
+/// Executes the command line, given without the program's own name.
 pub fn run(registry: &Registry, mut arguments: impl Iterator<Item = OsString>) -> ExitCode {
     let Some(first) = arguments.next() else { return print(&help(registry)) };
     match first.to_str() {
@@ -58,7 +58,7 @@ fn become_program(program: &Program, arguments: impl Iterator<Item = OsString>) 
 #[cfg(not(unix))]
 fn become_program(program: &Program, arguments: impl Iterator<Item = OsString>) -> ExitCode {
     match Command::new(&program.path).args(arguments).status() {
-        // A program that was ended from outside has no status.
+        // A program that a signal ended has no exit status.
         Ok(status) => ExitCode::from(status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(2)),
         Err(error) => {
             fail(NAME, &format!("{}: cannot be started: {error}; install it again", program.path.display()))
@@ -70,7 +70,7 @@ fn print(text: &str) -> ExitCode {
     answer(NAME, || io::stdout().write_all(text.as_bytes()))
 }
 
-/// The manual page or a shell's completions, with the names of the programs that are at hand.
+/// The manual page or a shell's completions, with the names of the available programs.
 fn generate(registry: &Registry, what: &str) -> ExitCode {
     use clap::ValueEnum as _;
     let mut command = clap::Command::new(NAME)

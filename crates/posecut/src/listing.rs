@@ -1,4 +1,4 @@
-//! What `posecut help` and `posecut version` print.
+//! The output of `posecut help` and `posecut version`.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use posecut_stage::{Description, Phase};
 
 use crate::registry::{Program, Registry};
 
-/// Above the list of programs.
+/// The text above the list of programs.
 const ABOUT: &str = "posecut finds the wrong landmark edges (false loop closures) of pose graphs.
 
 Usage: posecut NAME [ARGUMENTS]     what posecut-NAME does
@@ -18,7 +18,7 @@ A program reads a pose graph from a file or from standard input and writes it to
     posecut convert graph.g2o --to jsonl | posecut verify | posecut optimize > optimized.jsonl
 ";
 
-/// The programs, those beside this one in the order of a pipeline.
+/// The list of programs. Those beside this one are in the order of a pipeline.
 pub fn help(registry: &Registry) -> String {
     let mut described: Vec<Description> = registry.beside().filter_map(Program::description).collect();
     described.sort_by(|one, other| key(one).cmp(&key(other)));
@@ -49,7 +49,7 @@ fn key(description: &Description) -> (Phase, u8, &str) {
     (description.phase, description.order, &description.name)
 }
 
-/// A line for each program: what it says of its version.
+/// The version of each program, one a line.
 pub fn versions(registry: &Registry) -> String {
     let mut text = format!("posecut {}\n", env!("CARGO_PKG_VERSION"));
     for program in registry.beside() {

@@ -1,4 +1,4 @@
-//! `posecut`: the programs of posecut by their names.
+//! `posecut`: runs the programs of posecut by their names.
 
 use posecut::{entry, registry::Registry};
 

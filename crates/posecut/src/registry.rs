@@ -1,8 +1,8 @@
-//! The registry of programs: what lies beside this one, and what the PATH has.
+//! The registry of programs: those beside this program and those on the PATH.
 //!
-//! No list is written down. A program beside `posecut` describes itself (`--generate description`), so a new stage appears here
-//! once it is built. A program elsewhere on the PATH may be anybody's: it is found by its name alone and never run to be listed, as
-//! git and cargo do.
+//! There is no fixed list. A program beside `posecut` describes itself (`--generate description`), so a new stage appears here
+//! once it is built. A program elsewhere on the PATH may be anybody's. As with git and cargo, it is found by its name alone and
+//! never run just to list it.
 
 use std::collections::BTreeMap;
 use std::env::consts::EXE_SUFFIX;
@@ -11,19 +11,19 @@ use std::process::{Command, Stdio};
 
 use posecut_stage::Description;
 
-/// What the names of programs begin with.
+/// The prefix of program names.
 const PREFIX: &str = "posecut-";
 
 /// A program that `posecut NAME` runs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Program {
-    /// Its name without `posecut-`.
+    /// The name without `posecut-`.
     pub name: String,
-    /// Where it lies.
+    /// The path of the program.
     pub path: PathBuf,
 }
 
-/// The programs at hand.
+/// The available programs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Registry {
     beside: BTreeMap<String, Program>,
@@ -31,14 +31,14 @@ pub struct Registry {
 }
 
 impl Registry {
-    /// The programs in the folder of the running one, and those of the PATH that have other names.
+    /// The programs in the folder of the running program, and those on the PATH with other names.
     pub fn of_this_machine() -> Self {
         let beside = std::env::current_exe().ok().and_then(|path| Some(path.parent()?.to_owned()));
         let path = std::env::var_os("PATH").unwrap_or_default();
         Self::of(beside.as_deref(), std::env::split_paths(&path))
     }
 
-    /// The same for any folders. Of two programs of one name the first is taken, as a shell would.
+    /// The programs of any folders. Of two programs with the same name, the first is taken, as in a shell.
     pub fn of(beside: Option<&Path>, path: impl Iterator<Item = PathBuf>) -> Self {
         let beside = beside.map(programs_in).unwrap_or_default();
         let mut elsewhere = BTreeMap::new();
@@ -55,17 +55,17 @@ impl Registry {
         self.beside.get(name).or_else(|| self.elsewhere.get(name))
     }
 
-    /// Those beside this program, in order of their names.
+    /// The programs beside this one, in order of their names.
     pub fn beside(&self) -> impl Iterator<Item = &Program> {
         self.beside.values()
     }
 
-    /// Those of the PATH, in order of their names.
+    /// The programs on the PATH, in order of their names.
     pub fn elsewhere(&self) -> impl Iterator<Item = &Program> {
         self.elsewhere.values()
     }
 
-    /// The name that is most like this one, if it is like it at all.
+    /// The known name that is most similar to this one, if any is similar enough.
     pub fn nearest(&self, name: &str) -> Option<&str> {
         let likeness = |known: &str| strsim::jaro(name, known);
         let programs = self.beside.keys().chain(self.elsewhere.keys()).map(String::as_str);
@@ -77,7 +77,7 @@ impl Registry {
 }
 
 impl Program {
-    /// What it says of itself; `None` if it does not.
+    /// The program's description of itself; `None` if it gives none.
     pub fn description(&self) -> Option<Description> {
         serde_json::from_str(&self.answer(&["--generate", "description"])?).ok()
     }
@@ -105,7 +105,7 @@ fn programs_in(folder: &Path) -> BTreeMap<String, Program> {
     programs.collect()
 }
 
-/// Whether a file's name can be a stage's: cargo leaves `posecut-pcm.d` beside `posecut-pcm`.
+/// Whether a file name can be that of a stage. Cargo leaves `posecut-pcm.d` beside `posecut-pcm`.
 fn is_name(name: &str) -> bool {
     let plain = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_';
     !name.is_empty() && name.bytes().all(plain)

@@ -1,4 +1,4 @@
-//! `posecut` finds programs, runs them as if they were called by their own names, and lists them.
+//! Tests that `posecut` finds programs, runs them as if called by their own names, and lists them.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 
 use posecut::registry::Registry;
 
-/// A folder with a copy of `posecut` and scripts in the place of its programs, and another folder for the PATH.
+/// A folder with a copy of `posecut` and with scripts instead of its programs, and another folder for the PATH.
 struct Place {
     folder: tempfile::TempDir,
 }
@@ -25,7 +25,8 @@ else
 fi
 "#;
 
-/// Made once, before any process starts: a script that another thread's child still has open for writing cannot be run.
+/// Made once, before any process starts: the system refuses to run a script that a child of another thread still has open for
+/// writing.
 static PLACE: LazyLock<Place> = LazyLock::new(|| {
     let place = Place { folder: tempfile::tempdir().unwrap() };
     std::fs::create_dir_all(place.folder.path().join("elsewhere")).unwrap();
@@ -52,7 +53,7 @@ impl Place {
         std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
     }
 
-    /// The PATH of what is run.
+    /// The PATH for the programs under test.
     fn path(&self) -> String {
         format!("{}:/usr/bin:/bin", self.folder.path().join("elsewhere").display())
     }
@@ -67,7 +68,7 @@ impl Place {
             .stderr(std::process::Stdio::piped())
             .spawn()
             .unwrap();
-        // A program that does not read closes the pipe.
+        // Ignore the error: a program that does not read its input closes the pipe.
         drop(child.stdin.take().unwrap().write_all(b"input"));
         child.wait_with_output().unwrap()
     }
@@ -84,7 +85,7 @@ fn a_program_gets_arguments_input_and_keeps_its_exit_status() {
     assert_eq!(output.status.code(), Some(7));
 }
 
-/// The standard library opens /dev/null in the place of a closed descriptor, and the program wrote its result there.
+/// Regression: the standard library opens /dev/null in place of a closed descriptor, and the program wrote its result there.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_closed_standard_output_stays_closed() {
@@ -119,7 +120,7 @@ fn help_lists_programs_in_the_order_of_a_pipeline() {
     }
 }
 
-/// Whatever else is on the PATH is not started to be listed.
+/// Programs on the PATH are not started just to list them.
 #[test]
 fn a_stage_on_the_path_joins_the_others_and_does_not_hide_them() {
     let place = &*PLACE;

@@ -1,10 +1,10 @@
-//! Closing what was written, and hearing whether it failed: a network file system or a quota may refuse the last bytes only then,
-//! and the standard library does not tell.
+//! Closes files and reports errors of closing: a network file system or a quota may refuse the last bytes only at that moment,
+//! and the standard library ignores the error.
 
 use std::fs::File;
 use std::io;
 
-/// Closes a file. An error means that not everything that was written has arrived.
+/// Closes a file. An error means that some of the written bytes are lost.
 pub fn close(file: File) -> io::Result<()> {
     #[cfg(unix)]
     return close_descriptor(file.into());
@@ -12,12 +12,12 @@ pub fn close(file: File) -> io::Result<()> {
     return file.sync_all();
 }
 
-/// Makes standard output say what closing it would say. It stays open.
+/// Reports the error that closing standard output would give, and leaves it open.
 pub(crate) fn close_standard_output() -> io::Result<()> {
     #[cfg(unix)]
     {
         use std::os::fd::AsFd as _;
-        // Closing a copy of the descriptor asks the same; without a free descriptor it cannot be asked.
+        // Closing a copy of the descriptor gives the same error. Without a free descriptor there is no copy and no answer.
         if let Ok(copy) = io::stdout().as_fd().try_clone_to_owned() {
             return close_descriptor(copy);
         }
@@ -28,7 +28,7 @@ pub(crate) fn close_standard_output() -> io::Result<()> {
 #[cfg(unix)]
 fn close_descriptor(descriptor: std::os::fd::OwnedFd) -> io::Result<()> {
     match nix::unistd::close(descriptor) {
-        // It is closed all the same, and closing it again might close another file.
+        // After EINTR the descriptor is closed too; closing it again might close another file.
         Ok(()) | Err(nix::errno::Errno::EINTR) => Ok(()),
         Err(error) => Err(error.into()),
     }

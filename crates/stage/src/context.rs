@@ -1,4 +1,4 @@
-//! What a running stage has at hand.
+//! The context of a running stage: inputs read so far, statistics, doubts and common arguments.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Read as _, Write};
@@ -13,13 +13,13 @@ use serde::Serialize;
 use crate::given::{Given, overwrites, same_file};
 use crate::{CommonArguments, Doubt, Identity, Source, Statistics, input, output, threads};
 
-/// The largest input that is held whole: 1 GiB.
+/// The largest input that is read into memory as a whole: 1 GiB.
 const LARGEST_WHOLE: u64 = 1 << 30;
 
-/// What says where the statistics go.
+/// The option that names the file of the statistics.
 const STATS: &str = "--stats";
 
-/// What says where the result goes.
+/// The option that names the file of the result.
 const OUTPUT: &str = "--output";
 
 /// Writes the content of a file.
@@ -36,9 +36,9 @@ pub struct Context {
     common: CommonArguments,
     started: Instant,
     given: Given,
-    /// Files read so far, some of which no argument names.
+    /// Files read so far, including files that no argument names.
     opened: Vec<PathBuf>,
-    /// What is to be written beside the result, by the option that names the file.
+    /// The content to write beside the result, by the option that names the file.
     further: BTreeMap<&'static str, Content>,
 }
 
@@ -58,12 +58,12 @@ impl Context {
         }
     }
 
-    /// The same, for a program whose command line names these files.
+    /// Sets the files that the command line of the program names.
     pub(crate) fn with_files(self, given: Given) -> Self {
         Self { given, ..self }
     }
 
-    /// Takes no more threads than there are processors.
+    /// Limits the number of threads to the number of processors.
     pub(crate) fn bound_threads(&mut self) {
         self.common.threads = threads::bounded(self.common.threads);
     }
@@ -85,7 +85,7 @@ impl Context {
         Ok(graph)
     }
 
-    /// Reads an input that is no pose graph, whole: what messages call it, and its bytes.
+    /// Reads an input that is not a pose graph, as a whole. Returns its name for messages and its bytes.
     pub fn read_bytes(&mut self, source: &Source, role: &str) -> anyhow::Result<(String, Vec<u8>)> {
         let mut input = input::open(source)?;
         self.note_opened(source);
@@ -106,7 +106,7 @@ impl Context {
         Ok((name, bytes))
     }
 
-    /// Names a file that is read by other means: no output may take its place.
+    /// Notes a file that is read by other means, so that no output may replace it.
     pub fn note_read(&mut self, path: impl Into<PathBuf>) {
         self.opened.push(path.into());
     }
@@ -141,13 +141,13 @@ impl Context {
         output::write_output(&self.common.output, |writer| Ok(graph.write(writer)?))
     }
 
-    /// Writes the stage's output, whatever it is. It may not take the place of an input.
+    /// Writes the stage's output in any format. The output may not replace an input.
     pub fn write_bytes(&self, bytes: &[u8]) -> anyhow::Result<()> {
         self.check_output()?;
         output::write_output(&self.common.output, |writer| Ok(writer.write_all(bytes)?))
     }
 
-    /// A progress bar over a known amount of work; drawn only where somebody can see it.
+    /// A progress bar over a known amount of work. It is drawn only on a terminal and without `--quiet`.
     pub fn progress(&self, length: u64, what: &str) -> ProgressBar {
         let target =
             if self.common.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
@@ -156,18 +156,18 @@ impl Context {
         ProgressBar::with_draw_target(Some(length), target).with_style(style).with_message(what.to_owned())
     }
 
-    /// Redraws a bar at this interval where nothing advances it. That takes a thread, and without one it panics: then the bar is
-    /// redrawn only as it advances.
+    /// Redraws a bar at this interval even when nothing advances it. That needs a thread, and the library panics if it cannot
+    /// start one; in that case the bar is redrawn only when it advances.
     pub fn keep_drawing(&self, progress: &ProgressBar, interval: Duration) {
         if !progress.is_hidden() && threads::probe().is_ok() {
             progress.enable_steady_tick(interval);
         }
     }
 
-    /// Refuses a file to be written beside the result, named by `option`, that would overwrite the result, an input or another
-    /// file of the command line, or that is called `-`.
+    /// Checks a file that `option` names and that is written beside the result. Refuses it if it would overwrite the result, an
+    /// input or another file of the command line, or if it is called `-`.
     ///
-    /// To be called before the work is done.
+    /// Call it before the work is done.
     pub fn check_further_output(&self, option: &str, path: &Path) -> anyhow::Result<()> {
         if path == Path::new("-") {
             bail!("{option} is -, which stands for standard output and belongs to --output; name a file");
@@ -194,8 +194,8 @@ impl Context {
         self.given.other(option, path).map_or(Ok(()), |what| Err(overwritten(path, what, option)))
     }
 
-    /// Hands over the content of a [further output](crate::GraphStage::further_outputs), by the option that names its file. It is
-    /// written after the run.
+    /// Hands over the content of a [further output](crate::GraphStage::further_outputs) for the option that names its file. The
+    /// content is written after the run.
     pub fn further_output(
         &mut self,
         option: &'static str,
@@ -204,7 +204,7 @@ impl Context {
         self.further.insert(option, Box::new(write));
     }
 
-    /// Writes what was handed over for `option`.
+    /// Writes the content that was handed over for `option`.
     pub(crate) fn write_further_output(&mut self, option: &str, path: &Path) -> anyhow::Result<()> {
         match self.further.remove(option) {
             Some(write) => output::write_atomically(path, write),
@@ -212,7 +212,7 @@ impl Context {
         }
     }
 
-    /// Refuses a result that is no graph and would overwrite an input. A graph may take its own place.
+    /// Refuses a result that would overwrite an input. Call it only for results other than graphs: a graph may replace its input.
     pub fn check_output(&self) -> anyhow::Result<()> {
         let Some(path) = self.common.output.path() else { return Ok(()) };
         let opened = self.opened.iter().any(|opened| overwrites(path, opened)).then_some("as input");
@@ -220,14 +220,14 @@ impl Context {
         what.map_or(Ok(()), |what| Err(overwritten(path, what, OUTPUT)))
     }
 
-    /// Refuses outputs that every program has and that would overwrite each other.
+    /// Refuses a `--stats` file that would overwrite the result or another file.
     pub(crate) fn check_outputs(&self) -> anyhow::Result<()> {
         self.common.stats.as_deref().map_or(Ok(()), |stats| self.check_further_output(STATS, stats))
     }
 
     pub(crate) fn write_statistics(&self) -> anyhow::Result<()> {
         let Some(path) = &self.common.stats else { return Ok(()) };
-        // Again, now that the inputs are known.
+        // Check again: only now all inputs are known.
         self.check_outputs()?;
         let mut all = Statistics::default();
         all.note("stage", self.identity.name);

@@ -1,4 +1,4 @@
-//! Directories that appear whole or not at all.
+//! Writing a directory so that it appears completely or not at all.
 
 use std::fs;
 use std::io;
@@ -8,9 +8,9 @@ use anyhow::{Context as _, bail};
 
 use crate::interrupt;
 
-/// Fills a directory through a temporary neighbour that takes its name at the end. One that exists and is
-/// not empty is refused, or replaced if `overwrite` says so; with a file that is not `ours`, by its name, it is refused anyway.
-/// Every error of `fill` counts as one of writing: what else can be wrong is to be checked before.
+/// Fills a temporary directory beside `path` and renames it at the end. A directory that exists and is not empty is refused,
+/// or replaced with `overwrite`; one with a file whose name is not `ours` is always refused.
+/// Every error of `fill` is reported as a writing error, so check everything else before.
 pub fn write_directory<T>(
     path: &Path,
     overwrite: bool,
@@ -38,7 +38,7 @@ pub fn write_directory<T>(
         use std::os::unix::fs::PermissionsExt as _;
         fs::set_permissions(temporary.path(), fs::Permissions::from_mode(0o755)).with_context(place)?;
     }
-    // The old one steps aside whole: deleting it takes time, in which half of it would stand there.
+    // Rename the old directory before deleting it: a deletion takes time and would show half a directory meanwhile.
     let (aside_guard, aside) = interrupt::create(neighbour).with_context(place)?;
     interrupt::uninterrupted(|| {
         let old = aside.path().join("old");
@@ -48,13 +48,13 @@ pub fn write_directory<T>(
         }
         fs::rename(temporary.path(), path).inspect_err(|_| {
             if stepped_aside {
-                // The error that is told is the one that matters.
+                // The error of the first renaming is reported; one of undoing it is not.
                 let _ = fs::rename(&old, path);
             }
         })
     })
     .with_context(place)?;
-    // It has another name now, and is no longer temporary.
+    // The directory has its final name now and is no longer temporary.
     let _ = temporary.keep();
     drop(guard);
     let leftover = aside.path().display().to_string();
@@ -65,7 +65,7 @@ pub fn write_directory<T>(
     Ok(result)
 }
 
-/// The first name in a directory that is not one of ours.
+/// The first name in a directory that is not `ours`.
 fn foreign(path: &Path, ours: impl Fn(&str) -> bool) -> io::Result<Option<String>> {
     let mut names: Vec<String> = fs::read_dir(path)?
         .map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned()))

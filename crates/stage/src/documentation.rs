@@ -1,6 +1,7 @@
-//! What a program says of itself for manuals and shells, from the same description that reads its command line:
-//! `posecut-STAGE --generate WHAT`. It stands alone on the command line and in no help, since it is for those who install
-//! programs and remake documents.
+//! Generates manual pages, shell completions and reference documents: `posecut-STAGE --generate WHAT`.
+//!
+//! They come from the same description that parses the command line. `--generate` must be the only option, and no help shows
+//! it, because only installation and `make documentation` need it.
 
 use std::ffi::OsString;
 use std::fmt::Write as _;
@@ -19,11 +20,11 @@ const COMMON_HEADING: &str = "Output";
 /// An option of every stage from graph to graph.
 const DROP_REJECTED: &str = "drop_rejected";
 
-/// What can be generated, for the message that refuses anything else.
+/// The values of `--generate`, for the message that refuses any other.
 const KNOWN: &str =
     "man, bash, elvish, fish, powershell, zsh, reference, options, common, doubts or description";
 
-/// What is asked for, if the command line is `--generate WHAT` and nothing else.
+/// The requested document, if the command line is `--generate WHAT` and nothing else.
 pub(crate) fn requested(mut arguments: impl Iterator<Item = OsString>) -> Option<String> {
     arguments.next();
     if arguments.next()? != "--generate" {
@@ -55,11 +56,11 @@ pub(crate) fn print(identity: Identity, mut command: Command, doubts: &[Doubt], 
     answer(&identity.program(), || io::stdout().write_all(&text))
 }
 
-/// What [`Description`] says, as a line.
+/// The [`Description`] of a program as one line of JSON.
 fn description(identity: Identity) -> Vec<u8> {
     let Identity { name, version, about, place: Place(phase, order) } = identity;
     let said = Description { name: name.into(), version: version.into(), about: about.into(), phase, order };
-    // A structure of words and a number is JSON.
+    // A structure of texts and a number always converts to JSON.
     let mut line = serde_json::to_vec(&said).unwrap_or_default();
     line.push(b'\n');
     line
@@ -88,7 +89,7 @@ fn tasks(command: &Command) -> impl Iterator<Item = &Command> {
     command.get_subcommands().filter(|subcommand| subcommand.get_name() != "help")
 }
 
-/// A section of the reference of all programs.
+/// The section of one program in the reference of all programs.
 fn reference(command: &Command, doubts: &[Doubt]) -> String {
     let about = command.get_about().map(ToString::to_string).unwrap_or_default();
     let mut text = format!("## {}\n\n{about}.\n\n", command.get_name());
@@ -108,7 +109,7 @@ pub(crate) fn ending(doubts: &[Doubt]) -> String {
     )
 }
 
-/// Which doubts a program raises, each name between such marks.
+/// A sentence on the doubts that a program may raise, with `mark` on both sides of each name.
 fn raised(doubts: &[Doubt], mark: &str) -> String {
     if doubts.is_empty() {
         return "It raises no doubts.".to_owned();
@@ -142,7 +143,7 @@ fn table_of(command: &Command, keep: impl Fn(&Arg) -> bool) -> String {
 fn is_common(argument: &Arg) -> bool {
     let every_program = CommonArguments::augment_args(Command::new(""));
     let has = |id| id == DROP_REJECTED || every_program.get_arguments().any(|common| common.get_id() == id);
-    // A program may have an option of its own under a common name, which then stands under another heading.
+    // A program's own option may have a common name. Its heading differs.
     argument.get_help_heading() == Some(COMMON_HEADING) && has(argument.get_id())
         || matches!(
             argument.get_action(),
@@ -176,7 +177,7 @@ fn names(argument: &Arg) -> String {
     let short = argument.get_short().map(|short| format!("`-{short}`, ")).unwrap_or_default();
     let long = argument.get_long().unwrap_or_default();
     if argument.is_require_equals_set() {
-        // The value is part of the word, and may be left out.
+        // The value is optional and follows `=` without a space.
         return format!("{short}`--{long}[={values}]`");
     }
     let gap = if values.is_empty() { "" } else { " " };

@@ -1,8 +1,8 @@
-//! Results that should not be believed without a look.
+//! Doubts: reasons to check a result before trusting it.
 //!
-//! A stage that did its work, and knows of a reason to mistrust what came out, raises a doubt ([`Context::doubt`]): a warning on
-//! standard error, also with `--quiet`; a name under `doubts` in `--stats` and in the stage's entry of the provenance; with
-//! `--strict`, exit status 3.
+//! A stage raises a doubt ([`Context::doubt`]) when it has done its work but has a reason to mistrust the result. A doubt is
+//! printed as a warning on standard error, even with `--quiet`. Its name appears under `doubts` in `--stats` and in the stage's
+//! entry of the provenance. With `--strict`, the exit status is 3.
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ use tracing::warn;
 
 use crate::Context;
 
-/// The exit status of a program that did its work and doubts the result, with `--strict`.
+/// The exit status with `--strict` if the program did its work but raised a doubt.
 pub(crate) const STATUS: u8 = 3;
 
 /// The target of the warnings about doubts. `--quiet` does not silence it.
@@ -22,37 +22,37 @@ pub enum Doubt {
     /// An iteration ended before a tolerance was met, so the poses are not a minimum of the cost. Raise the limit of iterations,
     /// start elsewhere, or check the information matrices.
     NotConverged,
-    /// The squared residuals are beyond the range of numbers; only a robust cost, which bounds what one edge counts, is finite.
+    /// The squared residuals overflow. Only a robust cost is finite, because it bounds the contribution of each edge.
     /// Reject the edge with the gross measurement, or give it moderate values. A result without any finite cost is an error.
     NonFiniteCost,
     /// The edges in use leave a component of a pose undetermined, and the result keeps it near its start. Give the edges
     /// information in every direction, or add edges.
     Undetermined,
-    /// A certificate of the global minimum was asked for and not found, or a point of lower cost is known. Start elsewhere
+    /// A certificate of the global minimum was requested but not found, or a point of lower cost is known. Start elsewhere
     /// (`--initialisation`), or check the landmark edges.
     NotCertified,
-    /// A limit of work or time, or a method that proves nothing, ended a search: a better result may exist. Raise the limit or
-    /// choose the exact method.
+    /// The search reached its work or time limit, or its method proves nothing, so a better result may exist. Raise the limit
+    /// or choose the exact method.
     SearchLimit,
-    /// There were candidates, and none is kept. Check units and covariances, and whether there is overlap at all.
+    /// There were candidates, but none was kept. Check units and covariances, and whether the sessions overlap at all.
     NothingKept,
     /// A multicut cut every landmark edge. Check the costs, or `--delta`.
     EverythingCut,
-    /// Most landmark edges are cut only because no other one is within `--delta`, which is no evidence against them. Set
-    /// `--delta` to the spacing of the candidates.
+    /// Most landmark edges are cut only because no other landmark edge is within `--delta`. That is no evidence against them.
+    /// Set `--delta` to the spacing of the candidates.
     NoSupportWithinDelta,
-    /// The landmark edges say too little to estimate the scale of the covariances: they are used as claimed, or as far as the
-    /// bounds of the estimate allow. Check the covariances, or give their scale.
+    /// The landmark edges do not determine the scale of the covariances. The covariances are used unchanged, or scaled as far
+    /// as the bounds of the estimate allow. Check the covariances, or give their scale.
     CalibrationOnPrior,
-    /// Covariances were made up or repaired, because the source had none or none that is possible. Give the sensor's own.
+    /// Covariances were invented or repaired, because the source had none or had impossible ones. Give the sensor's own.
     CovarianceInvented,
-    /// Nothing joins some components of the graph, so their relative poses mean nothing. Add or re-admit edges between them, or
-    /// look at each component by itself.
+    /// The graph is not connected, so the relative poses of its components mean nothing. Add or re-admit edges between the
+    /// components, or look at each component by itself.
     PartsNotConnected,
 }
 
 impl Doubt {
-    /// All doubts, in the order of lists.
+    /// All doubts, in the order in which lists show them.
     pub const ALL: [Self; 11] = [
         Self::NotConverged,
         Self::NonFiniteCost,
@@ -92,14 +92,14 @@ impl fmt::Display for Doubt {
 }
 
 impl Context {
-    /// Raises a doubt about the result, before the result is written. The message is one sentence with numbers and what to do;
-    /// it is shown with `--quiet`, too.
+    /// Raises a doubt about the result. Call it before the result is written. The message is one sentence with numbers and what
+    /// to do; it is shown even with `--quiet`.
     pub fn doubt(&mut self, doubt: Doubt, message: impl fmt::Display) {
         warn!(target: TARGET, "{message}");
         self.also_doubt(doubt);
     }
 
-    /// Raises a doubt that the message of another one explains already.
+    /// Raises a doubt without a message, because the message of another doubt already explains it.
     pub fn also_doubt(&mut self, doubt: Doubt) {
         self.doubts.insert(doubt);
     }

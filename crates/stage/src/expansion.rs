@@ -1,17 +1,17 @@
-//! Compressed input that expands beyond measure.
+//! A limit on how far compressed input may expand.
 
 use std::cell::Cell;
 use std::io::{self, BufRead, Read};
 use std::rc::Rc;
 
-/// Content up to this size may be compressed as well as it likes: 256 MiB.
+/// Content up to this size may have any compression ratio: 256 MiB.
 const FREE: u64 = 256 << 20;
 
-/// Beyond that, content is at most this many times as long as its compressed form. Pose graphs and sensor files are 3 to
-/// 20 times as long; a file made to fill memory is a thousand times.
+/// Longer content may be at most this many times as long as its compressed form. Pose graphs and sensor files expand 3 to
+/// 20 times; a file made to fill memory expands a thousand times.
 const LARGEST_RATIO: u64 = 100;
 
-/// A decompressor that gives up on input made to fill memory.
+/// A decompressor that refuses input made to fill memory.
 pub struct Expansion<D> {
     decoder: D,
     compressed: Rc<Cell<u64>>,
@@ -19,7 +19,7 @@ pub struct Expansion<D> {
 }
 
 impl<D> Expansion<D> {
-    /// Puts a decoder on a reader of compressed bytes.
+    /// Wraps a reader of compressed bytes in a decoder.
     pub fn new<R: BufRead>(reader: R, decoder: impl FnOnce(Counted<R>) -> D) -> Self {
         let compressed = Rc::new(Cell::new(0));
         let decoder = decoder(Counted { reader, count: compressed.clone() });
@@ -45,7 +45,7 @@ impl<D: Read> Read for Expansion<D> {
     }
 }
 
-/// A reader that counts what is taken from it.
+/// A reader that counts the bytes read from it.
 pub struct Counted<R> {
     reader: R,
     count: Rc<Cell<u64>>,

@@ -6,15 +6,16 @@ use std::path::{Path, PathBuf};
 
 use clap::{ArgMatches, Command};
 
-/// What the value of an option is called that is a file.
+/// The value name of options that take a file.
 const FILE: &str = "FILE";
 
-/// Everything on a command line that is a file, with how messages refer to it.
+/// All files on a command line, each with the words by which messages refer to it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Given(Vec<(String, PathBuf)>);
 
 impl Given {
-    /// The values of arguments and of options that take a `FILE`, defaults too. A value `NAME=FILE` counts as a file as well.
+    /// The values of positional arguments and of options that take a `FILE`, including defaults. In a value `NAME=FILE`, the part
+    /// after `=` counts too.
     pub(crate) fn of(command: &Command, matches: &ArgMatches) -> Self {
         let mut given = Self::default();
         given.collect(command, matches);
@@ -24,7 +25,7 @@ impl Given {
     fn collect(&mut self, command: &Command, matches: &ArgMatches) {
         for argument in command.get_arguments().filter(|argument| argument.get_action().takes_values()) {
             let Some(name) = argument.get_value_names().and_then(|names| names.first()) else { continue };
-            // Other options take numbers and words, which may look like the name of a file.
+            // Skip other options: their numbers and words may look like file names.
             let what = match argument.get_long() {
                 Some(long) if name == FILE => format!("for --{long}"),
                 None => format!("as {name}"),
@@ -44,7 +45,7 @@ impl Given {
         }
     }
 
-    /// How another argument refers to the file that `option` names.
+    /// The words for another argument that names the same file as `option`, if there is one.
     pub(crate) fn other(&self, option: &str, path: &Path) -> Option<&str> {
         let own = format!("for {option}");
         let named = self.0.iter().find(|(what, other)| *what != own && overwrites(path, other));
@@ -55,12 +56,13 @@ impl Given {
     }
 }
 
-/// Whether writing one path replaces the content of the other: they are one file, or become one.
+/// Whether writing to `path` replaces the content of `other`, because both are or become one file.
 pub(crate) fn overwrites(path: &Path, other: &Path) -> bool {
     !is_device(other) && same_file(path, other)
 }
 
-/// Whether two paths lead to one file, through links of any kind; where there is no file yet, to one name in one folder.
+/// Whether two paths lead to the same file, through links of any kind. If the file does not exist yet: whether they lead to the
+/// same name in the same folder.
 pub(crate) fn same_file(first: &Path, second: &Path) -> bool {
     if first == second {
         return true;

@@ -9,21 +9,21 @@ use serde::Serialize;
 
 use crate::{CommonArguments, Context, Doubt, Identity, Outcome, Phase, Place, Source, run_with_doubts};
 
-/// A stage that reads one pose graph and writes it again with its own findings in it.
+/// A stage that reads one pose graph, adds its findings and writes the graph again.
 ///
-/// The options are the fields of the implementing type: clap reads them, and their JSON goes into the
-/// provenance, so the JSON must hold everything that shapes the result and nothing else (`serde(skip)` leaves files out).
+/// The options are the fields of the implementing type. Clap reads them, and their JSON goes into the provenance. The JSON
+/// must therefore hold everything that shapes the result and nothing else (`serde(skip)` leaves files out).
 pub trait GraphStage: clap::Args + Serialize {
     /// The stage's name without `posecut-`.
     const NAME: &'static str;
 
-    /// One sentence on what it does.
+    /// One sentence that says what the stage does.
     const ABOUT: &'static str;
 
-    /// Where it stands in lists of programs: unless it says otherwise, behind the judges of this workspace.
+    /// The position in lists of programs. The default is after the stages of this workspace that judge landmark edges.
     const PLACE: Place = Place(Phase::Judgement, 100);
 
-    /// The doubts that it may raise about its result, for help and documentation.
+    /// The doubts that the stage may raise about its result, for help and documentation.
     const DOUBTS: &'static [Doubt] = &[];
 
     /// The seed, for a stage that draws random numbers.
@@ -31,13 +31,13 @@ pub trait GraphStage: clap::Args + Serialize {
         None
     }
 
-    /// Refuses options that mean nothing, before anything is read.
+    /// Refuses meaningless options before anything is read.
     fn check(&self) -> anyhow::Result<()> {
         Ok(())
     }
 
-    /// Files that the stage writes beside the graph, each with the option that names it: checked before anything is read, and
-    /// written with the graph. The run hands over their content ([`Context::further_output`]).
+    /// Files that the stage writes beside the graph, each with the option that names it. They are checked before anything is
+    /// read and written with the graph. [`Self::run`] hands over their content ([`Context::further_output`]).
     fn further_outputs(&self) -> Vec<(&'static str, &Path)> {
         Vec::new()
     }

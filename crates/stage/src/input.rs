@@ -12,7 +12,7 @@ use crate::{Expansion, Source};
 
 const BUFFER: usize = 1 << 17;
 
-/// An open input: decompressed, hashed as it is read.
+/// An open input, decompressed and hashed while it is read.
 pub struct Input {
     /// What messages call it.
     pub name: String,
@@ -20,7 +20,7 @@ pub struct Input {
 }
 
 impl Input {
-    /// The SHA-256 of everything, in hexadecimal, after reading what is left.
+    /// Reads the rest and returns the SHA-256 of the whole input in hexadecimal.
     pub fn finish(mut self) -> io::Result<String> {
         io::copy(&mut self.reader, &mut io::sink())?;
         Ok(hexadecimal(self.reader.into_inner().hash))
@@ -72,7 +72,7 @@ pub fn digest(bytes: &[u8]) -> String {
     hexadecimal(hash)
 }
 
-/// Opens a source; gzip is recognised by its first bytes, whatever the name.
+/// Opens a source. Gzip is recognised by its first bytes, not by the name.
 pub fn open(source: &Source) -> anyhow::Result<Input> {
     match source {
         Source::File(path) => open_file(path),
@@ -87,7 +87,7 @@ pub fn open(source: &Source) -> anyhow::Result<Input> {
     }
 }
 
-/// Opens a file; gzip is recognised by its first bytes, whatever the name.
+/// Opens a file. Gzip is recognised by its first bytes, not by the name.
 pub fn open_file(path: &Path) -> anyhow::Result<Input> {
     let name = path.display().to_string();
     let file = File::open(path).with_context(|| format!("{name}: cannot be opened"))?;

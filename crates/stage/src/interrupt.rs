@@ -1,4 +1,4 @@
-//! Ctrl-C and termination leave no half-written file behind.
+//! Removes half-written files on Ctrl-C and termination.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -10,10 +10,10 @@ static TEMPORARY: Registry = Registry(Mutex::new(Vec::new()));
 /// Exit status after an interrupt, as shells have it: 128 + SIGINT.
 const INTERRUPTED: i32 = 130;
 
-/// How often the deletion of a folder is tried.
+/// The number of attempts to delete a folder.
 const DELETIONS: usize = 100;
 
-/// Paths to delete on an interrupt. Who holds the lock makes the handler, which runs in a thread of its own, wait.
+/// Paths to delete on an interrupt. The handler runs in a thread of its own and waits while another thread holds the lock.
 struct Registry(Mutex<Vec<PathBuf>>);
 
 impl Registry {
@@ -21,8 +21,8 @@ impl Registry {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Makes something that has a path, and registers it before an interrupt can happen. The guard comes first, so that a
-    /// function that ends early drops it last: it is still registered while it is deleted.
+    /// Makes something that has a path, and registers it before an interrupt can happen. The guard comes first in the result:
+    /// a function that ends early drops it last, so the path is still registered while the file is deleted.
     fn create<T: AsRef<Path>>(&'static self, make: impl FnOnce() -> io::Result<T>) -> io::Result<(Guard, T)> {
         let mut paths = self.lock();
         let made = make()?;
@@ -31,7 +31,7 @@ impl Registry {
         Ok((guard, made))
     }
 
-    /// Deletes what is registered. As long as the lock that it returns is held, nothing new is made.
+    /// Deletes all registered paths. Nothing new is made while the returned lock is held.
     fn tidy_up(&self) -> MutexGuard<'_, Vec<PathBuf>> {
         let mut paths = self.lock();
         for path in paths.drain(..) {
@@ -41,10 +41,10 @@ impl Registry {
     }
 }
 
-/// Deletes a file or a folder that another thread may be filling: under another name first, where nothing new is made in it.
-/// `begun` is called when the deletion of a folder begins.
+/// Deletes a file or a folder that another thread may still be filling. A folder is renamed first, so that the other thread
+/// makes nothing new in it. `begun` is called when the deletion of a folder begins.
 fn delete(path: &Path, begun: impl Fn()) {
-    // Nothing is left to tell of a failure: the process ends.
+    // Ignore failures: the process ends, so nobody would handle them.
     if std::fs::remove_file(path).is_ok() {
         return;
     }
@@ -54,14 +54,14 @@ fn delete(path: &Path, begun: impl Fn()) {
     let path = if std::fs::rename(path, renamed).is_ok() { renamed } else { path };
     begun();
     for _ in 0..DELETIONS {
-        // The other thread may be deleting it too, entry by entry.
+        // Try again: the other thread may be deleting the same folder, entry by entry.
         if std::fs::remove_dir_all(path).is_ok() || !path.exists() {
             return;
         }
     }
 }
 
-/// While it lives, an interrupt deletes the file or folder.
+/// As long as the guard lives, an interrupt deletes the file or folder.
 pub(crate) struct Guard {
     registry: &'static Registry,
     path: PathBuf,
@@ -78,13 +78,13 @@ pub(crate) fn create<T: AsRef<Path>>(make: impl FnOnce() -> io::Result<T>) -> io
     TEMPORARY.create(make)
 }
 
-/// Does what an interrupt must not find half done. It must make nothing by [`create`] and drop no [`Guard`].
+/// Does work that an interrupt must not split. The work must not call [`create`] or drop a [`Guard`]: it would wait for itself.
 pub(crate) fn uninterrupted<T>(work: impl FnOnce() -> T) -> T {
     let _held = TEMPORARY.lock();
     work()
 }
 
-/// Installs the handler; without one (no signals on the platform) the system's default stays.
+/// Installs the handler. If that fails (no signals on the platform), the system's default stays.
 pub(crate) fn install() {
     let installed = ctrlc::set_handler(|| {
         let _held = TEMPORARY.tidy_up();
@@ -104,7 +104,7 @@ mod tests {
 
     use super::*;
 
-    /// An interrupt between the making of a file and its registration left the file behind.
+    /// Regression: an interrupt between the creation of a file and its registration left the file behind.
     #[test]
     fn an_interrupt_that_comes_with_the_file_deletes_it() {
         static REGISTRY: Registry = Registry(Mutex::new(Vec::new()));
@@ -119,7 +119,7 @@ mod tests {
             .create(|| {
                 std::fs::write(&path, "half")?;
                 made.send(()).unwrap();
-                // Time for a handler that does not wait.
+                // Give a handler that does not wait enough time to run.
                 std::thread::sleep(Duration::from_millis(50));
                 Ok(path.clone())
             })
@@ -140,7 +140,8 @@ mod tests {
         assert!(path.exists());
     }
 
-    /// A folder stayed, because the main thread made another file in it between the deletion of its files and its own.
+    /// Regression: a folder remained, because the main thread made another file in it after its files were deleted and before
+    /// the folder itself was.
     #[test]
     fn nothing_new_is_made_in_a_folder_that_is_being_deleted() {
         let parent = tempfile::tempdir().unwrap();
@@ -153,7 +154,7 @@ mod tests {
         assert_eq!(std::fs::read_dir(parent.path()).unwrap().count(), 0);
     }
 
-    /// A function that ended early told the handler to forget its folder before it deleted it.
+    /// Regression: a function that ended early unregistered its folder before it deleted the folder.
     #[test]
     fn a_folder_is_registered_until_it_is_deleted() {
         static REGISTRY: Registry = Registry(Mutex::new(Vec::new()));

@@ -49,7 +49,7 @@ pub use standard_output::hand_over_standard_output;
 pub use statistics::Statistics;
 pub use words::counted;
 
-// What stages write their messages with, so that they need no logging crate of their own.
+// Re-exported so that stages need no crates of their own for messages and progress.
 pub use indicatif::ProgressBar;
 pub use posecut_graph::LONGEST_LINE;
 pub use posecut_random::{ChaCha8Rng, rand, random};

@@ -1,11 +1,11 @@
-//! Lines of text files, none longer than memory should hold.
+//! Lines of text files, with a limit on their length.
 
 use std::io::{self, BufRead, Read as _};
 
 use posecut_graph::LONGEST_LINE;
 
-/// The lines of a text without their ends, like [`BufRead::lines`], but a line above [`LONGEST_LINE`] is an error: a file
-/// without line ends would otherwise be taken into memory whole. Nothing follows an error.
+/// The lines of a text without their ends, like [`BufRead::lines`]. A line above [`LONGEST_LINE`] is an error, because a file
+/// without line ends would otherwise fill memory. The iterator ends after an error.
 pub fn bounded_lines(mut reader: impl BufRead) -> impl Iterator<Item = io::Result<String>> {
     let mut failed = false;
     std::iter::from_fn(move || {

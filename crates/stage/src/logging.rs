@@ -13,7 +13,7 @@ use tracing_subscriber::{Layer as _, registry};
 
 use crate::{CommonArguments, doubt};
 
-/// `posecut-pcm: warning: …`, as command-line tools speak.
+/// Formats messages like other command-line tools: `posecut-pcm: warning: …`.
 struct CommandLine {
     program: &'static str,
 }
@@ -49,7 +49,7 @@ pub(crate) fn install(program: &'static str, common: &CommonArguments) {
         LevelFilter::INFO
     };
     let filter = Targets::new().with_default(level).with_target(doubt::TARGET, level.max(LevelFilter::WARN));
-    // A second subscriber in one process (tests) is no fault: the first one stays.
+    // A second subscriber in one process (tests) is no error: the first one stays.
     let messages = tracing_subscriber::fmt::layer()
         .with_writer(std::io::stderr)
         .event_format(CommandLine { program })

@@ -1,4 +1,4 @@
-//! Writing so that a file appears whole or not at all.
+//! Writing a file so that it appears completely or not at all.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -11,8 +11,8 @@ use tempfile::TempPath;
 use crate::closing::{close, close_standard_output};
 use crate::{Target, interrupt, standard_output};
 
-/// Writes to a target: a file through a temporary neighbour that takes its name at the end, standard output
-/// or a device directly.
+/// Writes to a target. A file is written under a temporary name beside its path and renamed at the end; standard output and
+/// devices are written directly.
 pub fn write_output(
     target: &Target,
     write: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>,
@@ -29,14 +29,13 @@ pub fn write_output(
     }
 }
 
-/// Writes a file; a name ending in `.gz` is compressed. On any failure the old file, if there was one,
-/// stays as it was and no new one is left.
+/// Writes a file, compressed if its name ends in `.gz`. On any failure an old file does not change, and no new file remains.
 pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let place = || format!("{}: cannot be written, and nothing was left there", path.display());
-    // A link keeps pointing where it pointed; a device or pipe cannot be replaced by a file.
+    // Follow a link, so that it keeps its target. Write to a device or pipe directly: a file cannot replace it.
     let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     if fs::metadata(&real).is_ok_and(|metadata| !metadata.is_file()) {
         let device = || format!("{}: cannot be written", path.display());
@@ -70,9 +69,9 @@ pub fn write_atomically(
     Ok(())
 }
 
-/// Gives a temporary file its name.
+/// Renames a temporary file to its final name.
 fn take_name(temporary: TempPath, name: &Path) -> io::Result<()> {
-    // By the standard library, whose calls tests can make fail.
+    // Rename by the standard library, because tests can make its calls fail.
     #[cfg(unix)]
     {
         let mut temporary = temporary;
@@ -91,7 +90,7 @@ fn fill<W: Write>(
 ) -> anyhow::Result<W> {
     let mut writer = BufWriter::with_capacity(1 << 17, file);
     if compress {
-        // No name and no time in the gzip header: the same content gives the same bytes.
+        // Keep name and time out of the gzip header, so that the same content gives the same bytes.
         let mut encoder = GzBuilder::new().write(writer, Compression::default());
         write(&mut encoder)?;
         writer = encoder.finish()?;

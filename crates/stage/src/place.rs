@@ -1,28 +1,28 @@
-//! Where a program stands among the others.
+//! The position of a program in lists of programs.
 
 use serde::{Deserialize, Serialize};
 
-/// What a program is for. The order is that of a pipeline, and of `posecut help`.
+/// The purpose of a program. The order is that of a pipeline and of `posecut help`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Phase {
-    /// It makes graphs, or converts them.
+    /// The program makes or converts graphs.
     Graphs,
-    /// It decides which landmark edges are wrong.
+    /// The program decides which landmark edges are wrong.
     Judgement,
-    /// It finds poses.
+    /// The program estimates poses.
     Optimisation,
-    /// It measures results and shows them.
+    /// The program measures or shows results.
     Results,
-    /// It runs or checks other programs.
+    /// The program runs or checks other programs.
     Runs,
 }
 
 impl Phase {
-    /// All of them, in order.
+    /// All phases, in order.
     pub const ALL: [Self; 5] = [Self::Graphs, Self::Judgement, Self::Optimisation, Self::Results, Self::Runs];
 
-    /// The heading of its programs.
+    /// The heading above the programs of this phase.
     pub const fn heading(self) -> &'static str {
         match self {
             Self::Graphs => "Make and convert graphs",
@@ -34,21 +34,21 @@ impl Phase {
     }
 }
 
-/// The place of a program in lists: its phase, then its number in the phase, then its name.
+/// The position of a program in lists: its phase and its number in the phase. Lists sort by both, then by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Place(pub Phase, pub u8);
 
-/// What a program says of itself to programs: `posecut-STAGE --generate description`, one line of JSON.
+/// The machine-readable description of a program: `posecut-STAGE --generate description` prints it as one line of JSON.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Description {
     /// The name without `posecut-`.
     pub name: String,
     /// The version.
     pub version: String,
-    /// One sentence on what it does.
+    /// One sentence that says what the program does.
     pub about: String,
-    /// What it is for.
+    /// The purpose of the program.
     pub phase: Phase,
-    /// Its number in the phase.
+    /// The number of the program in its phase.
     pub order: u8,
 }

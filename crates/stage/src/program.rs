@@ -19,9 +19,9 @@ pub struct Identity {
     pub name: &'static str,
     /// Its version.
     pub version: &'static str,
-    /// One sentence on what it does.
+    /// One sentence that says what the program does.
     pub about: &'static str,
-    /// Where it stands in lists of programs.
+    /// The position in lists of programs.
     pub place: Place,
 }
 
@@ -32,16 +32,16 @@ impl Identity {
     }
 }
 
-/// How a program that did its work ended.
+/// The outcome of a program that did its work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// Exit status 0; with `--strict` and doubts, 3.
     Done,
-    /// Exit status 1: the program worked, and what it checked does not hold.
+    /// Exit status 1: the program worked, but its check failed.
     CheckFailed,
 }
 
-/// Runs a program that raises no doubts: reads its command line, does `body`, writes `--stats`, and turns errors into a
+/// Runs a program that raises no doubts: parses its command line, calls `body`, and writes `--stats`. An error becomes one
 /// sentence on standard error and exit status 2.
 pub fn run<A: CommandFactory + FromArgMatches>(
     identity: Identity,
@@ -51,7 +51,7 @@ pub fn run<A: CommandFactory + FromArgMatches>(
     run_with_doubts(identity, &[], common, body)
 }
 
-/// The same for a program that may raise these doubts about its result.
+/// Like [`run`], for a program that may raise these doubts about its result.
 pub fn run_with_doubts<A: CommandFactory + FromArgMatches>(
     identity: Identity,
     doubts: &[Doubt],
@@ -96,8 +96,8 @@ pub fn fail(program: &str, sentence: &str) -> ExitCode {
     ExitCode::from(2)
 }
 
-/// Prints an answer such as help to standard output. Whoever closes the pipe has seen enough; everything else that fails
-/// is an error.
+/// Prints an answer such as help to standard output. A closed pipe is no error, because the reader has seen enough; any
+/// other failure is.
 pub fn answer(program: &str, print: impl FnOnce() -> io::Result<()>) -> ExitCode {
     match standard_output::check()
         .and_then(|()| print())
@@ -120,7 +120,7 @@ fn execute<A>(
     context.bound_threads();
     threads::start(context.threads())?;
     let outcome = match body(arguments, context) {
-        // Whoever reads the pipe has seen enough. The work is done, and its summary is wanted all the same.
+        // The reader of the pipe has seen enough, which is no error. The user still wants the summary.
         Err(error) if is_closed_pipe(&error) => {
             context.statistics.note("output_closed", true);
             Outcome::Done

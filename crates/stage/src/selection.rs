@@ -1,10 +1,10 @@
-//! What stages have in common that keep a part of the candidates of each pair of chains.
+//! Shared code of the stages that keep some of the candidates in each pair of chains.
 
 use posecut_graph::PoseGraph;
 
 use crate::{Context, Doubt, counted, warn};
 
-/// How many landmark edges there were, and how many were kept.
+/// The numbers of landmark edges before and after the selection.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
     /// Pairs of chains that landmark edges join.
@@ -15,12 +15,12 @@ pub struct Selection {
     pub unmeasured: usize,
     /// Landmark edges that an earlier stage has rejected.
     pub rejected_before: usize,
-    /// Landmark edges that are left.
+    /// Landmark edges that were kept.
     pub kept: usize,
 }
 
 impl Selection {
-    /// Marks the edges of a group whose places among `edges` are not in `kept`, which ascends, as rejected by `stage`.
+    /// Marks edges of a group as rejected by `stage`, except those at the positions `kept` among `edges`. `kept` must ascend.
     pub fn keep(
         &mut self,
         graph: &mut PoseGraph,
@@ -37,7 +37,7 @@ impl Selection {
         }
     }
 
-    /// Notes the counts, warns of edges that could not be tested, and doubts a result that keeps nothing.
+    /// Notes the counts, warns of edges that could not be tested, and raises a doubt if no edge is kept.
     pub fn note(&self, context: &mut Context) {
         if self.unmeasured > 0 {
             warn!(

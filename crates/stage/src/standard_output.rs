@@ -1,4 +1,4 @@
-//! Standard output, whose failures count: a full device or a closed descriptor must not look like success.
+//! Errors of standard output: a full device or a closed descriptor must not look like success.
 
 use std::io;
 #[cfg(target_os = "linux")]
@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 #[cfg(target_os = "linux")]
 static CLOSED: AtomicBool = AtomicBool::new(false);
 
-/// Runs before the standard library, which opens /dev/null in place of a closed descriptor, where results vanish.
+/// Runs before the standard library starts. The library opens /dev/null in place of a closed descriptor, so results would vanish.
 #[cfg(target_os = "linux")]
 #[used]
 #[expect(
@@ -36,11 +36,11 @@ pub(crate) fn check() -> io::Result<()> {
     Ok(())
 }
 
-/// Before another program takes the place of this one: gives it a standard output that is closed where this one's was.
+/// Closes standard output again if it was closed at the start. Call it before another program replaces this one.
 pub fn hand_over_standard_output() {
     #[cfg(target_os = "linux")]
     if CLOSED.load(Ordering::Relaxed) {
-        // In its place lies /dev/null, which would take what the program writes.
+        // Descriptor 1 is /dev/null now, which would swallow the output of the next program.
         let _ = nix::unistd::close(1);
     }
 }

@@ -8,8 +8,8 @@ use serde_json::{Map, Value};
 pub struct Statistics(Map<String, Value>);
 
 impl Statistics {
-    /// Notes a figure; a second note of the same name replaces the first. NaN and infinity become `null`,
-    /// which is JSON's word for "no number".
+    /// Notes a figure; a second note of the same name replaces the first. NaN and infinity become `null`, because JSON has no
+    /// number for them.
     pub fn note(&mut self, name: &str, value: impl Serialize) {
         let value = serde_json::to_value(value).unwrap_or(Value::Null);
         self.0.insert(name.to_owned(), value);

@@ -1,4 +1,4 @@
-//! Errors of the command line, in the shape of all other errors: one sentence with cause and remedy.
+//! Errors of the command line. Like all other errors they are one sentence with cause and remedy.
 
 use std::process::ExitCode;
 
@@ -7,7 +7,7 @@ use clap::error::ErrorKind;
 
 use crate::program::{answer, fail};
 
-/// Prints help or the version, or what is wrong with a command line.
+/// Prints help, the version, or the error in a command line.
 pub(crate) fn end(program: &str, command: &Command, error: &clap::Error) -> ExitCode {
     if error.use_stderr() {
         return fail(program, &format!("{}; {program} --help shows what it takes", sentence(command, error)));
@@ -15,7 +15,7 @@ pub(crate) fn end(program: &str, command: &Command, error: &clap::Error) -> Exit
     answer(program, || error.print())
 }
 
-/// What clap says in several paragraphs, in one line: the cause and its suggestions, without usage.
+/// Shortens clap's message of several paragraphs to one line: the cause and its suggestions, without usage.
 fn sentence(command: &Command, error: &clap::Error) -> String {
     if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         let tasks: Vec<&str> =

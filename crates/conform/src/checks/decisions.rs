@@ -1,4 +1,4 @@
-//! How a program decides.
+//! Checks on the decisions of a program.
 
 use std::collections::BTreeSet;
 use std::thread;
@@ -10,7 +10,7 @@ use super::{Bench, Check, Verdict, graph_of, must};
 use crate::report::Level;
 use crate::sample;
 
-/// Runs some of which must fall into different seconds.
+/// The number of runs. Some of them must fall into different seconds.
 const RUNS: usize = 3;
 const BETWEEN_RUNS: Duration = Duration::from_millis(600);
 
@@ -82,7 +82,7 @@ fn blind(bench: &Bench<'_>, change: fn(&mut PoseGraph)) -> anyhow::Result<Verdic
     let mut graph = bench.graph.clone();
     change(&mut graph);
     let run = bench.program.run(&[], &sample::bytes(&graph)?)?;
-    // What the truth says, and the digest of an input that differs, may differ.
+    // Ignore the truth and the provenance (which has the digest of the input), because these may differ.
     let decided = |mut graph: PoseGraph| {
         graph.nodes.iter_mut().for_each(|node| node.truth = None);
         graph.edges.iter_mut().for_each(|edge| edge.truth = None);

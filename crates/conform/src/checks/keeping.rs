@@ -1,4 +1,4 @@
-//! What a program must leave as it is.
+//! Checks on what a program must not change.
 
 use std::collections::BTreeMap;
 
@@ -109,7 +109,7 @@ fn numbers(bench: &Bench<'_>) -> Verdict {
     Ok(())
 }
 
-/// Every field of `before` is in `after`, unchanged.
+/// Checks that every field of `before` is in `after`, unchanged.
 fn kept(place: &str, before: &Extra, after: Option<&Extra>) -> Verdict {
     for (field, value) in before {
         must(after.and_then(|after| after.get(field)) == Some(value), || {
@@ -134,7 +134,7 @@ fn unknown_fields(bench: &Bench<'_>) -> Verdict {
     }
     let after: BTreeMap<u64, &Edge> = output.edges.iter().map(|edge| (edge.id, edge)).collect();
     for before in &bench.graph.edges {
-        // An edge that is missing is the finding of another check.
+        // Another check reports a missing edge.
         let Some(after) = after.get(&before.id) else { continue };
         kept(&before.name(), &before.extra, Some(&after.extra))?;
         let empty = Extra::new();
@@ -146,7 +146,7 @@ fn unknown_fields(bench: &Bench<'_>) -> Verdict {
 
 fn unknown_kinds(bench: &Bench<'_>) -> Verdict {
     let output = bench.output()?;
-    // Spaces and the spelling of numbers are the writer's own affair.
+    // Compare values, because a writer may choose spaces and the notation of numbers.
     let values = |graph: &PoseGraph| -> Vec<Option<Value>> {
         graph.unknown.iter().map(|line| serde_json::from_str(line).ok()).collect()
     };

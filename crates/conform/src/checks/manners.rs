@@ -1,4 +1,4 @@
-//! How a program behaves among others.
+//! Checks on how a program behaves among others.
 
 use super::{Bench, Check, Verdict, must};
 use crate::report::Level;

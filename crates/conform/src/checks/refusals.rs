@@ -1,4 +1,4 @@
-//! What a program must refuse, and how.
+//! Checks on what a program must refuse, and how.
 
 use anyhow::Context as _;
 use posecut_stage::write_atomically;
@@ -106,7 +106,7 @@ pub(super) const CHECKS: &[Check] = &[
     },
 ];
 
-/// Exit status 2, a message, nothing on standard output; with -o, the old file as it was and nothing beside it.
+/// Demands exit status 2, a message and nothing on standard output; with -o, an unchanged old file and no other files.
 fn refused(bench: &Bench<'_>, input: &[u8]) -> anyhow::Result<Verdict> {
     let run = bench.program.run(&[], input)?;
     if run.status != Some(2) {

@@ -1,4 +1,4 @@
-//! Where a program reads from and writes to.
+//! Checks on where a program reads from and writes to.
 
 use super::{Bench, Check, Verdict, graph_of, must};
 use crate::report::Level;
@@ -63,7 +63,7 @@ pub(super) const CHECKS: &[Check] = &[
     },
 ];
 
-/// The bytes of the first run come out again.
+/// Demands the same output as that of the first run.
 fn same(bench: &Bench<'_>, arguments: &[&str], input: &[u8]) -> anyhow::Result<Verdict> {
     let run = bench.program.run(arguments, input)?;
     Ok(if run.succeeded() {
@@ -97,7 +97,7 @@ fn pipeline_options(bench: &Bench<'_>) -> anyhow::Result<Verdict> {
     }
     let Ok(text) = std::fs::read(&stats) else { return Ok(Err("--stats left no file".to_owned())) };
     let object = serde_json::from_slice::<serde_json::Value>(&text).ok().filter(serde_json::Value::is_object);
-    // What it doubts it says with --quiet, too.
+    // With --quiet a program still prints its doubts.
     let doubts = object.as_ref().and_then(|object| object.get("doubts")?.as_array());
     let may_speak = doubts.is_some_and(|doubts| !doubts.is_empty());
     Ok(must(object.is_some(), || "what --stats left is no JSON object".to_owned())

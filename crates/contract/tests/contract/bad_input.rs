@@ -1,11 +1,11 @@
-//! What cannot be right is refused with exit status 2 and a sentence naming place and remedy, and no file is
-//! touched.
+//! Tests that programs refuse impossible input with exit status 2 and a sentence that names position and remedy, and that
+//! they change no file.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use posecut_contract::{run, samples};
 
-/// The programs that read pose graphs from standard input, with the subcommand that does.
+/// The programs that read pose graphs from standard input, with the subcommand if there is one.
 const READERS: &[&str] = &[
     "construct",
     "densest",
@@ -28,7 +28,7 @@ const HEADER: &str = r#"{"kind":"header","format":"posecut","version":1,"dimensi
 const NODES: &str = r#"{"kind":"node","id":0,"session":"a","frame":0,"pose":[0,0,0]}
 {"kind":"node","id":1,"session":"b","frame":0,"pose":[1,0,0]}"#;
 
-/// A fault, the text that has it, and what the message must say.
+/// Each error with a text that contains it and the words that the message must contain.
 #[expect(clippy::too_many_lines, reason = "a list")]
 fn faults() -> Vec<(&'static str, String, &'static [&'static str])> {
     let with = |rest: &str| format!("{HEADER}\n{NODES}\n{rest}\n");
@@ -122,7 +122,7 @@ fn faults() -> Vec<(&'static str, String, &'static [&'static str])> {
             format!("{HEADER}\n{{\"kind\":\"node\",\"id\":0,\"id\":1}}\n"),
             &["line 2", "\"id\"", "twice"],
         ),
-        // Two kinds: other readers go by the last one.
+        // Two kinds: other readers would use the last one.
         (
             "twice the kind",
             format!("{HEADER}\n{{\"kind\":\"node\",\"id\":0,\"kind\":7}}\n"),
@@ -133,7 +133,7 @@ fn faults() -> Vec<(&'static str, String, &'static [&'static str])> {
             with(r#"{"kind":"gps","at":[1,2],"kind":"node"}"#),
             &["line 4", "`kind`"],
         ),
-        // Other programs read infinity, and write what is no JSON.
+        // Other programs would read this as infinity and then write invalid JSON.
         (
             "infinity in a record that passes through",
             with(r#"{"kind":"gps","at":[1,-1e309]}"#),

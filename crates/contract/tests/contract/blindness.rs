@@ -1,4 +1,4 @@
-//! Stages that estimate do not look at the truth, and all stages keep what they do not know.
+//! Tests that stages that estimate do not read the truth, and that all stages keep unknown fields and records.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -15,7 +15,7 @@ fn stages() -> impl Iterator<Item = &'static str> {
     ESTIMATING.iter().copied().chain(["oracle"])
 }
 
-/// A sample that a stage takes: re-admission needs the optimiser's marginals.
+/// The sample for a stage: re-admission needs the optimiser's marginals.
 fn sample(stage: &str) -> Vec<u8> {
     samples().bytes(if stage == "readmit" { "marginals.jsonl" } else { "graph.jsonl" })
 }
@@ -33,7 +33,7 @@ fn without_truth(bytes: &[u8]) -> Vec<u8> {
     stripped
 }
 
-/// The same but for the digest of the input, which must differ.
+/// The graph without its provenance, because the digest of the input must differ.
 fn without_provenance(bytes: &[u8]) -> Vec<u8> {
     let mut graph = read(bytes);
     graph.header.provenance.clear();
@@ -96,7 +96,7 @@ fn stages_mark_edges_and_never_remove_them() {
         let after = read(&succeed(name, &[], &sample(name)));
         let ids = |graph: &PoseGraph| graph.edges.iter().map(|edge| edge.id).collect::<Vec<_>>();
         assert_eq!(ids(&before), ids(&after), "{name}");
-        // Re-admission goes on with the decisions of PCM.
+        // Re-admission keeps the marks of PCM.
         let own = if name == "readmit" { "pcm" } else { name };
         let own_marks =
             after.edges.iter().all(|edge| edge.rejected_by.as_deref().is_none_or(|mark| mark == own));

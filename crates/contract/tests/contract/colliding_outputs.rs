@@ -1,10 +1,10 @@
-//! No program writes two of its outputs to one file.
+//! Tests that no program writes two of its outputs to one file.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use posecut_contract::{run, samples};
 
-/// The consistency graph took the place of the graph, and the graph that of the consistency graph, without a word.
+/// Regression: the graph and the consistency graph silently overwrote each other.
 #[test]
 fn files_beside_the_result_may_be_neither_it_nor_the_statistics() {
     let folder = tempfile::tempdir().unwrap();
@@ -30,7 +30,7 @@ fn files_beside_the_result_may_be_neither_it_nor_the_statistics() {
         }
         let dash = run(name, &[input, options, &["-"]].concat(), b"");
         assert_eq!(dash.status.code(), Some(2), "{name}");
-        // That it cannot be written was only found when the work was done, and the summary printed.
+        // Regression: the program noticed that it could not write the file only after the work, when the summary was printed.
         let here = folder.path().to_str().unwrap();
         let into_folder = run(name, &[input, options, &[here]].concat(), b"");
         let said = String::from_utf8_lossy(&into_folder.stderr);

@@ -1,4 +1,4 @@
-//! The stages of this workspace under the check that other people's stages are held to.
+//! Runs posecut-conform, the check for other people's stages, on the stages of this workspace.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

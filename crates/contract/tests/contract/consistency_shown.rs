@@ -1,4 +1,4 @@
-//! The consistency matrix that reports show is the graph that PCM decided on, whatever its options.
+//! Tests that reports show the consistency graph on which PCM decided, with any options.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -9,7 +9,7 @@ use posecut_contract::{samples, succeed};
 use posecut_graph::PoseGraph;
 use posecut_report::consistency::matrix;
 
-/// Pairs of edge ids that a DIMACS file joins.
+/// The pairs of edge ids that a DIMACS file connects.
 fn pairs(dimacs: &str) -> BTreeSet<(u64, u64)> {
     let words: Vec<Vec<&str>> = dimacs.lines().map(|line| line.split(' ').collect()).collect();
     let number = |word: &str| word.parse::<u64>().unwrap();

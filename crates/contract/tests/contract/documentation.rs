@@ -1,4 +1,4 @@
-//! What is written about the programs is what they say of themselves.
+//! Tests that the documents about the programs equal their generated documentation.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

@@ -8,7 +8,8 @@ use std::sync::OnceLock;
 
 use posecut_contract::samples;
 
-/// A chain of nodes one metre apart, without the odometry from the nodes in `gaps`, and landmark edges from, to and along x.
+/// A chain of nodes one metre apart, without the odometry that starts at the nodes in `gaps`. A landmark edge is given by its
+/// two nodes and its translation along x.
 pub(crate) fn chain(nodes: u64, gaps: &[u64], landmarks: &[(u64, u64, f64)]) -> String {
     let mut text = header("[100,0,0,100,0,400]");
     for node in 0..nodes {
@@ -39,7 +40,7 @@ fn header(information: &str) -> String {
     )
 }
 
-/// The same graph without any information about rotations.
+/// The same graph with zero information about rotations.
 fn without_rotations(graph: &str) -> String {
     graph.replace("[100,0,0,100,0,400]", "[100,0,0,100,0,0]")
 }
@@ -53,7 +54,7 @@ fn fixed(graph: &str, nodes: &[u64]) -> String {
     text
 }
 
-/// All pairs of 16 nodes with costs of both signs: no bound closes without branching.
+/// All pairs of 16 nodes with costs of both signs. Lower and upper bound do not meet without branching.
 fn costs() -> impl Iterator<Item = (i64, i64, i64)> {
     let pairs = (0..16_i64).flat_map(|i| (i + 1..16).map(move |j| (i, j)));
     pairs.map(|(i, j)| {
@@ -78,7 +79,7 @@ fn frustrated_instance() -> String {
     format!("MULTICUT\n{}", lines.concat())
 }
 
-/// Two chains in space and many candidates between them that disagree somewhat: the largest clique takes branching.
+/// Two chains in space and many candidates between them that disagree slightly, so that the largest clique needs branching.
 fn cliques() -> String {
     let information = "[100,0,0,0,0,0,100,0,0,0,0,100,0,0,0,400,0,0,400,0,400]";
     let mut text = header(information).replace("\"dimension\":2", "\"dimension\":3");
@@ -108,14 +109,15 @@ fn cliques() -> String {
     text
 }
 
-/// Two chains and a candidate between each two of their nodes, 4225 in as many cells.
+/// Two chains with a candidate between each pair of their nodes: 4225 candidates in as many cells.
 fn crowd() -> String {
     let pairs =
         (0..65_u64).flat_map(|from| (65..130_u64).map(move |to| (from, to, (to - 65) as f64 - from as f64)));
     chain(130, &[64], &pairs.collect::<Vec<_>>())
 }
 
-/// A walk that nearly only measures distances, and landmark edges that contradict it in some directions and hardly weigh in others.
+/// A walk whose odometry measures little more than distances. Its landmark edges contradict it in some directions and have
+/// hardly any information in others.
 fn tangle() -> String {
     let mut draw = draws(1);
     let mut text = header("[1,0,0,1,0,0.001]");
@@ -140,7 +142,7 @@ fn tangle() -> String {
     text
 }
 
-/// Numbers between 0 and 1, the same ones for a seed.
+/// Numbers between 0 and 1, determined by a seed.
 fn draws(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;
     move || {

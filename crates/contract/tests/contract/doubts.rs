@@ -1,4 +1,4 @@
-//! A result that should not be believed says so: on standard error, in `--stats`, in the provenance, and by the exit status.
+//! Tests that a doubtful result is reported on standard error, in `--stats`, in the provenance and by the exit status.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -16,7 +16,7 @@ use crate::table::streams;
 struct Case {
     program: &'static str,
     doubt: &'static str,
-    /// Files in braces are those of `doubtful_inputs.rs`, or samples.
+    /// Names in braces are files of `doubtful_inputs.rs`, or samples.
     arguments: &'static [&'static str],
 }
 
@@ -56,7 +56,7 @@ const CASES: &[Case] = &[
     case("multicut", "search-limit", &["{frustrated.jsonl}", "--costs", "field", "--solver", "gaec"]),
     case("optimize", "non-finite-cost", &["{huge.jsonl}", "--gnc"]),
     case("optimize", "not-certified", &["{fixed.jsonl}", "--certify"]),
-    // The input is optimised, and has poses of lower cost than the start.
+    // The input is optimised, so its poses have a lower cost than the start.
     case(
         "optimize",
         "not-certified",
@@ -71,7 +71,7 @@ const CASES: &[Case] = &[
     case("pcm", "calibration-on-prior", &["{right.jsonl}", "--scale", "auto"]),
     case("pcm", "nothing-kept", &["{wrong.jsonl}"]),
     case("pcm", "search-limit", &["{cliques.jsonl}", "--work-limit", "1"]),
-    // The limit ends the search among hypotheses, or more cells than hypotheses may be are occupied.
+    // The limit ends the search among hypotheses, or there are more occupied cells than allowed hypotheses.
     case(
         "pcm",
         "search-limit",
@@ -88,7 +88,7 @@ const CASES: &[Case] = &[
     case("voting", "nothing-kept", &["{wrong.jsonl}"]),
 ];
 
-/// Programs that raise no doubts: they make or select data, know the truth, or answer about the work of others.
+/// Programs that raise no doubts: they make or select data, know the truth, or report on other programs' results.
 const WITHOUT: &[&str] =
     &["conform", "densest", "experiment", "inspect", "label", "oracle", "report", "simulate"];
 
@@ -97,7 +97,7 @@ impl Case {
         format!("posecut-{} {}: {}", self.program, self.arguments.join(" "), self.doubt)
     }
 
-    /// Runs it: exit status, standard error, output, statistics.
+    /// Runs the command; returns exit status, standard error, output and statistics.
     fn run(&self, more: &[&str]) -> (Option<i32>, String, Vec<u8>, Value) {
         let folder = tempfile::tempdir().unwrap();
         let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
@@ -125,14 +125,14 @@ fn names(list: &Value) -> Vec<String> {
     list.as_array().unwrap().iter().map(|name| name.as_str().unwrap().to_owned()).collect()
 }
 
-/// The doubts of the last stage in a graph's history.
+/// The doubts of the last stage in a graph's provenance.
 fn signed(graph: &[u8]) -> Vec<String> {
     let header = graph.split(|&byte| byte == b'\n').next().unwrap();
     let header: Value = serde_json::from_slice(header).unwrap();
     header["provenance"].as_array().unwrap().last().unwrap().get("doubts").map_or_else(Vec::new, names)
 }
 
-/// The doubts that a program says it may raise.
+/// The doubts that a program declares.
 fn declared(program: &str) -> BTreeSet<String> {
     generated(&posecut_contract::program(program), "doubts").unwrap().lines().map(str::to_owned).collect()
 }
@@ -159,7 +159,7 @@ fn a_doubtful_result_says_so_and_fails_with_strict_alone() {
         let (status, _, again, strictly) = case.run(&["--strict"]);
         assert_eq!((status, &again), (Some(3), &output), "{name}: --strict");
         assert_eq!(strictly["doubts"], stats["doubts"], "{name}");
-        // Neither a result nor labels have a history.
+        // The outputs of these programs have no provenance.
         if !["evaluate", "partition"].contains(&case.program) {
             assert_eq!(signed(&output), doubts, "{name}: provenance");
         }
@@ -185,7 +185,7 @@ fn every_doubt_of_every_program_has_a_case_and_all_others_have_none() {
     assert_eq!(tried.len(), programs().len(), "a program of the table does not exist");
 }
 
-/// The rows of docs/doubts.md: a doubt in backquotes, then the programs that raise it.
+/// Checks the rows of docs/doubts.md: a doubt in backquotes, then the programs that raise it.
 #[test]
 fn the_page_of_doubts_names_the_programs_of_each() {
     let page = std::fs::read_to_string(workspace().join("docs/doubts.md")).unwrap();
@@ -226,7 +226,7 @@ fn without_candidates_there_is_nothing_to_doubt() {
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// Found by a start whose cost is zero within rounding, which exactly zero was taken to be lower than.
+/// Regression: the cost of this start is zero up to rounding, and a cost of exactly zero counted as lower.
 #[test]
 fn costs_that_differ_by_rounding_are_no_local_minimum() {
     let arguments = ["-q", "--initialisation", "chordal", "--max-iterations", "0", &path("right.jsonl")];
@@ -252,7 +252,7 @@ fn doubts_stay_in_the_history_and_strict_is_about_one_run() {
 
 #[test]
 fn strict_of_a_validation_is_about_warnings() {
-    // Nothing joins the two components of this graph, which the validator warns of.
+    // The two components of this graph are not connected, and the validator warns of that.
     let lonely = path("apart.jsonl");
     let status = |more: &[&str]| run("inspect", &[&["validate", &lonely], more].concat(), b"").status.code();
     assert_eq!(status(&[]), Some(0));

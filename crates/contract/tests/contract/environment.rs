@@ -1,4 +1,4 @@
-//! Environment variables with hostile values are ignored, or end in a sentence: docs/environment.md lists them.
+//! Tests that environment variables with hostile values are ignored or give one sentence. docs/environment.md lists them.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![cfg(unix)]
@@ -12,8 +12,8 @@ use posecut_contract::{program, workspace};
 use crate::table::streams;
 use posecut_contract::registry::{Row, table};
 
-/// What the programs and their libraries read. Of RAYON_RS_NUM_CPUS, 2^64 - 1 threads were started until memory was full; with an
-/// impossible RUST_MIN_STACK no thread could be started, and programs panicked.
+/// The variables that the programs and their libraries read. Regressions: with RAYON_RS_NUM_CPUS = 2^64 - 1, threads were started
+/// until memory was full; with an impossible RUST_MIN_STACK no thread could be started, and programs panicked.
 const VARIABLES: &[&str] = &[
     "RAYON_NUM_THREADS",
     "RAYON_RS_NUM_CPUS",
@@ -77,15 +77,15 @@ fn ignored_or_refused(row: &Row, variables: &[&str], value: &OsStr, usual: &[u8]
 
 #[test]
 fn hostile_variables_are_ignored_or_end_in_a_sentence() {
-    // posecut-conform waits for what it checks.
+    // Skip posecut-conform: it waits for the program that it checks.
     for row in streams().filter(|row| row.name != "conform") {
         let usual = run(row, &[], OsStr::new("")).stdout;
         for value in hostile() {
-            // All at once: a difference says in which program to look.
+            // Set all variables at once: a failure names the program, which is enough to search further.
             ignored_or_refused(row, VARIABLES, &value, &usual);
         }
     }
-    // One by one, so that none hides another.
+    // Set variables one by one, so that none hides another.
     for row in table().iter().filter(|row| row.name == "experiment" || row.name == "pcm") {
         let usual = run(row, &[], OsStr::new("")).stdout;
         for variable in VARIABLES {
@@ -96,7 +96,7 @@ fn hostile_variables_are_ignored_or_end_in_a_sentence() {
     }
 }
 
-/// The help is broken at the width that COLUMNS says.
+/// The help is wrapped at the width in COLUMNS.
 #[test]
 fn help_is_whole_at_any_width() {
     for row in table() {
@@ -120,7 +120,7 @@ fn conform_needs_a_folder_for_temporary_files() {
     }
 }
 
-/// A variable that a program reads by name stands in the document.
+/// The document lists every variable that a program reads by name.
 #[test]
 fn the_document_has_every_variable() {
     let document = std::fs::read_to_string(workspace().join("docs/environment.md")).unwrap();

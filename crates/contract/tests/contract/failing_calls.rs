@@ -1,4 +1,4 @@
-//! Every call by which a program writes may fail: the program says so, and leaves whole files or none.
+//! Tests the failure of every call by which a program writes: the program reports it and leaves complete files or none.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![cfg(unix)]
@@ -19,7 +19,7 @@ use folder::{Files, copy, files};
 use judging::wrong;
 use posecut_contract::{program, samples};
 
-/// What a call fails with, by turns.
+/// The errors with which calls fail, in turn.
 const ERRORS: [(i32, &str); 3] =
     [(28, "No space left on device"), (5, "Input/output error"), (122, "Disk quota exceeded")];
 
@@ -28,15 +28,15 @@ const EINTR: i32 = 4;
 /// How a call goes wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fault {
-    /// With an error; `on`: every later call that needs space, too.
+    /// The call fails with an error. With `on`, every later call that needs space fails too.
     Error { errno: i32, said: &'static str, on: bool },
-    /// By a signal, once: the call is to be repeated.
+    /// A signal interrupts the call once. The program must repeat the call.
     Interrupted,
-    /// It writes half of what it was given: the rest is to be written by another call.
+    /// The call writes half of its bytes. The program must write the rest with another call.
     Short,
 }
 
-/// The library that makes calls fail, built with the tests; `None` where there is none for the system.
+/// The library that makes calls fail, built with the tests; `None` if the system does not support it.
 fn library() -> Option<PathBuf> {
     if !cfg!(all(target_os = "linux", target_pointer_width = "64")) {
         return None;
@@ -46,7 +46,7 @@ fn library() -> Option<PathBuf> {
     Some(path)
 }
 
-/// A run: how it ended, the files of its folder, what went to standard output, and its calls.
+/// A run: how it ended, the files of its folder, its standard output and its calls.
 struct Run {
     output: Output,
     files: Files,
@@ -93,7 +93,7 @@ fn run(case: &Case, template: &Path, library: &Path, fault: Option<(usize, Fault
     Run { files: files(folder.path()), stdout, output, calls, folder }
 }
 
-/// Which calls are made to fail: all, or the first and last and some between, the same ones every time.
+/// The calls to fail: all, or the first, the last and some between, the same ones every time.
 fn chosen(calls: usize, most: usize) -> Vec<usize> {
     if calls <= most {
         return (1..=calls).collect();
@@ -123,7 +123,7 @@ fn faults(at: usize, name: &str) -> Vec<Fault> {
     faults
 }
 
-/// Runs a case without a fault, then with each fault of each chosen call. Returns the calls, the runs and what was wrong.
+/// Runs a case without a fault, then with each fault of each chosen call. Returns the numbers of calls and runs, and the errors.
 fn try_all(case: &Case, library: &Path) -> (usize, usize, Vec<String>) {
     let template = tempfile::tempdir().unwrap();
     (case.prepare)(template.path());
@@ -150,8 +150,8 @@ fn try_all(case: &Case, library: &Path) -> (usize, usize, Vec<String>) {
     (sound.calls.len(), runs, found)
 }
 
-/// Errors of closing were never heard, and with them that a network file system or a quota had not taken the last bytes; what
-/// could not be removed was not named.
+/// Regressions: errors of closing were ignored, although a network file system or a quota may refuse the last bytes then; and
+/// messages did not name files that could not be removed.
 #[test]
 fn no_failing_call_passes_silently_or_tears_a_file() {
     let Some(library) = library() else {

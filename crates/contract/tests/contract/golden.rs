@@ -1,4 +1,4 @@
-//! The stages make of testdata/graph.jsonl what they made before. Remake the expectations on purpose with
+//! Tests that the stages give the recorded results for testdata/graph.jsonl. To change the expectations on purpose, run
 //! `cargo xtask test-data`.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
@@ -21,7 +21,7 @@ fn the_same_edges_are_rejected() {
         let expected = String::from_utf8(testdata(&format!("{method}.rejected"))).unwrap();
         let expected: Vec<u64> = expected.lines().map(|line| line.parse().unwrap()).collect();
         assert!(!expected.is_empty());
-        // Exact: decisions hang on gates and integer costs, with no edge near the rounding of either.
+        // Compare exactly: decisions depend on gates and integer costs, and no edge is so close to a gate that rounding matters.
         assert_eq!(rejected(method), expected, "{method}");
     }
 }
@@ -46,8 +46,8 @@ fn the_same_map_comes_out() {
         for name in ["true_positive", "false_positive", "false_negative", "true_negative"] {
             assert_eq!(found["edges"][name].as_f64(), Some(number(name)), "{method}: {name}");
         }
-        // Close: another processor may round sums in another order, and optimisation stops at a relative change
-        // of 1e-10 of the cost, which leaves metres free in their seventh digit or so.
+        // Compare approximately: another processor may sum in another order, and optimisation stops at a relative change of
+        // 1e-10 of the cost, so lengths may differ from about the seventh digit on.
         let (found, expected) = (found["rmse"].as_f64().unwrap(), number("rmse"));
         let distance = (found - expected).abs();
         println!("{method}: rmse {found}, expected {expected}, distance {distance:e}");

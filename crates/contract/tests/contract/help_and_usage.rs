@@ -1,4 +1,4 @@
-//! Errors of the command line have the shape of all other errors.
+//! Tests that errors of the command line have the form of all other errors.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -17,7 +17,7 @@ fn refused(name: &str, arguments: &[&str]) -> String {
     said
 }
 
-/// They were paragraphs of clap's, without the program's name.
+/// Regression: these errors were clap's paragraphs, without the program's name.
 #[test]
 fn usage_errors_are_one_sentence_with_a_suggestion() {
     for row in table() {

@@ -1,4 +1,4 @@
-//! Input made to hurt: it is refused with a sentence, in bounded memory, and leaves nothing behind.
+//! Tests that programs refuse hostile input with one sentence, in bounded memory, and leave nothing behind.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![cfg(unix)]
@@ -12,7 +12,7 @@ use posecut_contract::{program, samples};
 /// Address space in KiB that a program may take for input that is refused: 3 GB. Half of it is for threads.
 const ADDRESS_SPACE: &str = "3000000";
 
-/// Runs a program that aborts where it takes more memory than it may.
+/// Runs a program with limited memory. It aborts if it needs more.
 fn confined(name: &str, arguments: &[&str], input: &[u8]) -> Output {
     let mut child = Command::new("sh")
         .args(["-c", &format!("ulimit -v {ADDRESS_SPACE}; exec \"$@\""), "sh"])
@@ -45,7 +45,7 @@ fn compressed(bytes: impl Iterator<Item = Vec<u8>>) -> Vec<u8> {
     encoder.finish().unwrap()
 }
 
-/// The programs that read text, and how each is told to.
+/// The programs that read text, each with its arguments.
 const READERS: &[(&str, &[&str])] = &[
     ("pcm", &[]),
     ("inspect", &["validate"]),
@@ -58,7 +58,7 @@ const READERS: &[(&str, &[&str])] = &[
 
 #[test]
 fn compressed_input_made_to_fill_memory_is_refused() {
-    // Blank lines, which every reader skips: 300 MiB in 1.5 MB. Long ones, because a reader's time goes by lines.
+    // Blank lines, which every reader skips: 300 MiB in 1.5 MB. They are long, because a reader takes time for each line.
     let blank = || (0..300).map(|_| [[b' '; 4095].as_slice(), b"\n"].concat().repeat(256));
     let bomb = compressed(blank());
     for (name, arguments) in READERS {
@@ -71,7 +71,7 @@ fn compressed_input_made_to_fill_memory_is_refused() {
     refused("partition", &["solve"], &compressed(with_header), "100 times their size");
     let folder = tempfile::tempdir().unwrap();
     let list = folder.path().join("matches.csv.gz");
-    // CSV readers skip empty lines, and refuse those of spaces.
+    // CSV readers skip empty lines but refuse lines of spaces.
     let empty = vec![b'\n'; 300 << 20];
     std::fs::write(&list, compressed(empty.chunks(1 << 20).map(<[u8]>::to_vec))).unwrap();
     let session = samples().path("session.jsonl");
@@ -97,7 +97,7 @@ fn a_line_without_end_is_refused() {
         };
         refused(name, arguments, &bytes, part);
     }
-    // The validator answers with its findings: exit status 1.
+    // The validator reports its findings with exit status 1.
     let output = confined("inspect", &["validate"], &endless);
     assert_eq!(output.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&output.stdout).contains("16 MiB"));
@@ -117,7 +117,7 @@ fn sizes_that_files_claim_are_not_believed() {
     refused("pcm", &[], deep.as_bytes(), "recursion limit");
     let unknown = format!("{header}\n{{\"kind\":\"x\",\"x\":{}\n", "{\"a\":".repeat(1_000_000));
     refused("pcm", &[], unknown.as_bytes(), "not JSON");
-    // The largest ids and frames are numbers like others.
+    // The largest ids and frames are valid numbers.
     let extreme = format!(
         "{header}\n{}\n{}\n{}\n",
         r#"{"kind":"node","id":0,"session":"a","frame":-9223372036854775808,"utime":-9223372036854775808,"pose":[0,0,0]}"#,
@@ -164,7 +164,7 @@ fn listing(folder: &Path) -> Vec<std::path::PathBuf> {
     all
 }
 
-/// Members are read by the last part of their names, and nothing is unpacked.
+/// Archive members are found by the last part of their names, and nothing is unpacked.
 #[test]
 fn no_member_of_an_archive_leaves_it() {
     let folder = tempfile::tempdir().unwrap();
@@ -175,7 +175,7 @@ fn no_member_of_an_archive_leaves_it() {
         let content = b"1,1,1\n2,1,1\n";
         let mut header = tar::Header::new_gnu();
         header.set_size(content.len() as u64);
-        // The library refuses such names, as a malicious writer does not.
+        // Write the name directly into the header, because the library refuses such names.
         header.as_old_mut().name[..name.len()].copy_from_slice(name.as_bytes());
         header.set_cksum();
         archive.append(&header, content.as_slice()).unwrap();

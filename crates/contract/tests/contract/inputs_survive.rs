@@ -1,4 +1,4 @@
-//! No output beside the result takes the place of an input.
+//! Tests that no output other than the result replaces an input.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![cfg(unix)]
@@ -33,7 +33,7 @@ fn refused(what: &str, output: &Output, file: &Path, content: &[u8]) {
     assert_eq!(fs::read(file).unwrap(), content, "{what}: the input was destroyed");
 }
 
-/// `--stats` of an input replaced it by the statistics.
+/// Regression: `--stats` with the name of an input replaced the input by the statistics.
 #[test]
 fn statistics_that_name_an_input_are_refused() {
     for row in streams() {
@@ -42,7 +42,7 @@ fn statistics_that_name_an_input_are_refused() {
             arguments.iter().enumerate().filter(|(_, argument)| Path::new(argument).is_file())
         {
             if Path::new(argument).extension().is_none() {
-                // The program that posecut-conform holds to the contract.
+                // Skip the program that posecut-conform checks.
                 continue;
             }
             let folder = tempfile::tempdir().unwrap();
@@ -81,7 +81,7 @@ fn other_files_beside_the_result_that_name_an_input_are_refused() {
         ("multicut", "graph.jsonl", &[], &["--certificate"]),
         ("isam", "graph.jsonl", &[], &["--every", "50", "--estimates"]),
         ("partition", "four.mc", &["solve"], &["--certificate"]),
-        // Its own certificate is an input, too.
+        // The certificate is an input too.
         ("partition", "four.proof", &["verify"], &[&samples().path("four.mc"), "--output"]),
     ];
     let folder = tempfile::tempdir().unwrap();
@@ -95,7 +95,7 @@ fn other_files_beside_the_result_that_name_an_input_are_refused() {
     }
 }
 
-/// A graph may be replaced by what a stage makes of it; a table or a listing in its place is a mistake.
+/// A stage's output may replace its input graph. A table or a listing may not.
 #[test]
 fn only_a_graph_takes_the_place_of_its_input() {
     let folder = tempfile::tempdir().unwrap();
@@ -112,7 +112,7 @@ fn only_a_graph_takes_the_place_of_its_input() {
     assert_ne!(fs::read(&file).unwrap(), content);
 }
 
-/// `--overwrite` replaced whatever lay there.
+/// Regression: `--overwrite` replaced any existing folder.
 #[test]
 fn a_simulated_session_replaces_nothing_but_a_simulated_session() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! A program that is ended while it writes leaves the old file, and nothing half.
+//! Tests that a program that is ended while it writes leaves the old file and no partial one.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![cfg(unix)]
@@ -25,10 +25,11 @@ const COMMANDS: &[&[&str]] = &[
     &["inspect", "filter"],
 ];
 
-/// Times that a program may end before it was caught writing.
+/// The number of attempts to catch a program while it writes.
 const TRIES: usize = 5;
 
-/// The sample with ballast that every stage passes through: computing takes no longer, compressing it does.
+/// The sample with many records of an unknown kind, which every stage passes through. Computing takes no longer with them, but
+/// compressing does.
 fn heavy_graph(folder: &Path) -> String {
     let mut text = String::from_utf8(samples().bytes("graph.jsonl")).unwrap();
     let mut state = 1_u64;
@@ -64,7 +65,7 @@ fn start(name: &str, arguments: &[&str]) -> Child {
         .unwrap()
 }
 
-/// Ends a program as soon as it writes; whether it was caught at it.
+/// Ends a program as soon as it writes. Returns whether the signal ended it.
 fn end_while_writing(child: &mut Child, folder: &Path, signal: &str) -> bool {
     let limit = Instant::now() + Duration::from_mins(2);
     while child.try_wait().unwrap().is_none() && Instant::now() < limit {
@@ -96,7 +97,7 @@ fn a_stage_ended_while_it_writes_leaves_the_old_file() {
                 if caught {
                     assert_eq!(std::fs::read(&out).unwrap(), b"precious", "{name} {signal}");
                     assert!(!stats.exists(), "{name} {signal}: a summary of what did not happen");
-                    // Nobody can tidy up after KILL; what is left is recognised by its name and not the output.
+                    // After KILL a program cannot clean up. The remaining file has a temporary name and is not the output.
                     let left = temporary_files(folder.path());
                     assert!(signal == "-KILL" || left.is_empty(), "{name} {signal} left {left:?}");
                 }
@@ -129,15 +130,15 @@ fn a_directory_ended_while_it_is_filled_does_not_appear() {
     }
 }
 
-/// One interrupted simulation in eighteen left its temporary folder: a file was made between the deletion of the files and that
-/// of the folder.
+/// Regression: one interrupted simulation in eighteen left its temporary folder, because a file was made between the deletion
+/// of the files and that of the folder.
 #[test]
 fn no_interrupted_simulation_leaves_its_folder() {
     let mut caught = 0;
     for round in 0..40 {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("2012-01-22");
-        // Small files, one soon after the other.
+        // Make small files in quick succession.
         let arguments = ["--length", "200", "--rate", "5", "-o", out.to_str().unwrap()];
         let signal = if round % 2 == 0 { "-TERM" } else { "-INT" };
         caught += usize::from(end_while_writing(&mut start("simulate", &arguments), folder.path(), signal));

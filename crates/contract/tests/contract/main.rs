@@ -1,4 +1,4 @@
-//! The tests of the contract, in one program: they share the samples, and the slow ones run beside the others.
+//! The tests of the contract. They are one program, so that they share the samples and run in parallel.
 
 mod bad_input;
 mod blindness;

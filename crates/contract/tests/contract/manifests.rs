@@ -1,4 +1,5 @@
-//! A target that its manifest excludes from `cargo test` (`test = false`, which saves a second compilation) has no tests.
+//! Tests that a target without tests in `cargo test` (`test = false` in its manifest, to save a second compilation) really
+//! contains none.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

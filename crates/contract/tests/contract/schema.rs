@@ -1,11 +1,11 @@
-//! Every line that a program writes as a pose graph is one by the published schema.
+//! Tests that every line of a pose graph that a program writes conforms to the published schema.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use jsonschema::Validator;
 use posecut_contract::{samples, succeed, workspace};
 
-/// Holds each line to the schema; returns how many there are.
+/// Checks each line against the schema; returns the number of lines.
 fn hold(schema: &Validator, what: &str, bytes: &[u8]) -> usize {
     let lines = bytes.split(|&byte| byte == b'\n').filter(|line| !line.is_empty());
     lines

@@ -1,4 +1,4 @@
-//! A standard output that takes nothing is no success.
+//! Tests that a standard output that accepts nothing is an error.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![cfg(target_os = "linux")]
@@ -10,7 +10,7 @@ use posecut_contract::program;
 use crate::table::streams;
 use posecut_contract::registry::table;
 
-/// What programs answer without doing anything.
+/// Options that print an answer without doing any work.
 const ANSWERS: &[&[&str]] = &[
     &["--help"],
     &["-h"],
@@ -25,7 +25,7 @@ fn full(name: &str, arguments: &[String]) -> Output {
     Command::new(program(name)).args(arguments).stdin(Stdio::null()).stdout(device).output().unwrap()
 }
 
-/// The descriptor is closed when the program starts.
+/// Runs a program whose standard output is closed at the start.
 fn closed(name: &str, arguments: &[String]) -> Output {
     Command::new("sh")
         .args(["-c", "exec \"$@\" >&-", "sh"])
@@ -45,7 +45,8 @@ fn unwritten(name: &str, arguments: &[String], output: &Output, part: &str) {
     );
 }
 
-/// The error had no path, help and manual pages ended with status 0, and what went to a closed descriptor was lost without a word.
+/// Regressions: the error named no path, help and manual pages ended with exit status 0, and output to a closed descriptor was
+/// lost silently.
 #[test]
 fn a_full_or_closed_standard_output_is_an_error() {
     for row in streams() {

@@ -1,4 +1,4 @@
-//! One table holds every program to the contract of inputs and outputs; the programs declare their own rows.
+//! Checks every program against the contract of inputs and outputs. The programs declare their rows of the table.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -89,11 +89,11 @@ fn a_full_disk_is_an_error() {
     }
 }
 
-/// The system refuses to let a file grow, as a disk does that fills up in the middle.
+/// The system limits the size of files, which acts like a disk that fills up during a write.
 #[cfg(unix)]
 #[test]
 fn a_disk_that_fills_up_while_a_file_is_written_leaves_the_old_one() {
-    // In blocks of 512 bytes.
+    // The unit is blocks of 512 bytes.
     const LIMIT: usize = 1;
     let mut limited = 0;
     for row in streams().filter(|row| row.name != "conform") {
@@ -126,7 +126,7 @@ fn a_disk_that_fills_up_while_a_file_is_written_leaves_the_old_one() {
     assert!(limited * 3 > streams().count(), "only {limited} programs write enough for the limit to matter");
 }
 
-/// The superuser may write anywhere but into the kernel's own folders.
+/// Uses a folder of the kernel, because the superuser may write to any other folder.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_read_only_folder_is_an_error() {
@@ -176,7 +176,7 @@ fn output_and_statistics_may_not_be_one_file() {
     }
 }
 
-/// A file of the name `-` was made.
+/// Regression: programs made a file named `-`.
 #[test]
 fn statistics_do_not_go_to_standard_output() {
     for row in streams() {
@@ -189,7 +189,7 @@ fn statistics_do_not_go_to_standard_output() {
 #[test]
 fn a_closed_pipe_is_no_error() {
     for row in streams() {
-        // The work is done all the same, and whoever asked for a summary gets it.
+        // The work is done, and the summary is written.
         let folder = tempfile::tempdir().unwrap();
         let stats = folder.path().join("stats.json");
         let mut child = Command::new(program(row.name))

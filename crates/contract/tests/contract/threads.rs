@@ -1,10 +1,10 @@
-//! The number of threads is what the machine has.
+//! Tests that the number of threads is at most that of the processors.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use crate::table::streams;
 
-/// A program with a hundred thousand threads never started.
+/// Regression: with a hundred thousand threads, a program never started.
 #[test]
 fn more_threads_than_processors_are_named_and_not_started() {
     for row in streams() {

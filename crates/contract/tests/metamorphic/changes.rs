@@ -1,11 +1,11 @@
-//! Changes of a graph that change nothing in what it says.
+//! Changes of a graph that do not change its meaning.
 
 use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::{pack_upper_triangle, unpack_upper_triangle};
 use posecut_graph::{Edge, EdgeKind, PoseGraph};
 
-/// Other ids of landmark edges: what an order of ids decides may come out otherwise.
+/// Other ids of landmark edges. Decisions that depend on the order of ids may change.
 pub(crate) const OTHER_IDS: &str = "ids of landmark edges in reverse order";
 /// Another scale of all information matrices.
 pub(crate) const OTHER_INFORMATION: &str = "information times 1e-3";
@@ -18,7 +18,7 @@ pub(crate) fn is_landmark(edge: &Edge) -> bool {
     edge.kind == EdgeKind::Landmark
 }
 
-/// One metre has so many units of length.
+/// Converts a graph to another unit of length; one metre is `unit` of them.
 fn in_units<const DOF: usize>(graph: &mut PoseGraph, unit: f64) {
     let translations = if DOF == 6 { 3 } else { 2 };
     let shrink =
@@ -33,7 +33,7 @@ fn in_units<const DOF: usize>(graph: &mut PoseGraph, unit: f64) {
     }
 }
 
-/// Z^-1 has the error -Ad(Z) e.
+/// Reverses an edge: the error of Z^-1 is -Ad(Z) e.
 fn reverse<G: LieGroup<DOF>, const DOF: usize>(edge: &mut Edge) {
     let back = G::from_components(edge.measurement.as_ref().unwrap()).unwrap().inverse();
     let information = back.adjoint().transpose() * packed::<DOF>(edge) * back.adjoint();
@@ -42,10 +42,10 @@ fn reverse<G: LieGroup<DOF>, const DOF: usize>(edge: &mut Edge) {
     edge.information = Some(pack_upper_triangle(&((information + information.transpose()) * 0.5)));
 }
 
-/// A change of the graph, and the id that a landmark edge then has.
+/// A change of the graph: its name, the change, and the new id of each landmark edge.
 pub(crate) type Change = (&'static str, fn(&mut PoseGraph), fn(u64) -> u64);
 
-/// Greater than all ids that are drawn.
+/// An id greater than all drawn ids.
 pub(crate) const FAR: u64 = 10_000;
 
 #[expect(clippy::too_many_lines, reason = "a list")]

@@ -1,5 +1,5 @@
-//! What must not change a verdict, over every program that rejects landmark edges: units, scales, numbering, directions, names, copies,
-//! and what is not connected.
+//! Tests, for every program that rejects landmark edges, that verdicts do not depend on units, scales, numbering, directions,
+//! names, copies and unconnected components.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -15,13 +15,13 @@ use posecut_pcm::generate::{Falsehood, Scenario};
 
 use changes::{FAR, OTHER_IDS, OTHER_INFORMATION, changes, is_landmark};
 
-/// A program that rejects landmark edges, and what the changes may do to its verdicts.
+/// A program that rejects landmark edges, and how the changes may affect its verdicts.
 struct Row {
     name: &'static str,
     options: &'static [&'static str],
-    /// Options that make up for covariances a thousand times larger; `None` where they are taken as claimed.
+    /// Options that compensate for covariances a thousand times larger; `None` if the program uses the covariances as claimed.
     information: Option<&'static [&'static str]>,
-    /// Whether a copy of an edge has the verdict of its edge, and changes hardly any other.
+    /// Whether a copy of an edge gets the verdict of that edge and changes hardly any other verdict.
     copies: bool,
     /// Changes by which a few verdicts may differ, each with its reason.
     nearly: &'static [(&'static str, &'static str)],
@@ -42,7 +42,7 @@ const TABLE: &[Row] = &[
     Row {
         options: &["--scale", "auto"],
         information: Some(&[]),
-        // Copies are more data for an estimate.
+        // The scale is estimated, and copies are additional data for the estimate.
         copies: false,
         nearly: &[
             OF_SEVERAL,
@@ -60,12 +60,12 @@ const TABLE: &[Row] = &[
     Row { name: "multicut", ..ROW },
     Row { name: "islands", ..ROW },
     Row { name: "voting", information: None, ..ROW },
-    // It keeps as many edges as the density of its clique rounds to: one at the end may fall off without its copy.
+    // The number of kept edges is the rounded density, so the last edge of the order may be rejected without its copy.
     Row { name: "densest", information: None, copies: false, nearly: &[OF_SEVERAL], ..ROW },
     Row { name: "ransac", information: None, ..ROW },
 ];
 
-/// A drawn graph in which every edge has an information of its own, and every node a pose.
+/// A random graph in which every edge has its own information matrix and every node has a pose.
 fn drawn<G: LieGroup<DOF>, const DOF: usize>(falsehood: Falsehood) -> PoseGraph {
     let mut graph = Scenario { candidates: 200, outliers: 0.4, falsehood, seed: 6 }.draw::<G, DOF>();
     for place in 0..graph.edges.len() {
@@ -116,8 +116,9 @@ impl Row {
         }
     }
 
-    /// A copy of an edge agrees with whatever the edge agrees with and gets its verdict. Of the others as many are kept; which ones may
-    /// change where there are several largest sets: the copy counts for those with the edge, and shifts the order of the search.
+    /// A copy of an edge agrees with the same edges as the original and gets the same verdict. The number of other kept edges
+    /// does not change, but the edges may if there are several largest sets: the copy counts for the sets with the edge, and it
+    /// changes the order of the search.
     fn a_copy_has_the_verdict_of_its_edge(&self, graph: &PoseGraph, plain: &BTreeSet<u64>, case: &str) {
         for edge in graph.edges.iter().filter(|edge| is_landmark(edge)).step_by(25) {
             let mut copied = graph.clone();

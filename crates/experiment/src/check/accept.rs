@@ -1,4 +1,4 @@
-//! Recording what came out as what is expected.
+//! Records results as the new expectations.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -10,8 +10,7 @@ use toml::Value;
 use super::compare::difference;
 use crate::{Close, Expected, Plan, Recorded, measure};
 
-/// Replaces the rows of the files that a plan makes; other rows stay. Returns the new expectations and what
-/// changed, a line each.
+/// Replaces the rows of the files that a plan makes; other rows stay. Returns the new expectations and the changes, one a line.
 pub fn accept(expected: &Expected, plan: &Plan, results: &Path) -> anyhow::Result<(Expected, String)> {
     let mut exact: BTreeMap<String, Recorded<Value>> =
         expected.exact.iter().map(|row| (row.file.clone(), row.clone())).collect();
@@ -37,7 +36,7 @@ pub fn accept(expected: &Expected, plan: &Plan, results: &Path) -> anyhow::Resul
             .close
             .iter()
             .map(|(name, new)| {
-                // A number within its tolerance stays as it was recorded, so that noise makes no difference.
+                // Keep the recorded number if the new one is within its tolerance, so that noise changes nothing.
                 let old = before.get(name).copied().filter(|old| within(expected, name, *old, *new));
                 (name.clone(), old.unwrap_or(*new))
             })

@@ -1,4 +1,4 @@
-//! One file against its recorded values.
+//! Compares one file with its recorded values.
 
 use toml::Value;
 
@@ -49,7 +49,7 @@ fn same(row: &mut Row, found: &Fingerprint, name: &str, value: &Value) {
     }
 }
 
-/// What changed, in words that can be acted on: for lists of ids, which came and which went.
+/// Describes a change; for lists of ids, names the added and the removed ids.
 pub(super) fn difference(name: &str, expected: &Value, found: &Value) -> String {
     let (Value::String(before), Value::String(after)) = (expected, found) else {
         return format!("{name}: expected {expected}, found {found}");

@@ -1,4 +1,4 @@
-//! A report in words: the first stage whose output differs though its input does not.
+//! A report in words. It names the first stage whose output differs although its input does not.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt::Write as _;
@@ -7,11 +7,11 @@ use super::{Report, Row};
 use crate::Plan;
 use crate::make_rules::shell;
 
-/// Failing rows shown in full of each stage.
+/// The number of failing rows of each stage that are shown in full.
 const SHOWN: usize = 3;
 
 impl Report {
-    /// The report as text: what each stage's rows came to, then what fails and where it starts.
+    /// The report as text: a summary for each stage, then the failures and where they start.
     pub fn text(&self, plan: &Plan) -> anyhow::Result<String> {
         let mut text = self.summary();
         let failing: Vec<&Row> = self.rows.iter().filter(|row| !row.failures.is_empty()).collect();
@@ -109,7 +109,7 @@ impl Report {
         text
     }
 
-    /// The failing rows none of whose inputs, near or far, has a failing row.
+    /// The failing rows with no failing row among their direct and indirect inputs.
     fn origins(&self, plan: &Plan) -> anyhow::Result<BTreeSet<&str>> {
         let dependencies = plan.dependencies()?;
         let mut failing = vec![false; plan.tasks.len()];
@@ -117,7 +117,7 @@ impl Report {
         for row in self.rows.iter().filter(single) {
             failing[row.tasks[0]] = true;
         }
-        // Whether something that a task reads differs, near or far; tasks stand in an order in which they run.
+        // Whether a direct or indirect input of a task differs. One pass suffices, because tasks follow their inputs.
         let mut tainted: HashMap<usize, bool> = HashMap::new();
         for (place, own) in dependencies.iter().enumerate() {
             let from =
@@ -130,7 +130,7 @@ impl Report {
             .filter(|row| !row.failures.is_empty())
             .filter(|row| {
                 let own = |place: &usize| tainted.get(place).copied().unwrap_or(false);
-                // Means and orders start something only if no file of theirs differs by itself.
+                // A mean or an order is an origin only if none of its files differs by itself.
                 !row.tasks.iter().any(|place| own(place) || (row.tasks.len() > 1 && failing[*place]))
             })
             .map(|row| row.name.as_str())

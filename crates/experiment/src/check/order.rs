@@ -1,4 +1,4 @@
-//! Which method does better.
+//! Checks which method does better.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -6,8 +6,8 @@ use std::path::Path;
 use super::Row;
 use crate::{Fingerprint, Order, Plan};
 
-/// Judges an order by the plan's results; `None` if the plan does not run both methods. A share holds for the sessions
-/// that it was recorded for: where the plan lacks some of them, it is not judged, and the row says so.
+/// Judges an order by the plan's results; `None` if the plan does not run both methods. A share is valid only for the sessions
+/// for which it was recorded. If the plan lacks some of them, the order is not judged, and the row says so.
 pub(super) fn judge(order: &Order, plan: &Plan, results: &Path) -> Option<Row> {
     let folder = results.join(&order.experiment);
     let Runs { pairs, sessions } = runs(order, plan, &folder);
@@ -61,7 +61,7 @@ pub(super) fn judge(order: &Order, plan: &Plan, results: &Path) -> Option<Row> {
 
 /// The runs with both methods of an order.
 struct Runs<'a> {
-    /// For each folder the places of the two results among the plan's tasks, that of the better method first.
+    /// For each folder, the indices of the two results in the plan, the better method first.
     pairs: BTreeMap<&'a Path, [usize; 2]>,
     /// The sessions that the plan has.
     sessions: BTreeSet<String>,

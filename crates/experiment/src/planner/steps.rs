@@ -7,7 +7,7 @@ use crate::Keep;
 use crate::graphs::GraphFile;
 
 impl Planner<'_> {
-    /// A session's graph, simulated first where it is not real.
+    /// Adds the tasks for a session's graph, with the simulation if the session is not real.
     pub(super) fn add_session(
         &mut self,
         run: &Run<'_>,
@@ -59,7 +59,7 @@ impl Planner<'_> {
         Ok(output)
     }
 
-    /// A given graph, converted and labelled.
+    /// Adds the tasks that convert and label a given graph.
     pub(super) fn add_given(
         &mut self,
         run: &Run<'_>,
@@ -89,7 +89,7 @@ impl Planner<'_> {
                 group: folder,
                 inputs: &[converted],
                 output: output.clone(),
-                // Files of labels decide what comes out, too.
+                // The result depends on files of labels too.
                 more_inputs: file.label.iter().filter(|word| Path::new(word).is_file()).cloned().collect(),
                 more_options: &file.label,
                 statistics: all.then(|| format!("{folder}/label.stats.json")),
@@ -100,7 +100,7 @@ impl Planner<'_> {
         Ok(output)
     }
 
-    /// The rejection chain of a method and its optimisation; returns the optimised graph and the tasks of the chain.
+    /// Adds the rejection chain of a method and its optimisation. Returns the optimised graph and the tasks of the chain.
     pub(super) fn add_method(
         &mut self,
         run: &Run<'_>,
@@ -109,13 +109,13 @@ impl Planner<'_> {
     ) -> anyhow::Result<(String, Vec<String>)> {
         let experiment = run.experiment;
         let chain = experiment.chain(method)?;
-        // Without the reference there is no result at all, so it has no limit.
+        // The reference has no limit, because without it no method has a result.
         let reference = experiment.chain(&experiment.reference)?;
         let limit = |steps: &[String]| experiment.cpu_limit.filter(|_| !reference.starts_with(steps));
         let mut tasks = Vec::new();
         let mut graph = folders.graph.to_owned();
         for length in 1..=chain.len() {
-            // A prefix of the chain that is a method itself has that method's name, and runs once for both.
+            // A prefix of the chain that is a method by itself gets that method's name, so it runs once for both.
             let name = experiment
                 .chains
                 .iter()

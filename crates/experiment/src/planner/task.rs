@@ -8,29 +8,29 @@ use crate::Task;
 use crate::parameters::replace;
 use crate::programs::locate;
 
-/// What a task is made of besides its step.
+/// The parts of a task other than its step.
 #[derive(Default)]
 pub(super) struct Parts<'a> {
     pub(super) group: &'a str,
-    /// What `{input}` stands for; several words where a stage reads several files.
+    /// The value of `{input}`; several words if a stage reads several files.
     pub(super) inputs: &'a [String],
     pub(super) output: String,
-    /// Read too, and not named by `{input}`.
+    /// Further inputs that `{input}` does not name.
     pub(super) more_inputs: Vec<String>,
-    /// After the declared options.
+    /// Options that follow the declared ones.
     pub(super) more_options: &'a [String],
     pub(super) statistics: Option<String>,
     pub(super) temporary: bool,
     /// Further names in the command line.
     pub(super) names: &'a [(&'a str, String)],
     pub(super) labels: &'a [(String, String)],
-    /// The tasks of the method, of a result.
+    /// For a result, the tasks of its method.
     pub(super) chain: Vec<String>,
     pub(super) cpu_limit: Option<u64>,
 }
 
 impl Planner<'_> {
-    /// Fills in the command line of a step. A task that is in the plan already is not added again.
+    /// Fills in the command line of a step and adds the task, unless the plan has it already.
     pub(super) fn add(&mut self, run: &Run<'_>, step: &str, parts: Parts<'_>) -> anyhow::Result<()> {
         let nothing = crate::Step::default();
         let declared = run.experiment.stages.get(step).unwrap_or(&nothing);
@@ -62,7 +62,7 @@ impl Planner<'_> {
                         "statistics" => statistics.first().cloned().unwrap_or_default(),
                         other => match parts.names.iter().find(|(name, _)| *name == other) {
                             Some((_, value)) => value.clone(),
-                            // A script that calls another stage: what that one is decides what comes out.
+                            // The program is a script that calls another stage, so the result depends on that stage's file too.
                             None if let Ok(other) = self.programs.get(other) => {
                                 let file = locate(&other.path)?.to_string_lossy().into_owned();
                                 files.push(file.clone());
@@ -104,7 +104,7 @@ impl Planner<'_> {
     }
 }
 
-/// As posecut-evaluate writes labels: numbers stay numbers, everything else is text.
+/// Converts a label as posecut-evaluate does: numbers stay numbers, everything else is text.
 fn label_value(text: &str) -> Value {
     text.parse::<u64>().map_or_else(|_| Value::from(text), Value::from)
 }

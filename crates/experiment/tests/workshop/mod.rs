@@ -1,5 +1,5 @@
-//! A folder with an experiment whose stages are a shell script: each call writes down that it ran, and what it
-//! was called with and read becomes its output.
+//! A folder with an experiment whose stages are one shell script. Each call logs that it ran; its output consists of its
+//! arguments and its input.
 
 #![allow(dead_code, reason = "each test file uses a part")]
 
@@ -119,7 +119,7 @@ impl Workshop {
         Self::within(&std::env::temp_dir(), experiment)
     }
 
-    /// A workshop in a folder of this one.
+    /// A workshop in a given folder.
     pub(crate) fn within(parent: &Path, experiment: &str) -> Self {
         let folder = tempfile::Builder::new().prefix("workshop").tempdir_in(parent).unwrap();
         let workshop = Self { folder };
@@ -146,7 +146,7 @@ impl Workshop {
         fs::remove_file(self.path(name)).unwrap();
     }
 
-    /// The program, in this folder, on the experiment.
+    /// The command that runs posecut-experiment in this folder on the experiment.
     pub(crate) fn command(&self, task: &str, more: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_posecut-experiment"));
         command.current_dir(self.folder.path()).arg(task);
@@ -179,7 +179,7 @@ impl Workshop {
         counts
     }
 
-    /// All files below a folder with their content.
+    /// All files below a folder, with their content.
     pub(crate) fn files(&self, folder: &str) -> BTreeMap<String, String> {
         let mut files = BTreeMap::new();
         gather(&self.path(folder), self.folder.path(), &mut files);
@@ -188,11 +188,11 @@ impl Workshop {
         files
     }
 
-    /// Everything that a run leaves.
+    /// All files that a run leaves.
     pub(crate) fn left(&self) -> BTreeMap<String, String> {
         let mut files = self.files("results");
         files.extend(self.files("simulated"));
-        // Locks are empty, and which of them there are depends on how a plan was divided.
+        // Ignore locks: they are empty, and which of them exist depends on how the plan was divided.
         files.retain(|name, _| {
             std::path::Path::new(name).extension().is_none_or(|extension| extension != "lock")
         });
@@ -216,7 +216,7 @@ pub(crate) fn counts(pairs: &[(&str, usize)]) -> BTreeMap<String, usize> {
     pairs.iter().map(|(name, count)| ((*name).to_owned(), *count)).collect()
 }
 
-/// Says which files differ rather than all that they hold.
+/// Asserts that files are the same. A failure names the files that differ, without their content.
 pub(crate) fn assert_same(left: &BTreeMap<String, String>, right: &BTreeMap<String, String>, what: &str) {
     let names: std::collections::BTreeSet<&String> = left.keys().chain(right.keys()).collect();
     let other: Vec<&&String> = names.iter().filter(|name| left.get(**name) != right.get(**name)).collect();

@@ -1,4 +1,4 @@
-//! Readers of files.
+//! Targets that read files.
 
 use posecut_convert::{
     Repair, g2o as g2o_format, kitti as kitti_format, toro as toro_format, tum as tum_format,
@@ -8,7 +8,7 @@ use posecut_graph::PoseGraph;
 use super::{Outcome, scratch};
 use crate::seeds;
 
-/// Most nodes and edges of an instance that is solved too.
+/// The largest number of nodes and edges of an instance that is also solved.
 const SMALL: usize = 200;
 
 fn written(graph: &PoseGraph) -> Vec<u8> {
@@ -17,7 +17,7 @@ fn written(graph: &PoseGraph) -> Vec<u8> {
     bytes
 }
 
-/// What was read is written in the canonical form, which reads back the same and is written the same again.
+/// Checks that the canonical form of a graph reads back as the same graph and is written with the same bytes again.
 fn canonical(graph: &PoseGraph) -> Outcome {
     let bytes = written(graph);
     let again = PoseGraph::read("again", bytes.as_slice()).expect("the canonical form is sound");
@@ -33,7 +33,7 @@ fn canonical(graph: &PoseGraph) -> Outcome {
     ))
 }
 
-/// The reader that stops at the first fault and the one that reads on agree.
+/// Checks that the reader that stops at the first error and the one that reads on agree.
 pub(super) fn jsonl(input: &[u8]) -> Outcome {
     let examination = posecut_graph::examine("input", input).expect("memory is read");
     match PoseGraph::read("input", input) {
@@ -59,7 +59,7 @@ thread_local! {
         jsonschema::validator_for(&posecut_graph::schema()).expect("the schema is one");
 }
 
-/// The published schema takes every record that the reader takes.
+/// Checks that the published schema accepts every record that the reader accepts.
 pub(super) fn schema(input: &[u8]) -> Outcome {
     let graph = match PoseGraph::read("input", input) {
         Ok(graph) => graph,
@@ -75,7 +75,7 @@ pub(super) fn schema(input: &[u8]) -> Outcome {
     Outcome::Read(format!("{} nodes, {} edges", graph.nodes.len().min(3), graph.edges.len().min(3)))
 }
 
-/// Strictly, and with everything mended that can be. What is read is a sound pose graph.
+/// Reads strictly, and with all possible repairs. Checks that an accepted input gives a valid pose graph.
 pub(super) fn g2o(input: &[u8]) -> Outcome {
     let lenient = g2o_format::ReadOptions { repair: Repair::Clamp, skip_unknown: true, ..Default::default() };
     if let Ok((graph, _)) = g2o_format::read("input", input, &lenient) {
@@ -91,7 +91,7 @@ pub(super) fn g2o(input: &[u8]) -> Outcome {
     }
 }
 
-/// As g2o; writing may be refused where roll and yaw cannot be told apart.
+/// Like g2o. Writing may be refused if roll and yaw cannot be distinguished.
 pub(super) fn toro(input: &[u8]) -> Outcome {
     let lenient = g2o_format::ReadOptions { repair: Repair::Clamp, skip_unknown: true, ..Default::default() };
     if let Ok((graph, _)) = toro_format::read("input", input, &lenient) {
@@ -124,7 +124,7 @@ pub(super) fn kitti(input: &[u8]) -> Outcome {
     }
 }
 
-/// Small instances are solved, and their certificates hold.
+/// Solves small instances and checks that their certificates hold.
 pub(super) fn mc(input: &[u8]) -> Outcome {
     let graph = match posecut_multicut::read_mc(input) {
         Ok(graph) => graph,
@@ -158,7 +158,7 @@ pub(super) fn mc(input: &[u8]) -> Outcome {
     Outcome::Read(format!("solved, {} self-loops", graph.self_loops().min(2)))
 }
 
-/// No certificate proves more than the optimum of the instance.
+/// Checks that no certificate proves more than the optimum of the instance.
 pub(super) fn certificate(input: &[u8]) -> Outcome {
     let graph = seeds::instance();
     match posecut_multicut::verify(graph, input) {
@@ -206,7 +206,7 @@ pub(super) fn published(input: &[u8]) -> Outcome {
     }
 }
 
-/// As a stage opens it: decompressed, hashed to its end.
+/// Opens the input as a stage does: decompresses and hashes it to its end.
 pub(super) fn gzip(input: &[u8]) -> Outcome {
     let path = scratch("input.gz");
     std::fs::write(&path, input).expect("the scratch folder takes it");

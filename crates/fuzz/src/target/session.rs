@@ -1,4 +1,4 @@
-//! NCLT sessions: directories of CSV files, and archives.
+//! Targets for NCLT sessions: directories of CSV files, and archives.
 
 use clap::Parser as _;
 use posecut_ingest::{Options, SessionFiles, ingest};
@@ -24,7 +24,7 @@ fn ingested(path: &std::path::Path) -> Outcome {
         };
         match ingest(&mut files, &options, &ProgressBar::hidden()) {
             Ok(ingested) => {
-                // A number that left the range of doubles on the way is refused when it is written; the rest is sound.
+                // Writing may refuse a number that overflowed on the way; everything else must be valid.
                 let mut bytes = Vec::new();
                 match ingested.graph.write(&mut bytes) {
                     Ok(()) => {
@@ -40,19 +40,19 @@ fn ingested(path: &std::path::Path) -> Outcome {
     worst
 }
 
-/// The input holds several files, each opened by a line with its name.
+/// Reads an input of several files, each opened by a line with its name.
 pub(super) fn directory(input: &[u8]) -> Outcome {
     let folder = scratch("2012-01-22");
     drop(std::fs::remove_dir_all(&folder));
     std::fs::create_dir_all(&folder).expect("the scratch folder takes it");
     for (name, content) in sections(input) {
-        // A name that the system does not take is no file.
+        // Skip a file whose name the system refuses.
         drop(std::fs::write(folder.join(name), content));
     }
     ingested(&folder)
 }
 
-/// The input is an archive before its compression. Nothing is unpacked: the scratch folder's parent stays as it was.
+/// Reads an input that is an uncompressed archive. Nothing may be unpacked: the scratch folder's parent must not change.
 pub(super) fn archive(input: &[u8]) -> Outcome {
     let path = scratch("2012-01-22_sen.tar.gz");
     std::fs::write(&path, compressed(input)).expect("the scratch folder takes it");

@@ -1,4 +1,4 @@
-//! Stages on graphs that were read: whatever the reader takes, a stage answers with a graph or a sentence.
+//! Targets for stages: on every graph that the reader accepts, a stage must return a graph or one sentence.
 
 use clap::Parser as _;
 use posecut_graph::{EdgeKind, PoseGraph};
@@ -19,13 +19,12 @@ fn arguments<O: clap::Args>(more: &[&str]) -> Arguments<O> {
     Arguments::try_parse_from(line).expect("these are its options")
 }
 
-/// The stage's graph is sound, or cannot be written because a number left the range of doubles, which is said. No edge
-/// is lost.
+/// Checks that the stage's graph is valid, or is refused on writing because a number overflowed, and that no edge is lost.
 fn graph_stage<S: GraphStage>(input: &[u8], options: &[&str]) -> Outcome {
     checked_stage::<S>(input, options, |_, _| ())
 }
 
-/// The same, and a law on the graph before and after the stage.
+/// Like [`graph_stage`], with a further law on the graphs before and after the stage.
 fn checked_stage<S: GraphStage>(
     input: &[u8],
     options: &[&str],
@@ -94,8 +93,8 @@ pub(super) fn verify(input: &[u8]) -> Outcome {
     })
 }
 
-/// Every landmark edge that was in use and has a measurement has a verdict that its other fields agree with; all else
-/// is as it was.
+/// Checks that every landmark edge that was in use and has a measurement gets a verdict consistent with its other fields, and
+/// that nothing else changes.
 fn verdicts(before: &PoseGraph, after: &PoseGraph, undecided_stay: bool) {
     assert_eq!((&before.header, &before.nodes), (&after.header, &after.nodes));
     for (old, new) in before.edges.iter().zip(&after.edges) {

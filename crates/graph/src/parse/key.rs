@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
 
-/// All fields that some kind of record knows.
+/// All known fields of all kinds of records.
 const KNOWN: [&str; 21] = [
     "kind",
     "id",
@@ -29,7 +29,7 @@ const KNOWN: [&str; 21] = [
     "noise_models",
 ];
 
-/// The name of a field; known ones cost no memory.
+/// The name of a field. A known name is static and needs no allocation.
 pub(super) enum Key {
     Known(&'static str),
     Other(String),
@@ -43,7 +43,7 @@ impl Key {
         }
     }
 
-    /// The name for messages, as far as it outlives the line.
+    /// The name for messages, if it is a known one.
     pub(super) fn known_name(&self) -> &'static str {
         match self {
             Self::Known(name) => name,

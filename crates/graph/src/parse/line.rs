@@ -1,4 +1,4 @@
-//! One pass over a line, with the field in hand when something is wrong.
+//! Parses a line in one pass; an error names the field.
 
 use std::cell::Cell;
 use std::fmt;
@@ -13,7 +13,7 @@ use crate::error::Problem;
 
 /// Fields of one kind of record, filled one by one.
 pub(super) trait Fields: Sized {
-    /// Takes the value of `key`, or leaves it alone and returns the key's name as unknown.
+    /// Takes the value of `key`. If the key is unknown, leaves the value in `map` and returns the key's name.
     fn take<'de, A: MapAccess<'de>>(&mut self, key: &Key, map: &mut A) -> Result<Option<String>, A::Error>;
     fn extra(&mut self) -> &mut Extra;
     fn id(&self) -> Option<u64> {
@@ -21,7 +21,7 @@ pub(super) trait Fields: Sized {
     }
 }
 
-/// Where the parser stands: what an error message needs and the parser's own error does not say.
+/// The position of the parser: an error message needs it, and the JSON library's own error lacks it.
 #[derive(Default)]
 struct Place {
     field: Cell<&'static str>,
@@ -87,7 +87,7 @@ pub(super) fn parse<F: Fields>(line: &str, kind: &str, fields: F) -> Result<F, P
     })
 }
 
-/// The JSON parser's error in this format's words.
+/// Rewords an error of the JSON library in the terms of this format.
 pub(super) fn explain(line: &str, error: &serde_json::Error) -> Problem {
     let message = error.to_string();
     let message = message.split(" at line ").next().unwrap_or_default();

@@ -8,8 +8,8 @@ use serde_json::Value;
 
 use crate::{EdgeTruth, Extra, NodeTruth, NoiseModel};
 
-/// The fields of a nested object. One that stands twice is a fault here too: JSON's own answer, that the last
-/// one counts, would lose data without a word.
+/// The fields of a nested object. A duplicate field is an error here too: JSON parsers usually keep the last one, which would
+/// lose data silently.
 pub(super) struct UniqueFields(pub(super) Extra);
 
 impl<'de> Deserialize<'de> for UniqueFields {

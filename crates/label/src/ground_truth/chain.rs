@@ -1,12 +1,12 @@
-//! True poses of a graph, composed from its odometry where nodes have none.
+//! The true poses of a graph; nodes without one get theirs from odometry.
 
 use std::collections::{HashMap, VecDeque};
 
 use posecut_geometry::{LieGroup as _, SE3};
 use posecut_graph::{EdgeKind, PoseGraph};
 
-/// The poses of a graph's nodes: their ground truth, else their pose, else composed along odometry edges. A chain
-/// without any pose starts at the origin, from its first node. O(nodes + edges).
+/// The poses of a graph's nodes: the ground truth, else the pose, else a pose composed along odometry edges. In a chain
+/// without any pose, the first node is at the origin. O(nodes + edges).
 pub(super) fn poses(graph: &PoseGraph) -> HashMap<u64, SE3> {
     let dimension = graph.header.dimension;
     let mut neighbours: HashMap<u64, Vec<(u64, SE3)>> = HashMap::new();
@@ -28,7 +28,7 @@ pub(super) fn poses(graph: &PoseGraph) -> HashMap<u64, SE3> {
     let mut reached: VecDeque<u64> =
         graph.nodes.iter().map(|node| node.id).filter(|id| poses.contains_key(id)).collect();
     for start in graph.nodes.iter().map(|node| node.id) {
-        // What known poses reach comes first; then one chain after the other gets an origin of its own.
+        // Nodes that odometry connects to known poses come first. Then each remaining chain gets an origin of its own.
         spread(&neighbours, &mut poses, &mut reached);
         if !poses.contains_key(&start) && neighbours.contains_key(&start) {
             poses.insert(start, SE3::identity());

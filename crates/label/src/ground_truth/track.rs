@@ -31,7 +31,7 @@ impl Track {
         Ok(Self(rows))
     }
 
-    /// The pose at a time, interpolated between its neighbours; `None` outside the trajectory and across a silence.
+    /// The pose at a time, interpolated between the poses before and after; `None` outside the trajectory and within a silence.
     pub(super) fn at(&self, time: f64, longest_silence: f64) -> Option<SE2> {
         let after = self.0.partition_point(|(other, _)| *other <= time);
         let (before, after) = (self.0.get(after.checked_sub(1)?)?, self.0.get(after)?);

@@ -1,4 +1,4 @@
-//! Every way in which a program writes.
+//! The cases: every way in which a program writes.
 
 use std::path::Path;
 
@@ -24,17 +24,17 @@ pub(super) struct Case {
     pub(super) out: Out,
     /// Fills the folder.
     pub(super) prepare: fn(&Path),
-    /// What a message may name: the files on the command line.
+    /// The names that a message may use: the files on the command line.
     pub(super) names: Vec<String>,
-    /// Calls that are made to fail: all, or these many.
+    /// The largest number of calls to fail.
     pub(super) most: usize,
-    /// Files in which times stand, JSON.
+    /// JSON files that contain times.
     varying: Vec<&'static str>,
-    /// Files that get a line at a time.
+    /// Files to which lines are appended.
     growing: Vec<&'static str>,
-    /// Folders that are there as a whole or not at all.
+    /// Folders that must appear completely or not at all.
     pub(super) wholes: Vec<&'static str>,
-    /// Whether the same call afterwards finishes the work.
+    /// Whether the same call, repeated without a fault, finishes the work.
     pub(super) resumes: bool,
 }
 
@@ -47,7 +47,7 @@ impl Case {
             out: Out::Pipe,
             prepare,
             names: vec!["standard output".to_owned()],
-            // posecut-conform waits for what it checks.
+            // posecut-conform is slow, because it waits for the program that it checks.
             most: if program == "conform" { 8 } else { 40 },
             varying: vec!["stats.json", ".times.jsonl"],
             growing: Vec::new(),
@@ -69,7 +69,7 @@ impl Case {
     }
 }
 
-/// A folder with outputs from another time.
+/// Fills a folder with outputs of an earlier run.
 pub(super) fn old_outputs(folder: &Path) {
     for name in ["out", "stats.json", "further"] {
         std::fs::write(folder.join(name), "precious").unwrap();
@@ -87,7 +87,7 @@ pub(super) fn cases() -> Vec<Case> {
     for row in streams() {
         let (file, stats) = (["-o", "out"], ["--stats", "stats.json"]);
         let both = row.arguments_with(&[file, stats].concat());
-        // What posecut-conform writes beside its report lies in the folder of temporary files.
+        // posecut-conform writes all files other than its report to the folder of temporary files.
         let conform: &[&str] =
             if row.name == "conform" { &["temporary", "input.jsonl", "output.jsonl"] } else { &[] };
         let names = |names: &[&'static str]| [names, conform].concat();
@@ -139,7 +139,7 @@ fn simulations() -> Vec<Case> {
         .into()
 }
 
-/// A stage that copies what it reads.
+/// A stage that copies its input.
 const STAGE: &str = r#"#!/bin/sh
 while [ "$1" != -o ]; do inputs="$inputs $1"; shift; done
 { echo "$2"; [ -z "$inputs" ] || cat $inputs; } > "$2.new" && mv "$2.new" "$2"
@@ -176,7 +176,7 @@ fn experiment(folder: &Path) {
     std::fs::write(folder.join("stages.toml"), text.concat()).unwrap();
 }
 
-/// An experiment that has run; its last result is one that can be compared.
+/// An experiment that has run, with a last result that can be compared.
 fn finished_experiment(folder: &Path) {
     experiment(folder);
     let arguments = experiment_arguments("run", &[]);

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Contents by path; of folders, which end in `/`, none.
+/// File contents by path. Paths of folders end in `/`, and their content is empty.
 pub(super) type Files = BTreeMap<PathBuf, Vec<u8>>;
 
 /// Everything below a folder.
@@ -14,7 +14,7 @@ pub(super) fn files(root: &Path) -> Files {
             let name = path.strip_prefix(root).unwrap();
             if path.is_dir() {
                 gather(&path, root, files);
-                // An empty folder would be overlooked.
+                // Add the folder itself, so that an empty one is not overlooked.
                 files.insert(name.join(""), Vec::new());
             } else {
                 files.insert(name.to_owned(), std::fs::read(&path).unwrap());
@@ -39,7 +39,7 @@ pub(super) fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// Whether all of it is JSON: one value, or one a line, each with its end.
+/// Whether the bytes are JSON: one value, or one value on each complete line.
 pub(super) fn is_json(bytes: &[u8]) -> bool {
     let value = |bytes: &[u8]| serde_json::from_slice::<serde_json::Value>(bytes).is_ok();
     bytes.is_empty()

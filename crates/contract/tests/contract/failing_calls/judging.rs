@@ -1,4 +1,4 @@
-//! What a program may do when a call fails, and what not.
+//! Judges how a program behaves when a call fails.
 
 use std::process::{Command, Stdio};
 
@@ -8,7 +8,7 @@ use super::cases::Case;
 use super::folder::{self, Files, files};
 use super::{Fault, Run};
 
-/// What is wrong with a run in which a call failed.
+/// The errors of a run in which a call failed.
 pub(super) fn wrong(
     case: &Case,
     before: &Files,
@@ -21,7 +21,7 @@ pub(super) fn wrong(
     let said = String::from_utf8_lossy(&run.output.stderr);
     let Some((name, path)) = run.calls.get(at - 1) else { return wrong };
     if name == "close" && path.contains(".lock") {
-        // Nothing was written that could be lost.
+        // The call wrote nothing that could be lost.
         return wrong;
     }
     let removes = ["unlink", "unlinkat", "rmdir"].contains(&name.as_str());
@@ -51,8 +51,8 @@ pub(super) fn wrong(
     wrong
 }
 
-/// Files that are neither as before nor complete, and files that are gone. What could not be removed is named, for whoever has to
-/// remove it.
+/// The files that are neither unchanged nor complete, and missing files. A file that could not be removed may stay if the
+/// message names it, so that the user can remove it.
 fn files_torn(case: &Case, before: &Files, sound: &Run, run: &Run, may_stay: bool) -> Vec<String> {
     let mut wrong = Vec::new();
     for (file, bytes) in &run.files {
@@ -77,7 +77,7 @@ fn files_torn(case: &Case, before: &Files, sound: &Run, run: &Run, may_stay: boo
     wrong
 }
 
-/// Folders that are written as one and are neither the old nor the new one.
+/// The folders that must be replaced as a whole but are neither the old nor the new one.
 fn folders_torn(case: &Case, before: &Files, sound: &Run, run: &Run) -> Vec<String> {
     let part = |files: &Files, whole: &str| -> Files {
         files
@@ -94,7 +94,7 @@ fn folders_torn(case: &Case, before: &Files, sound: &Run, run: &Run) -> Vec<Stri
     case.wholes.iter().filter(torn).map(said).collect()
 }
 
-/// The same command once more must end what the failed call interrupted.
+/// Checks that the same command, repeated, finishes the work.
 fn not_resumed(case: &Case, sound: &Run, run: &Run, removes: bool) -> Option<String> {
     let again = Command::new(program(case.program))
         .args(&case.arguments)
@@ -110,7 +110,7 @@ fn not_resumed(case: &Case, sound: &Run, run: &Run, removes: bool) -> Option<Str
         .then(|| format!("the next run does not resume: {}", String::from_utf8_lossy(&again.stderr)))
 }
 
-/// What is wrong with how a program ended whose call failed, and with what it said.
+/// The errors in the exit status and the messages of a program whose call failed.
 fn badly_said(
     case: &Case,
     (removes, path): (bool, &str),
@@ -119,8 +119,8 @@ fn badly_said(
     status: Option<i32>,
     sound: Option<i32>,
 ) -> Vec<String> {
-    // A stage is tried again by posecut-experiment, which warns. What cannot be removed leaves the result whole; that nothing
-    // else is left without a word is checked with the files.
+    // Success is allowed in two cases: posecut-experiment warns and runs a failed stage again, and a failed removal leaves the
+    // result complete. `files_torn` checks that a file that could not be removed is named.
     let warned = said.lines().any(|line| line.contains(": warning: ") && line.contains(cause));
     if status == sound && (warned || removes) {
         return Vec::new();

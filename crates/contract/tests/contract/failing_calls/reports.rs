@@ -1,11 +1,11 @@
-//! What posecut-report writes of hand-made results of the trust benchmark and of regimes.
+//! The cases of posecut-report, on hand-made results of the trust benchmark and of regimes.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
 use super::cases::{Case, old_outputs, words};
 
-/// Both halves of a benchmark of two methods, which judge edges with probabilities, and their times.
+/// Results and times of two methods on both halves of a benchmark. The methods give probabilities of edges.
 fn trust(folder: &Path) {
     let (mut results, mut times) = (String::new(), String::new());
     for (half, family) in [("test", "f"), ("tuning", "g")] {
