@@ -253,7 +253,7 @@ fn bins(object: &Map<String, Value>) -> anyhow::Result<Option<Bins>> {
             correct: ten(own, "correct", Value::as_u64)?,
         };
         for bin in 0..BINS {
-            // The printed sums have six decimals, so they are exact to much less than this tolerance.
+            // A sum of probabilities with six decimals is exact to much less than this tolerance.
             let count = found.edges[bin] as f64;
             let (low, high) = (bin as f64 / BINS as f64, (bin + 1) as f64 / BINS as f64);
             if !(low * count - 1e-6..=high * count + 1e-6).contains(&found.probability[bin]) {
