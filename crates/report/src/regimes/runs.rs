@@ -12,7 +12,7 @@ pub(super) const SIMULATED: &str = " (simulated)";
 /// The kind of false edges for which the whole grid is swept.
 pub(super) const UNIFORM: &str = "uniform";
 
-/// A run.
+/// The figures of a run.
 pub(super) struct Run {
     pub rmse: f64,
     pub precision: Option<f64>,

@@ -90,8 +90,9 @@ pub struct Benchmark {
 impl Benchmark {
     /// Builds the benchmark from records in any order.
     ///
-    /// # Errors If a method has two results on one run, if a run is in two families, halves or clusters, if a time
-    /// belongs to no result, or if a method has no result.
+    /// # Errors
+    /// If a method has two results on one run, if a run is in two families, halves or clusters, if a time belongs to no
+    /// result, or if a method has no result.
     pub fn new(records: &[Record], times: Option<&[Time]>) -> anyhow::Result<Self> {
         let mut found: BTreeMap<&RunKey, BTreeMap<&str, &Record>> = BTreeMap::new();
         for record in records {

@@ -16,7 +16,8 @@ use crate::table::{inline, metres};
 /// runs. A tie is decided by the smaller worst regret, then by name. A method with a failed run has no worst regret and
 /// loses every tie.
 ///
-/// # Errors If the tuning half has no runs, or no method has a record for all of them.
+/// # Errors
+/// If the tuning half has no runs, or no method has a record for all of them.
 pub fn recommended(benchmark: &Benchmark) -> anyhow::Result<usize> {
     if benchmark.of(Half::Tuning, None).next().is_none() {
         bail!(
