@@ -18,7 +18,7 @@ const ACCELERATION: f64 = 0.6;
 /// Mean distance between stops, metres, and mean length of a stop, seconds.
 const STOP_EVERY: f64 = 140.0;
 const STOP_LASTS: f64 = 14.0;
-/// Slope and heading are differences over this distance, metres.
+/// Heading and curvature are differences over this many points on either side.
 const WHEELBASE: usize = 4;
 
 /// The robot at one instant.

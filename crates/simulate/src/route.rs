@@ -13,7 +13,7 @@ use crate::noise::Wander;
 pub const STEP: f64 = 0.25;
 /// Corners are cut within this many metres before and after them.
 const CORNER: f64 = 4.0;
-/// Largest usual distance of the robot from the middle of a path, metres, and the distance over which it varies.
+/// Standard deviation of the robot's distance from the middle of a path, and its correlation length, metres.
 const SIDEWAYS: f64 = 0.7;
 const SIDEWAYS_LENGTH: f64 = 25.0;
 /// Probability of turning round at a crossing.
