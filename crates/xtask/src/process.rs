@@ -105,7 +105,8 @@ pub(crate) fn measure_accepting(
 
 /// Runs a process that must succeed, and returns its standard output.
 ///
-/// # Errors If the process cannot be started or fails; the message has its standard error.
+/// # Errors
+/// If the process cannot be started or fails; the message has its standard error.
 pub(crate) fn must(command: &mut Command) -> anyhow::Result<Vec<u8>> {
     let called = shown(command);
     let output = command.output().with_context(|| format!("{called}: cannot be started"))?;
@@ -117,7 +118,8 @@ pub(crate) fn must(command: &mut Command) -> anyhow::Result<Vec<u8>> {
 
 /// Runs a process that must succeed. Its messages go to the terminal.
 ///
-/// # Errors If the process cannot be started or fails.
+/// # Errors
+/// If the process cannot be started or fails.
 pub(crate) fn visibly(command: &mut Command) -> anyhow::Result<()> {
     let called = shown(command);
     let status = command.status().with_context(|| format!("{called}: cannot be started"))?;
