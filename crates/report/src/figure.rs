@@ -152,7 +152,7 @@ pub mod colours {
     }
 }
 
-/// How a graph's coordinates map to paper.
+/// How a graph's coordinates lie on paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Frame {
     /// x north, y east, z down, as NCLT has it: y is drawn to the right, x upwards

@@ -17,6 +17,7 @@ pub fn differences(values: impl IntoIterator<Item = i64>) -> String {
     for value in values {
         let difference = value.wrapping_sub(last);
         last = value;
+        // Zigzag maps 0, -1, 1, -2 to 0, 1, 2, 3, so that small differences of either sign stay small.
         let mut rest = ((difference << 1) ^ (difference >> 63)) as u64;
         while rest >= 0x80 {
             bytes.push((rest & 0x7f) as u8 | 0x80);

@@ -87,6 +87,7 @@ pub fn sign_flip_p(strata: &[Vec<f64>], random: &mut ChaCha8Rng) -> f64 {
             reaches(&|index| bits[index / 64] >> (index % 64) & 1 == 1)
         })
         .count();
+    // The observed pattern counts too, so the p-value is never 0.
     (reached + 1) as f64 / (FLIPS + 1) as f64
 }
 
