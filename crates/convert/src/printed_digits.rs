@@ -18,10 +18,12 @@ pub(crate) fn leave_singularity_open(dimension: Dimension, fields: &[&str], pack
             rows[column] += term;
         }
     }
+    // The largest row sum bounds the norm of the rounding errors.
     let shift = rows.into_iter().fold(0.0, f64::max);
     if shift == 0.0 {
         return false;
     }
+    // Subtracting a multiple of the identity lowers every eigenvalue by that multiple.
     let lowered: Vec<f64> = places()
         .zip(packed)
         .map(|((row, column), term)| if row == column { term - shift } else { *term })
