@@ -1,7 +1,7 @@
 //! Construction of a multi-session pose graph (PGC in the paper): experiences side by side, correct landmark
 //! edges between viewpoints whose ground truth is spatially similar, and incorrect ones added at random.
 //!
-//! Only this stage writes and reads `truth`; stages that estimate never do.
+//! This stage writes and reads `truth`; stages that estimate never read it.
 
 mod correct;
 mod error;

@@ -219,8 +219,8 @@ impl Frames {
         Self { sessions, nodes }
     }
 
-    /// The two nodes of a match. The list need not name the session if only one session has the frame. It need not
-    /// either if the graph has two sessions: then i is a frame of the first and j of the second.
+    /// The two nodes of a match. A frame that only one session has needs no session name. If the graph has two
+    /// sessions, a match without names joins frame i of the first with frame j of the second.
     fn nodes(&self, file: &str, entry: &Match) -> Result<[u64; 2], ConstructError> {
         let mut found = [0; 2];
         for (end, frame) in entry.ends.iter().enumerate() {

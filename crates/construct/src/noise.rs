@@ -21,7 +21,7 @@ pub enum NoiseKind {
     StudentT,
 }
 
-/// Degrees of freedom of the heavy-tailed noise: the smallest number with a finite variance.
+/// Degrees of freedom of the heavy-tailed noise: the smallest whole number with a finite variance.
 const TAILS: u32 = 3;
 
 /// Number of translation axes of a tangent vector: 2 of 3 in the plane, 3 of 6 in space.

@@ -6,7 +6,7 @@ use rand::RngExt as _;
 
 use crate::Options;
 
-/// Number of random relative poses among which the most similar one is searched.
+/// Number of random relative poses that are compared with the drawn one to find the most similar.
 const SAMPLE: usize = 64;
 
 /// The distribution of the correct matches' true relative poses.
