@@ -52,6 +52,7 @@ fn measure<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> Vec<Nees> {
             let Some(place) = WINDOWS.iter().position(|&window| window == length) else { continue };
             let Some(to) = truth[start + length] else { continue };
             let Ok(information) = information_from_covariance(&covariance) else { continue };
+            // xi = Log(Z^-1 T)
             let error = motion.between(&from.between(&to)).log();
             sums[place] += error.dot(&(information * error)) / DOF as f64;
             counts[place] += 1;
