@@ -92,7 +92,8 @@ impl Campus {
     }
 }
 
-/// A displaced grid. Paths are removed as long as all crossings remain reachable and none becomes a dead end.
+/// A displaced grid without some of its paths. A path is removed only if all crossings remain reachable and none
+/// becomes a dead end.
 fn network(draw: &mut ChaCha8Rng) -> UnGraph<Vector2<f64>, ()> {
     let mut paths = UnGraph::new_undirected();
     let crossings: Vec<NodeIndex> = (0..ROWS * COLUMNS)

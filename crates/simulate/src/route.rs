@@ -117,7 +117,7 @@ pub fn line(campus: &Campus, route: &[NodeIndex], length: f64, draw: &mut ChaCha
     smooth
 }
 
-/// The mean of the points within `reach` indices, applied twice so that no kinks remain. O(points).
+/// A moving mean over `reach` points on either side, then one over half as many, so that no kinks remain. O(points).
 fn smoothed(points: &[Vector2<f64>], reach: usize) -> Vec<Vector2<f64>> {
     let once = moving_mean(points, reach);
     moving_mean(&once, reach / 2)

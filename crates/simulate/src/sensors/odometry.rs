@@ -34,6 +34,7 @@ pub struct Odometry {
 /// Integrates the true motion with noise of NCLT's stated size, a scale error, a slowly varying turn error, and a few
 /// gross slips, all as in real sessions.
 pub fn odometry(drive: &[Instant], start: i64, period: f64, draw: &mut ChaCha8Rng) -> Odometry {
+    // The standard deviation of independent errors grows with the square root of time.
     let share = (period / STEP_SECONDS).sqrt();
     let scale = 1.0 + normal(draw, 0.004);
     let mut turn = Wander::new(draw, 1.0e-4, 300.0);
