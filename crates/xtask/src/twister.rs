@@ -30,6 +30,7 @@ impl Twister {
 
     /// A whole number below a bound, which must not be 0.
     pub(crate) fn below(&mut self, bound: u32) -> u32 {
+        // Python draws as many bits as the bound has, and rejects values that are too large.
         let spare = bound.leading_zeros();
         loop {
             let value = self.words.next_u32() >> spare;

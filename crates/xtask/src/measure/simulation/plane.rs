@@ -28,11 +28,13 @@ pub(super) fn between(one: Pose, other: Pose) -> Pose {
 
 fn log([x, y, angle]: Pose) -> Pose {
     let half = 0.5 * angle;
+    // The quotient is 0 / 0 at 0: near it, use the first terms of the series.
     let factor = if half.abs() < 1e-6 { 1.0 - half * half / 3.0 } else { half / half.tan() };
     [factor * x + half * y, factor * y - half * x, angle]
 }
 
 pub(super) fn exp([u, v, angle]: Pose) -> Pose {
+    // Both quotients are 0 / 0 at 0: near it, use the first terms of the series.
     let (sine, cosine) = if angle.abs() < 1e-6 {
         (1.0 - angle * angle / 6.0, 0.5 * angle)
     } else {
