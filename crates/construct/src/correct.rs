@@ -1,4 +1,4 @@
-//! Pairs of viewpoints that truly see the same place.
+//! Finds pairs of viewpoints that truly see the same place.
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -8,7 +8,7 @@ use posecut_geometry::wrap_angle;
 use crate::Options;
 use crate::viewpoint::Viewpoint;
 
-/// When two viewpoints count as seeing the same place.
+/// The condition for two viewpoints to see the same place.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Similarity {
     /// Largest distance, metres.
@@ -17,10 +17,10 @@ pub(crate) struct Similarity {
     pub(crate) heading: f64,
     /// Least time between them, seconds.
     pub(crate) minimum_interval: f64,
-    /// Where the second viewpoint is looked for, seen from the first, metres: zero but for places that are
-    /// mistaken for others.
+    /// Where the second viewpoint is expected, relative to the first, metres. It is zero except for kinds of mistakes
+    /// that displace places.
     pub(crate) displacement: [f64; 3],
-    /// Whether viewpoints that look the opposite way see the same place too.
+    /// Whether viewpoints with opposite headings see the same place too.
     pub(crate) opposite: bool,
 }
 
@@ -35,7 +35,7 @@ impl Similarity {
         }
     }
 
-    /// Whether the second viewpoint is of a later experience and near where it is looked for.
+    /// Whether the second viewpoint is in a later experience and near its expected position.
     pub(crate) fn holds<G>(&self, first: &Viewpoint<G>, second: &Viewpoint<G>) -> bool {
         let apart_in_time = match (first.utime, second.utime) {
             (Some(first), Some(second)) => first.abs_diff(second) as f64 * 1e-6 >= self.minimum_interval,
@@ -44,12 +44,12 @@ impl Similarity {
         first.experience < second.experience && apart_in_time && self.near(first, second)
     }
 
-    /// Whether the second viewpoint is near where it is looked for, whatever the experiences.
+    /// Whether the second viewpoint is near its expected position, in any experience.
     pub(crate) fn near<G>(&self, first: &Viewpoint<G>, second: &Viewpoint<G>) -> bool {
         second.distance_to(self.sought(first)) <= self.radius && self.alike(first.heading - second.heading)
     }
 
-    /// Whether headings that differ by an angle count as the same.
+    /// Whether headings with this difference count as the same.
     fn alike(&self, difference: f64) -> bool {
         let within = |angle: f64| wrap_angle(angle).abs() <= self.heading;
         within(difference) || (self.opposite && within(difference - PI))
@@ -59,7 +59,7 @@ impl Similarity {
         std::array::from_fn(|axis| first.position[axis] + self.displacement[axis])
     }
 
-    /// All pairs for which it holds, in ascending order. A grid of cells as wide as the radius makes it
+    /// All pairs that satisfy the condition, in ascending order. A grid of cells as wide as the radius makes this
     /// O(viewpoints + pairs).
     pub(crate) fn pairs<G>(&self, viewpoints: &[Viewpoint<G>]) -> Vec<(usize, usize)> {
         let cell_of = |position: [f64; 3]| {

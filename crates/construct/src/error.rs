@@ -1,21 +1,21 @@
-//! Requests that cannot be met.
+//! Errors of construction.
 
 use crate::IncorrectKind;
 
 /// Why a multi-session graph cannot be constructed.
 #[derive(Debug, thiserror::Error)]
 pub enum ConstructError {
-    /// An option has a value that means nothing.
+    /// An option has a meaningless value.
     #[error("{option} is {value}, and must be {expected}")]
     Option {
         /// The option.
         option: &'static str,
-        /// What was given.
+        /// The given value.
         value: f64,
-        /// What would do.
+        /// The allowed values.
         expected: &'static str,
     },
-    /// The graphs cannot stand in one file.
+    /// The graphs cannot be put into one file.
     #[error("{problem}; {remedy}")]
     Join {
         /// What is wrong.
@@ -23,7 +23,7 @@ pub enum ConstructError {
         /// What to do about it.
         remedy: String,
     },
-    /// A list of matches has a line that cannot be used.
+    /// A list of matches has an unusable line.
     #[error("{file}:{line}: {problem}; {remedy}")]
     Matches {
         /// The list.
@@ -35,7 +35,7 @@ pub enum ConstructError {
         /// What to do about it.
         remedy: String,
     },
-    /// No node of some session knows where it truly was.
+    /// No node of some session has ground truth.
     #[error(
         "no node of the graph has truth, so nobody knows which viewpoints see the same place; ingest the session together with its ground truth"
     )]
@@ -45,46 +45,46 @@ pub enum ConstructError {
         "no two viewpoints of different experiences lie within {radius} m and {heading} degrees of heading, so there is no landmark edge to construct; widen --radius or --heading, or take sessions that overlap"
     )]
     NoOverlap {
-        /// Metres.
+        /// The radius, metres.
         radius: f64,
-        /// Degrees.
+        /// The heading, degrees.
         heading: f64,
     },
-    /// There are not so many correct edges.
+    /// There are fewer correct edges than requested.
     #[error(
         "--correct-edges asks for {wanted} correct landmark edges, but only {found} pairs of viewpoints are spatially similar; lower it, or widen --radius or --heading"
     )]
     TooFewCorrectEdges {
-        /// Edges asked for.
+        /// Number of requested edges.
         wanted: usize,
-        /// Pairs found.
+        /// Number of pairs found.
         found: usize,
     },
-    /// There are not so many odometry edges.
+    /// There are fewer odometry edges than requested.
     #[error(
         "--odometry-gaps asks for {wanted} gaps, but the graph has only {found} odometry edges; lower it"
     )]
     TooFewOdometryEdges {
-        /// Gaps asked for.
+        /// Number of requested gaps.
         wanted: usize,
-        /// Odometry edges of all sessions.
+        /// Number of odometry edges of all sessions.
         found: usize,
     },
-    /// There are not so many wrong pairs.
+    /// There are fewer wrong pairs than requested.
     #[error(
         "a rate of {rate} asks for {wanted} {} landmark edges, but only {found} were found with --incorrect-distance {distance}; {remedy}",
         kind.words()
     )]
     TooFewWrongPairs {
-        /// The rate asked for.
+        /// The requested rate.
         rate: f64,
-        /// Edges that it means.
+        /// Number of edges for that rate.
         wanted: usize,
-        /// Pairs found.
+        /// Number of pairs found.
         found: usize,
-        /// Which mistakes were asked for.
+        /// The requested kind of mistakes.
         kind: IncorrectKind,
-        /// Metres.
+        /// The least distance, metres.
         distance: f64,
         /// What to do about it.
         remedy: &'static str,

@@ -1,4 +1,4 @@
-//! Sessions whose odometry was interrupted.
+//! Makes sessions with interrupted odometry.
 
 use std::collections::HashMap;
 
@@ -9,9 +9,9 @@ use rand::seq::SliceRandom as _;
 use crate::ConstructError;
 use crate::split::restart;
 
-/// Removes odometry edges drawn at random, and returns how many chains there are then. Edges whose removal leaves
-/// a node without odometry are removed last. The poses of each new chain start anew at the origin, as those of a
-/// second half do. O(nodes + edges).
+/// Removes odometry edges drawn at random, and returns the number of chains afterwards. Edges whose removal leaves a
+/// node without odometry are removed last. The poses of each new chain start at the origin again, as in a split
+/// session. O(nodes + edges).
 pub fn cut_odometry(graph: &mut PoseGraph, wanted: usize, seed: u64) -> Result<usize, ConstructError> {
     let mut order: Vec<usize> =
         (0..graph.edges.len()).filter(|&index| graph.edges[index].kind == EdgeKind::Odometry).collect();
@@ -39,7 +39,7 @@ pub fn cut_odometry(graph: &mut PoseGraph, wanted: usize, seed: u64) -> Result<u
     Ok(after.iter().enumerate().filter(|&(index, &start)| index == start).count())
 }
 
-/// Which edges go: the first of the order that leave both their ends with odometry, then the first of the others.
+/// Marks the edges to remove: the first of the order that leave both their nodes with odometry, then the first others.
 fn draw(graph: &PoseGraph, order: &[usize], wanted: usize) -> Vec<bool> {
     let mut edges_at: HashMap<u64, usize> = HashMap::new();
     for &index in order {
@@ -66,7 +66,7 @@ fn draw(graph: &PoseGraph, order: &[usize], wanted: usize) -> Vec<bool> {
     removed
 }
 
-/// For each node the first node, by position in the graph, of those that odometry joins it with.
+/// For each node, the first node (by index) of its odometry chain.
 fn chains(graph: &PoseGraph) -> Vec<usize> {
     let mut roots: Vec<usize> = (0..graph.nodes.len()).collect();
     for edge in graph.edges_of(EdgeKind::Odometry) {
@@ -79,7 +79,7 @@ fn chains(graph: &PoseGraph) -> Vec<usize> {
     (0..roots.len()).map(|index| root(&mut roots, index)).collect()
 }
 
-/// The root of a node's tree; paths are halved on the way.
+/// The root of a node's tree, with path halving.
 fn root(roots: &mut [usize], mut index: usize) -> usize {
     while roots[index] != index {
         roots[index] = roots[roots[index]];

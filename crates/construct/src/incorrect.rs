@@ -51,33 +51,33 @@ impl IncorrectKind {
     }
 }
 
-/// An edge that claims what is not so.
+/// An edge whose measurement is wrong.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct FalseMatch<G> {
-    /// Viewpoint of the earlier experience.
+    /// The viewpoint of the earlier experience.
     pub(crate) from: usize,
-    /// Viewpoint of the later one.
+    /// The viewpoint of the later experience.
     pub(crate) to: usize,
-    /// The claim: the pose of `to` in the frame of `from`.
+    /// The measured pose of `to` in the frame of `from`.
     pub(crate) measurement: G,
-    /// The mistake it belongs to, where one mistake makes many edges.
+    /// The mistake that the edge belongs to, for kinds in which one mistake makes many edges.
     pub(crate) group: Option<usize>,
 }
 
-/// What mistakes are made of.
+/// The input of all kinds of mistakes.
 pub(crate) struct Scene<'a, G> {
     pub(crate) viewpoints: &'a [Viewpoint<G>],
-    /// What correct matches claim.
+    /// The distribution of the relative poses that edges claim.
     pub(crate) claims: Claims<'a, G>,
     pub(crate) options: &'a Options,
 }
 
-/// How many incorrect edges make the given share of all landmark edges: `correct * rate / (1 - rate)`.
+/// The number of incorrect edges for a given share among all landmark edges: `correct * rate / (1 - rate)`.
 pub(crate) fn count(correct: usize, rate: f64) -> usize {
     (correct as f64 * rate / (1.0 - rate)).round() as usize
 }
 
-/// As many false matches as wanted, between different pairs of viewpoints of different experiences.
+/// Draws the wanted number of false matches, between different pairs of viewpoints of different experiences.
 pub(crate) fn false_matches<G: Headed<DOF>, const DOF: usize>(
     scene: &Scene<'_, G>,
     wanted: usize,
@@ -103,7 +103,7 @@ pub(crate) fn false_matches<G: Headed<DOF>, const DOF: usize>(
 }
 
 impl<G> Scene<'_, G> {
-    /// The pair with the earlier experience first, if it is far apart and in different experiences.
+    /// The pair with the earlier experience first; `None` unless it is far apart and in different experiences.
     fn distant(&self, one: usize, other: usize) -> Option<(usize, usize)> {
         let pair = if self.viewpoints[one].experience < self.viewpoints[other].experience {
             (one, other)
@@ -116,7 +116,7 @@ impl<G> Scene<'_, G> {
     }
 }
 
-/// Draws a wanted pair may cost before the request counts as impossible.
+/// The most draws for each wanted pair; beyond that the request counts as impossible.
 const DRAWS_PER_PAIR: usize = 1000;
 
 /// Pairs of viewpoints that have a false match already.

@@ -1,4 +1,4 @@
-//! Several session graphs in one.
+//! Joins several session graphs.
 
 use std::collections::{HashMap, HashSet};
 
@@ -6,8 +6,8 @@ use posecut_graph::{Header, NoiseModel, PoseGraph};
 
 use crate::ConstructError;
 
-/// Puts graphs side by side: nodes and edges are numbered anew in the order given, shared noise models are
-/// kept once and others of the same name get a suffix, histories and unknown records follow each other.
+/// Puts graphs side by side. Nodes and edges are numbered anew in the given order. Equal noise models are kept once,
+/// and different models with the same name get a suffix. Histories and unknown records are concatenated.
 pub fn join(graphs: Vec<PoseGraph>) -> Result<PoseGraph, ConstructError> {
     let Some(first) = graphs.first() else {
         return Err(refused("there is no graph to construct from", "name at least one session graph"));
@@ -62,7 +62,7 @@ fn append(joined: &mut PoseGraph, graph: PoseGraph) {
     joined.unknown.extend(graph.unknown);
 }
 
-/// Adds models to a header; returns the names that had to change.
+/// Adds models to a header, and returns the names that had to change.
 fn merge_noise_models(header: &mut Header, models: Vec<(String, NoiseModel)>) -> HashMap<String, String> {
     let mut renamed = HashMap::new();
     for (name, model) in models {

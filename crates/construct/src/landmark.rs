@@ -10,8 +10,8 @@ use crate::noise::{add_noise_model, with_noise};
 use crate::viewpoint::{Headed, viewpoints};
 use crate::{ConstructError, Options};
 
-/// Adds correct edges between spatially similar viewpoints of different experiences and incorrect ones at
-/// the given rate of all. Edges are numbered by their ends, so that an id tells nothing of the truth.
+/// Adds correct edges between spatially similar viewpoints of different experiences, and incorrect ones at the given
+/// rate. Edges are numbered by their nodes, so that an id does not reveal the truth.
 pub fn add_landmark_edges(
     graph: &mut PoseGraph,
     options: &Options,
@@ -75,7 +75,7 @@ fn add<G: Headed<DOF>, const DOF: usize>(
     Ok(())
 }
 
-/// Which of the spatially similar pairs become correct edges. Fewer are a part of more.
+/// Chooses the spatially similar pairs that become correct edges. A smaller choice is a subset of a larger one.
 fn chosen(similar: usize, options: &Options) -> Result<Vec<usize>, ConstructError> {
     let mut all: Vec<usize> = (0..similar).collect();
     if let Some(wanted) = options.correct_edges {
@@ -88,7 +88,7 @@ fn chosen(similar: usize, options: &Options) -> Result<Vec<usize>, ConstructErro
     Ok(all)
 }
 
-/// That an edge is incorrect, and which mistake it belongs to.
+/// The truth of an incorrect edge, with the mistake that it belongs to.
 fn truth_of<G>(edge: &FalseMatch<G>) -> EdgeTruth {
     let mut truth = EdgeTruth::of(false);
     if let Some(group) = edge.group {

@@ -1,7 +1,7 @@
 //! Construction of a multi-session pose graph (PGC in the paper): experiences side by side, correct landmark
 //! edges between viewpoints whose ground truth is spatially similar, and incorrect ones added at random.
 //!
-//! This is where `truth` is written and read; stages that estimate never look at it.
+//! This stage writes and reads `truth`; stages that estimate never read it.
 
 mod correct;
 mod error;
@@ -28,16 +28,16 @@ pub use split::split_at_middle;
 use posecut_graph::PoseGraph;
 use posecut_stage::Statistics;
 
-/// Where landmark edges come from.
+/// The source of landmark edges.
 #[derive(Clone, Debug)]
 pub enum Landmarks {
-    /// Correct and incorrect ones are made from the ground truth.
+    /// Ground truth: correct and incorrect edges are made from it.
     Truth,
     /// A place recogniser's matches.
     Matches {
-        /// What messages call the list.
+        /// The name of the list in messages.
         file: String,
-        /// Its lines.
+        /// The matches.
         matches: Vec<Match>,
     },
 }

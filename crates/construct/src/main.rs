@@ -1,4 +1,4 @@
-//! `posecut-construct`: session graphs to a multi-session pose graph.
+//! `posecut-construct`: builds a multi-session pose graph from session graphs.
 
 use std::process::ExitCode;
 
@@ -59,7 +59,7 @@ fn main() -> ExitCode {
     )
 }
 
-/// Doubts covariances of matches, which a list does not have.
+/// Records a doubt if edges are made from a list of matches, because a list has no covariances.
 fn doubt(landmarks: &Landmarks, options: &Options, context: &mut Context) {
     let Landmarks::Matches { matches, .. } = landmarks else { return };
     if options.match_measurement == MatchMeasurement::Identity && !matches.is_empty() {

@@ -26,31 +26,31 @@ pub enum MatchMeasurement {
 pub struct Match {
     /// Line of the file, from 1.
     pub line: u64,
-    /// The two frames, each with its session where the list names one.
+    /// The two frames, each with its session if the list gives one.
     pub ends: [Frame; 2],
-    /// The recogniser's score, whatever its scale.
+    /// The recogniser's score, on any scale.
     pub score: Option<f64>,
 }
 
 /// A frame of a list of matches.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Frame {
-    /// Frame number, as nodes have it.
+    /// The frame number of a node.
     pub number: i64,
-    /// Session, where the list names one.
+    /// The session, if the list gives one.
     pub session: Option<String>,
 }
 
-/// Columns by their place: without a header the first three.
+/// The index of each column. Without a header the list starts with frame i, frame j and score.
 struct Columns {
     frames: [usize; 2],
     sessions: [Option<usize>; 2],
     score: Option<usize>,
 }
 
-/// Reads a list of matches: CSV with the columns `frame_i,frame_j` and, if there, `score`, `session_i`,
-/// `session_j`. Without a header line the columns are frame i, frame j, score. Lines that start with `#` are
-/// comments. Errors name file, line and column.
+/// Reads a list of matches: CSV with the columns `frame_i,frame_j` and optionally `score`, `session_i`, `session_j`.
+/// Without a header line the columns are frame i, frame j, score. Lines that start with `#` are comments. Errors name
+/// file, line and column.
 pub fn read_matches(file: &str, bytes: &[u8]) -> Result<Vec<Match>, ConstructError> {
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
@@ -130,8 +130,8 @@ impl Columns {
     }
 }
 
-/// Adds an edge for each match. Where both viewpoints have truth, the edge says whether they are spatially
-/// similar, as constructed edges do. O(nodes + matches).
+/// Adds an edge for each match. If both viewpoints have ground truth, the edge's truth says whether they are spatially
+/// similar, as for constructed edges. O(nodes + matches).
 pub fn add_matches(
     graph: &mut PoseGraph,
     file: &str,
@@ -219,8 +219,8 @@ impl Frames {
         Self { sessions, nodes }
     }
 
-    /// The two nodes of a match. A frame of one session alone needs no session's name, nor do the frames of two
-    /// sessions: there i is of the first and j of the second.
+    /// The two nodes of a match. A frame that only one session has needs no session name. If the graph has two
+    /// sessions, a match without names joins frame i of the first with frame j of the second.
     fn nodes(&self, file: &str, entry: &Match) -> Result<[u64; 2], ConstructError> {
         let mut found = [0; 2];
         for (end, frame) in entry.ends.iter().enumerate() {

@@ -21,10 +21,10 @@ pub enum NoiseKind {
     StudentT,
 }
 
-/// Degrees of freedom of the heavy tails: the fewest with a finite variance.
+/// Degrees of freedom of the heavy-tailed noise: the smallest whole number with a finite variance.
 const TAILS: u32 = 3;
 
-/// Translations per axis of a tangent vector: 2 of 3 in the plane, 3 of 6 in space.
+/// Number of translation axes of a tangent vector: 2 of 3 in the plane, 3 of 6 in space.
 const fn translations(degrees_of_freedom: usize) -> usize {
     if degrees_of_freedom == 3 { 2 } else { 3 }
 }
@@ -45,12 +45,12 @@ fn draw_noise<const DOF: usize>(options: &Options, random: &mut ChaCha8Rng) -> S
     });
     match options.noise {
         NoiseKind::Gaussian => noise,
-        // The multivariate t: one draw stretches all axes, as a bad match is bad in all of them.
+        // The multivariate t distribution stretches all axes by one factor, because a bad match is bad in all of them.
         NoiseKind::StudentT => noise * stretch(random),
     }
 }
 
-/// sqrt(nu / chi^2_nu), which makes a normal vector one of Student's t.
+/// The factor sqrt(nu / chi^2_nu): a normal vector multiplied by it has Student's t distribution.
 fn stretch(random: &mut ChaCha8Rng) -> f64 {
     let mut squares = 0.0;
     for _ in 0..TAILS {
@@ -60,7 +60,7 @@ fn stretch(random: &mut ChaCha8Rng) -> f64 {
     (f64::from(TAILS) / squares).sqrt()
 }
 
-/// A true relative pose as an edge measures it.
+/// The measurement of an edge: a true relative pose with noise.
 pub(crate) fn with_noise<G: LieGroup<DOF>, const DOF: usize>(
     truth: &G,
     options: &Options,
@@ -69,9 +69,9 @@ pub(crate) fn with_noise<G: LieGroup<DOF>, const DOF: usize>(
     truth.compose(&G::exp(&draw_noise(options, random)))
 }
 
-/// The name of the landmark edges' noise model, free or with the same content.
+/// The name of the landmark edges' noise model: either a free name, or that of a model with the same content.
 pub(crate) fn add_noise_model<const DOF: usize>(graph: &mut PoseGraph, options: &Options) -> String {
-    // The covariance that the edges claim, which need not be that of their noise.
+    // The stated covariance, which may differ from that of the noise.
     let claimed = options.landmark_covariance_scale.sqrt();
     let information = isotropic_information(
         DOF,

@@ -1,4 +1,4 @@
-//! The options of construction; their defaults are this project's reading of the paper.
+//! The options of construction. Their defaults are this project's reading of the paper.
 
 use serde::Serialize;
 
@@ -103,7 +103,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// Refuses values that mean nothing.
+    /// Refuses meaningless values.
     pub fn check(&self) -> Result<(), ConstructError> {
         let refuse = |option, value, expected| Err(ConstructError::Option { option, value, expected });
         if !(0.0..1.0).contains(&self.incorrect_rate) {
@@ -124,7 +124,7 @@ impl Options {
             ("--landmark-covariance-scale", self.landmark_covariance_scale),
         ];
         for (option, value) in squared {
-            // Information is one over its square, and both must be numbers.
+            // The information is one over the square of this value, and both must be finite.
             if !(1e-50..=1e50).contains(&value) {
                 return refuse(option, value, "a positive number, from 1e-50 to 1e50");
             }

@@ -1,4 +1,4 @@
-//! One session becomes two experiences.
+//! Splits one session into two experiences.
 
 use std::collections::HashSet;
 
@@ -7,9 +7,9 @@ use posecut_graph::{Dimension, EdgeKind, Node, PoseGraph, for_dimension};
 
 use crate::ConstructError;
 
-/// Splits every session at its middle keyframe into the experiences `/a` and `/b`. The odometry edges across
-/// the cut go, and the poses of each second half start anew at the origin: where it lies in the first
-/// half's frame is what the landmark edges must tell.
+/// Splits every session at its middle keyframe into the experiences `/a` and `/b`. The odometry edges across the cut
+/// are removed, and the poses of each second half start at the origin again: only the landmark edges may determine its
+/// pose in the frame of the first half.
 pub fn split_at_middle(graph: &mut PoseGraph) -> Result<(), ConstructError> {
     let names: Vec<String> = graph.sessions().into_iter().map(str::to_owned).collect();
     let mut second_half: HashSet<u64> = HashSet::new();
@@ -47,7 +47,7 @@ pub fn split_at_middle(graph: &mut PoseGraph) -> Result<(), ConstructError> {
     Ok(())
 }
 
-/// Expresses a node's pose in the frame of a start.
+/// Expresses a node's pose in the frame of the start.
 pub(crate) fn restart(dimension: Dimension, start: Option<&[f64]>, node: &mut Node) {
     fn relative<G: LieGroup<DOF>, const DOF: usize>(start: &[f64], pose: &[f64]) -> Option<Vec<f64>> {
         Some(G::from_components(start)?.between(&G::from_components(pose)?).components())

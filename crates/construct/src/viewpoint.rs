@@ -1,9 +1,9 @@
-//! Nodes whose true pose is known.
+//! Nodes with ground truth.
 
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_graph::PoseGraph;
 
-/// A pose that knows which way a front camera looks.
+/// A pose with the heading of a forward-looking camera.
 pub(crate) trait Headed<const DOF: usize>: LieGroup<DOF> {
     /// Heading in the horizontal plane, radians.
     fn heading(&self) -> f64;
@@ -21,7 +21,7 @@ impl Headed<6> for SE3 {
     }
 }
 
-/// A node with truth, as construction sees it.
+/// A node with ground truth, with the values that construction needs.
 pub(crate) struct Viewpoint<G> {
     pub(crate) node: u64,
     pub(crate) experience: usize,
@@ -32,18 +32,18 @@ pub(crate) struct Viewpoint<G> {
 }
 
 impl<G> Viewpoint<G> {
-    /// Metres.
+    /// Distance to another viewpoint, metres.
     pub(crate) fn distance(&self, other: &Self) -> f64 {
         self.distance_to(other.position)
     }
 
-    /// Metres.
+    /// Distance to a position, metres.
     pub(crate) fn distance_to(&self, place: [f64; 3]) -> f64 {
         self.position.iter().zip(place).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
     }
 }
 
-/// The nodes with truth, in the order of the graph; experiences are numbered in order of appearance.
+/// The nodes with ground truth, in the order of the graph. Experiences are numbered in order of appearance.
 pub(crate) fn viewpoints<G: Headed<DOF>, const DOF: usize>(graph: &PoseGraph) -> Vec<Viewpoint<G>> {
     let sessions: Vec<&str> = graph.sessions();
     let mut viewpoints = Vec::new();

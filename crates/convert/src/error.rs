@@ -1,19 +1,19 @@
-//! Files that cannot be converted.
+//! Errors of conversion.
 
-/// What is wrong, where, and what to do.
+/// Each error says what is wrong, where, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum ConvertError {
-    /// The system refused to give the bytes of a line, or the line is no text.
+    /// The system could not read a line, or the line is not text.
     #[error("{file}, line {line}: cannot be read: {error}")]
     Io {
         /// The file.
         file: String,
         /// The line, counted from 1.
         line: u64,
-        /// What the system said.
+        /// The system's error.
         error: std::io::Error,
     },
-    /// A line that is not what the format says.
+    /// A line violates the format.
     #[error("{file}, line {line}: {problem}; {remedy}")]
     Line {
         /// The file.
@@ -25,7 +25,7 @@ pub enum ConvertError {
         /// What to do about it.
         remedy: String,
     },
-    /// A graph that the target format cannot hold.
+    /// The target format cannot hold the graph.
     #[error("{problem}; {remedy}")]
     Graph {
         /// What is wrong.

@@ -1,7 +1,7 @@
 //! evo's result files: one absolute trajectory error, as `evo_ape --save_results` writes it and `evo_res` reads it.
 //!
-//! A zip archive of `info.json` (title and names), `stats.json` (rmse, mean, median, std, min, max, sse), arrays in
-//! NumPy's format, and both trajectories in TUM's.
+//! The file is a zip archive of `info.json` (title and names), `stats.json` (rmse, mean, median, std, min, max, sse),
+//! arrays in NumPy's format, and both trajectories in TUM's format.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -25,10 +25,10 @@ struct TimedMatch {
     found: Match,
 }
 
-/// The translation error of the poses of `estimate` against those of `reference`, after one alignment of all.
+/// Writes the translation error of `estimate` against `reference`, after one alignment of all poses.
 ///
-/// Poses are matched by node id and stand in the order of time; both graphs need times. The statistics are those of
-/// [`posecut_evaluate`]. `freedom` is SE(2) in the plane and SE(3) in space unless given.
+/// Poses are matched by node id and written in the order of time, so both graphs need times. The statistics are those
+/// of [`posecut_evaluate`]. The default of `freedom` is SE(2) in the plane and SE(3) in space.
 pub fn write(
     estimate: &PoseGraph,
     reference: &PoseGraph,
@@ -90,7 +90,7 @@ fn matches(estimate: &PoseGraph, reference: &PoseGraph, session: Option<&str>) -
     let mut timed: Vec<TimedMatch> = spatial_poses(estimate, Poses::Estimate, session)
         .filter_map(|(node, pose)| {
             let found = Match {
-                // One alignment for all: components do not matter.
+                // All poses share one alignment, so components do not matter.
                 component: 0,
                 session: node.session.clone().unwrap_or_default(),
                 frame: node.frame.unwrap_or_default(),
@@ -104,7 +104,7 @@ fn matches(estimate: &PoseGraph, reference: &PoseGraph, session: Option<&str>) -
     timed
 }
 
-/// Metres along a trajectory.
+/// Distance travelled up to each pose, metres.
 fn travelled(poses: &[SE3]) -> Vec<f64> {
     let mut sum = 0.0;
     let steps = poses.windows(2).map(|pair| (pair[1].translation - pair[0].translation).norm());
@@ -145,7 +145,7 @@ fn array(numbers: &[f64]) -> Vec<u8> {
 
 fn archive(files: &[(&str, Vec<u8>)]) -> zip::result::ZipResult<Vec<u8>> {
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
-    // No time of writing: the same results give the same bytes.
+    // No time stamp: the same results must give the same bytes.
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Stored)
         .last_modified_time(DateTime::DEFAULT);

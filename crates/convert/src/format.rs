@@ -1,4 +1,4 @@
-//! Which format a file has.
+//! File formats.
 
 use std::path::Path;
 
@@ -20,7 +20,7 @@ pub enum FileFormat {
 }
 
 impl FileFormat {
-    /// The format by a file's name; `.gz` at its end does not count.
+    /// The format for a file name; `.gz` at its end does not count.
     pub fn of_name(path: &Path) -> Option<Self> {
         let name = path.file_name()?.to_string_lossy().to_lowercase();
         let name = name.strip_suffix(".gz").unwrap_or(&name);

@@ -1,13 +1,13 @@
 //! g2o pose graphs.
 //!
-//! Edges between one vertex and the next (ids n and n + 1, the first edge of such a pair) are odometry, all
-//! others landmark edges. An id whose top byte is a letter is gtsam's symbol of a robot: the letter names the
-//! session and the rest is the frame; other vertices belong to session `0`, or the name given.
+//! Among the edges between vertices with successive ids (n and n + 1), the first of each pair is odometry; all other
+//! edges are landmark edges. An id whose top byte is a letter is gtsam's symbol of a robot: the letter is the session's
+//! name and the rest is the frame. Other vertices belong to session `0`, or to the session that the caller names.
 //!
-//! Where that rule would call an edge by the wrong name, as for a landmark edge between two successive vertices, the
-//! writer puts a comment line before it, `# FROM TO posecut landmark` or `# FROM TO posecut odometry`. Other tools skip
-//! comments; the reader here heeds them. The ids come first because gtsam's reader looks for two numbers after every tag,
-//! comments included, and silently drops the next edge where there are none.
+//! If that rule would give an edge the wrong kind, as for a landmark edge between two successive vertices, the writer
+//! puts a comment line before the edge: `# FROM TO posecut landmark` or `# FROM TO posecut odometry`. Other tools skip
+//! comments; our reader uses this one. The ids come first because gtsam's reader looks for two numbers after every tag,
+//! even in comments, and silently drops the next edge if there are none.
 
 mod read;
 mod write;
@@ -20,13 +20,13 @@ pub(crate) use read::{Dialect, read_dialect};
 pub use read::{ReadOptions, ReadSummary, read, read_several};
 pub use write::{WriteSummary, write};
 
-/// What an edge is by the ids of its vertices: the first between each vertex and its successor is odometry.
+/// The kind of an edge by the ids of its vertices: the first edge between a vertex and its successor is odometry.
 pub(crate) fn inferred_kind(successive: &mut HashSet<u64>, from: u64, to: u64) -> EdgeKind {
     let odometry = from.abs_diff(to) == 1 && successive.insert(from.min(to));
     if odometry { EdgeKind::Odometry } else { EdgeKind::Landmark }
 }
 
-/// The comment that names the kind of the next edge, which joins these vertices.
+/// The comment that gives the kind of the next edge, which must join these vertices.
 pub(crate) fn comment_of_kind(from: u64, to: u64, kind: EdgeKind) -> String {
     format!("# {from} {to} posecut {}", kind.name())
 }

@@ -1,23 +1,23 @@
-//! Information matrices that are none.
+//! Handles information matrices that are not positive semidefinite.
 
 use nalgebra::DMatrix;
 use posecut_graph::Dimension;
 
-/// What is done about a matrix that is not positive semidefinite.
+/// How to treat such a matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Repair {
-    /// Refuse it with its line.
+    /// Refuse it, with an error that names its line.
     Refuse,
-    /// Set negative eigenvalues to zero: the nearest positive semidefinite matrix.
+    /// Replace it by the nearest positive semidefinite matrix: set negative eigenvalues to zero.
     Clamp,
 }
 
-/// The nearest positive semidefinite matrix in the Frobenius norm (Higham 1988): the same eigenvectors, no
-/// negative eigenvalue. `None` if a term leaves the range of doubles.
+/// The nearest positive semidefinite matrix in the Frobenius norm (Higham 1988): the same eigenvectors, with negative
+/// eigenvalues set to zero. `None` if a term exceeds the range of doubles.
 pub(crate) fn clamp(dimension: Dimension, packed: &[f64]) -> Option<Vec<f64>> {
     let side = dimension.degrees_of_freedom();
     let matrix = unpack(side, packed);
-    // Scaled to entries of at most 1: squares of entries near 1e300 would overflow in the eigenvalue iteration.
+    // Scale entries to at most 1: squares of entries near 1e300 would overflow in the eigenvalue iteration.
     let scale = matrix.amax();
     if !scale.is_finite() {
         return None;

@@ -1,4 +1,4 @@
-//! KITTI trajectories: the 3x4 matrix [R t] of each pose, row by row, twelve numbers a line.
+//! KITTI trajectories: twelve numbers a line, the 3x4 matrix [R t] of a pose, row by row.
 
 use std::fmt::Write as _;
 use std::io::BufRead;
@@ -11,12 +11,12 @@ use crate::ConvertError;
 use crate::trajectory_lines::{Layout, numbers};
 use crate::tum::{Poses, spatial_poses};
 
-/// How far R may be from a rotation: files are printed with six digits or so.
+/// How far R may be from a rotation; files have about six printed digits.
 const ROTATION_TOLERANCE: f64 = 1e-3;
 
 const LAYOUT: Layout = Layout { count: 12, described: "12 numbers", format: "KITTI", comments: false };
 
-/// Reads a trajectory as a graph of dimension 3 without edges and times.
+/// Reads a trajectory as a graph of dimension 3 without edges or times.
 pub fn read(file: &str, reader: impl BufRead, session: &str) -> Result<PoseGraph, ConvertError> {
     let mut graph = PoseGraph::new(Header::new(Dimension::Three));
     for line in numbers(file, reader, &LAYOUT) {

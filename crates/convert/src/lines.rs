@@ -1,4 +1,4 @@
-//! The lines of a text file, each with its number.
+//! Reads the lines of a text file with their numbers.
 
 use std::io::BufRead;
 
@@ -6,7 +6,7 @@ use posecut_stage::bounded_lines;
 
 use crate::ConvertError;
 
-/// What editors on Windows put before the text.
+/// Editors on Windows write this before the text.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// The lines of a file with their numbers, counted from 1, without a byte order mark. Errors name the line.

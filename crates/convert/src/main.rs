@@ -1,4 +1,4 @@
-//! `posecut-convert`: other tools' files to pose-graph JSON Lines and back.
+//! `posecut-convert`: converts other tools' files to pose-graph JSON Lines and back.
 
 use std::path::Path;
 use std::process::ExitCode;

@@ -1,10 +1,10 @@
-//! What the printed digits of an information matrix leave open.
+//! Whether the printed digits of an information matrix distinguish it from a singular one.
 
 use posecut_graph::{Dimension, negative_eigenvalue};
 
-/// Whether a matrix within the rounding of these printed terms is singular: its smallest eigenvalue is no larger than the
-/// rounding can make it. By Weyl's inequality an eigenvalue moves by no more than the norm of the change, which is no more than
-/// its largest sum of a row. Takes O(terms).
+/// Whether some matrix within the rounding of these printed terms is singular, that is, whether the smallest eigenvalue
+/// is no larger than the possible effect of rounding. By Weyl's inequality an eigenvalue changes by no more than the
+/// norm of the change, which is no more than its largest row sum. O(terms).
 ///
 /// `fields` are the terms of the upper triangle as printed, `packed` their values.
 pub(crate) fn leave_singularity_open(dimension: Dimension, fields: &[&str], packed: &[f64]) -> bool {
@@ -18,10 +18,12 @@ pub(crate) fn leave_singularity_open(dimension: Dimension, fields: &[&str], pack
             rows[column] += term;
         }
     }
+    // The largest row sum bounds the norm of the rounding errors.
     let shift = rows.into_iter().fold(0.0, f64::max);
     if shift == 0.0 {
         return false;
     }
+    // Subtracting a multiple of the identity lowers every eigenvalue by that multiple.
     let lowered: Vec<f64> = places()
         .zip(packed)
         .map(|((row, column), term)| if row == column { term - shift } else { *term })
@@ -29,10 +31,11 @@ pub(crate) fn leave_singularity_open(dimension: Dimension, fields: &[&str], pack
     negative_eigenvalue(dimension, &lowered).is_some()
 }
 
-/// Half a unit of the last printed digit of every term.
+/// The rounding of each term: half a unit of its last printed digit.
 ///
-/// Terms with one number of decimals (`%f`) are rounded there. Otherwise terms have one number of significant digits
-/// (`%g`, which leaves trailing zeros out): that of the longest of them. Whole numbers alone are exact, as is zero.
+/// If all terms have the same number of decimals (`%f`), that is the last decimal. Otherwise all terms have the same
+/// number of significant digits (`%g`, which omits trailing zeros): that of the longest term. If all terms are whole
+/// numbers, they are exact; zero is always exact.
 fn roundings(fields: &[&str]) -> Vec<f64> {
     let decimals = |field: &&str| {
         let (mantissa, _) = field.split_once(['e', 'E']).unwrap_or((field, ""));
@@ -56,7 +59,8 @@ fn half_unit(exponent: f64) -> f64 {
     0.5 * 10.0_f64.powf(exponent)
 }
 
-/// Digits from the first that is not zero to the last printed one, trailing zeros of whole numbers left out.
+/// The number of digits from the first that is not zero to the last printed one, without the trailing zeros of a whole
+/// number.
 fn significant_digits(field: &str) -> usize {
     let mantissa = field.split_once(['e', 'E']).map_or(field, |(mantissa, _)| mantissa);
     let digits: String = mantissa.chars().filter(char::is_ascii_digit).collect();
@@ -76,7 +80,8 @@ mod tests {
 
     #[test]
     fn the_last_digit_tells_what_is_known() {
-        // The smallest eigenvalue of the first block is 1e-6: half a unit of six decimals could undo it, of eight not.
+        // The smallest eigenvalue of the first block is 1e-6: half a unit of the sixth decimal could make it zero, half
+        // a unit of the eighth could not.
         assert!(is_open("1.000000 0.999999 0.000000 1.000000 0.000000 1.000000"));
         assert!(!is_open("1.00000000 0.99999900 0.00000000 1.00000000 0.00000000 1.00000000"));
         assert!(is_open("1 0.999999 0 1 0 1"), "six significant digits, trailing zeros left out");

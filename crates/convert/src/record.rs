@@ -1,8 +1,8 @@
-//! Lines of g2o and TORO: a tag, ids, numbers.
+//! Writes lines of g2o and TORO: a tag, ids, numbers.
 
 use std::fmt::Write as _;
 
-/// Adds a line. Numbers are written in the fewest digits that read back to the same bits.
+/// Adds a line. Numbers have the fewest digits that read back to the same bits.
 pub(crate) fn line(text: &mut String, tag: &str, ids: &[u64], numbers: &[f64]) {
     text.push_str(tag);
     // Writing to a string cannot fail.

@@ -1,10 +1,11 @@
 //! TORO pose graphs: `VERTEX2`, `EDGE2`, `VERTEX3`, `EDGE3`.
 //!
-//! Poses are `x y theta` or `x y z roll pitch yaw` with `R = R_z(yaw) R_y(pitch) R_x(roll)`, radians. An information matrix is
-//! that of the numbers of the measurement as they are printed: an error adds to `x y z`, in the frame of the edge's first
-//! vertex, and to the angles. Ours, like g2o's, is that of a right perturbation, in the frame of the second. With
-//! `B = diag(R_z^T, E)`, where `R_z` is the measured rotation and `E` maps rates of roll, pitch and yaw to the rate of
-//! rotation in the body, `Omega_toro = B^T Omega B`. The order of a planar matrix's terms is `xx xy yy tt xt yt`.
+//! Poses are `x y theta` or `x y z roll pitch yaw` with `R = R_z(yaw) R_y(pitch) R_x(roll)`, radians. An information
+//! matrix belongs to the printed numbers of the measurement: an error adds to `x y z`, in the frame of the edge's first
+//! vertex, and to the angles. Our matrix, like g2o's, belongs to a right perturbation, in the frame of the second
+//! vertex. With `B = diag(R_z^T, E)`, where `R_z` is the measured rotation and `E` maps rates of roll, pitch and yaw to
+//! the rate of rotation in the body, `Omega_toro = B^T Omega B`. The order of a planar matrix's terms is
+//! `xx xy yy tt xt yt`.
 
 use std::io::BufRead;
 
@@ -16,10 +17,10 @@ use crate::ConvertError;
 use crate::g2o::{self, Dialect, ReadOptions, ReadSummary, WriteSummary};
 use crate::record::line;
 
-/// Cosine of a pitch below which roll and yaw turn about the same axis to working precision.
+/// If the cosine of the pitch is below this, roll and yaw turn about the same axis to working precision.
 const GIMBAL_LOCK: f64 = 1e-6;
 
-/// Reads a TORO file, in whatever order its lines come, as [`g2o::read`] does.
+/// Reads a TORO file, with lines in any order, as [`g2o::read`] does.
 pub fn read(
     file: &str,
     reader: impl BufRead,
@@ -36,8 +37,8 @@ pub fn read_several(
     g2o::read_dialect(files, options, Dialect::Toro)
 }
 
-/// Writes a TORO file: vertices and edges in use (or all of them, `keep_rejected`). A measurement whose pitch is a right angle
-/// has no information matrix of its roll and yaw, and is an error.
+/// Writes a TORO file: vertices, and edges in use (all edges with `keep_rejected`). It is an error if the pitch of a
+/// measurement is a right angle, because its roll and yaw then have no information matrix.
 pub fn write(graph: &PoseGraph, keep_rejected: bool) -> Result<(Vec<u8>, WriteSummary), ConvertError> {
     let dimension = graph.header.dimension;
     let (vertex, edge_tag) = match dimension {
@@ -75,12 +76,12 @@ pub fn write(graph: &PoseGraph, keep_rejected: bool) -> Result<(Vec<u8>, WriteSu
     Ok((text.into_bytes(), summary))
 }
 
-/// How many numbers a pose has.
+/// The number of components of a pose.
 pub(crate) fn pose_numbers(dimension: Dimension) -> usize {
     dimension.degrees_of_freedom()
 }
 
-/// Components of a pose as TORO prints it.
+/// Our components of a pose, from those that TORO prints.
 pub(crate) fn pose_from_toro(pose: Vec<f64>) -> Vec<f64> {
     match *pose.as_slice() {
         [x, y, z, roll, pitch, yaw] => SE3::from_euler(x, y, z, roll, pitch, yaw).components(),
@@ -98,7 +99,7 @@ fn pose_to_toro(dimension: Dimension, pose: &[f64]) -> Vec<f64> {
     }
 }
 
-/// Our packed information of a measurement, from the numbers of its line; `None` where the pitch is a right angle.
+/// Our packed information of a measurement, from the numbers of its line; `None` if the pitch is a right angle.
 pub(crate) fn information_from_toro(
     dimension: Dimension,
     measurement: &[f64],
@@ -113,7 +114,7 @@ pub(crate) fn information_from_toro(
     Some(upper_triangle(&information))
 }
 
-/// `B`: the right perturbation that errors of the printed numbers amount to.
+/// `B`: maps errors of the printed numbers to the right perturbation.
 fn perturbation(dimension: Dimension, measurement: &[f64]) -> Option<DMatrix<f64>> {
     let side = dimension.degrees_of_freedom();
     let mut matrix = DMatrix::identity(side, side);
@@ -149,7 +150,7 @@ fn upper_triangle(matrix: &DMatrix<f64>) -> Vec<f64> {
     (0..side).flat_map(|row| (row..side).map(move |column| matrix[(row, column)])).collect()
 }
 
-/// The terms in the file's order.
+/// The terms of the matrix in the file's order.
 fn pack(dimension: Dimension, matrix: &DMatrix<f64>) -> Vec<f64> {
     let terms = upper_triangle(matrix);
     match (dimension, terms.as_slice()) {
@@ -163,7 +164,7 @@ mod tests {
     use super::*;
     use nalgebra::DVector;
 
-    /// `B` is the derivative of the right perturbation by the printed numbers.
+    /// Checks that `B` is the derivative of the right perturbation with respect to the printed numbers.
     #[test]
     fn errors_of_the_printed_numbers_are_right_perturbations() {
         let numbers = [1.0, -2.0, 0.5, 0.7, -1.1, 2.6];

@@ -1,4 +1,4 @@
-//! Trajectory files: one pose a line, a fixed count of numbers.
+//! Trajectory files: one pose a line, with a fixed number of numbers.
 
 use std::io::BufRead;
 
@@ -6,11 +6,11 @@ use crate::ConvertError;
 use crate::error::number;
 use crate::lines::lines;
 
-/// What the lines of a format hold.
+/// The layout of a format's lines.
 pub(crate) struct Layout {
-    /// Numbers a line.
+    /// How many numbers a line has.
     pub(crate) count: usize,
-    /// The same in words, for messages.
+    /// The numbers in words, for messages.
     pub(crate) described: &'static str,
     /// The format's name.
     pub(crate) format: &'static str,
@@ -18,7 +18,7 @@ pub(crate) struct Layout {
     pub(crate) comments: bool,
 }
 
-/// The numbers of each line that is neither blank nor a comment, with the line's place, counted from 1.
+/// The numbers of each line that is neither blank nor a comment, with its line number, counted from 1.
 pub(crate) fn numbers<'a>(
     file: &'a str,
     reader: impl BufRead + 'a,

@@ -1,4 +1,4 @@
-//! TUM trajectories: `seconds x y z qx qy qz qw`, one pose a line, `#` starts a comment.
+//! TUM trajectories: `seconds x y z qx qy qz qw`, one pose a line; `#` starts a comment.
 
 use std::fmt::Write as _;
 use std::io::BufRead;
@@ -21,7 +21,7 @@ pub enum Poses {
 const LAYOUT: Layout =
     Layout { count: 8, described: "8 numbers (seconds x y z qx qy qz qw)", format: "TUM", comments: true };
 
-/// Seconds as microseconds, if 64 bits can count them.
+/// Seconds as microseconds; `None` if they do not fit into 64 bits.
 fn microseconds(seconds: f64) -> Option<i64> {
     // 2^63, the first number that is too large.
     const END: f64 = 9_223_372_036_854_775_808.0;
@@ -29,7 +29,7 @@ fn microseconds(seconds: f64) -> Option<i64> {
     (-END..END).contains(&time).then_some(time as i64)
 }
 
-/// Reads a trajectory as a graph of dimension 3 without edges. Times increase.
+/// Reads a trajectory as a graph of dimension 3 without edges. Times must increase.
 pub fn read(file: &str, reader: impl BufRead, session: &str) -> Result<PoseGraph, ConvertError> {
     let mut graph = PoseGraph::new(Header::new(Dimension::Three));
     // Time and line of the last pose.
@@ -74,7 +74,7 @@ pub fn read(file: &str, reader: impl BufRead, session: &str) -> Result<PoseGraph
     Ok(graph)
 }
 
-/// Writes the nodes that have time and pose, in the order of time.
+/// Writes the nodes that have a time and a pose, in the order of time.
 pub fn write(graph: &PoseGraph, poses: Poses, session: Option<&str>) -> Result<Vec<u8>, ConvertError> {
     let mut lines: Vec<(i64, Vec<f64>)> =
         spatial_poses(graph, poses, session).filter_map(|(node, pose)| Some((node.utime?, pose))).collect();
@@ -97,13 +97,13 @@ pub fn write(graph: &PoseGraph, poses: Poses, session: Option<&str>) -> Result<V
     Ok(text.into_bytes())
 }
 
-/// Microseconds as seconds, exact to the last digit, which a division would not keep.
+/// Microseconds as seconds, exact to the last digit; a division would round.
 pub(crate) fn seconds(utime: i64) -> String {
     let sign = if utime < 0 { "-" } else { "" };
     format!("{sign}{}.{:06}", utime.unsigned_abs() / 1_000_000, utime.unsigned_abs() % 1_000_000)
 }
 
-/// Nodes with the poses asked for, in space.
+/// Nodes with the requested poses, as spatial poses.
 pub(crate) fn spatial_poses<'a>(
     graph: &'a PoseGraph,
     poses: Poses,

@@ -21,7 +21,7 @@ pub enum Freedom {
 }
 
 impl Freedom {
-    /// The name that results and messages give.
+    /// The name in results and messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "no",
@@ -35,16 +35,16 @@ impl Freedom {
 /// p -> scale * rotation * p + translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alignment {
-    /// Turns the estimate's frame into the reference's.
+    /// Rotates the estimate's frame into the reference's.
     pub rotation: Rotation3<f64>,
-    /// Metres, in the reference's frame.
+    /// In metres, in the reference's frame.
     pub translation: Vector3<f64>,
     /// 1 unless the freedom includes a scale.
     pub scale: f64,
 }
 
 impl Alignment {
-    /// Leaves points where they are.
+    /// The alignment that does not move points.
     pub fn identity() -> Self {
         Self { rotation: Rotation3::identity(), translation: Vector3::zeros(), scale: 1.0 }
     }
@@ -54,10 +54,10 @@ impl Alignment {
         self.scale * (self.rotation * point) + self.translation
     }
 
-    /// The alignment of `from` to `to` that makes the sum of squared distances smallest (Umeyama, PAMI 13(4),
-    /// 1991, equations 40-42): with the centred cross-covariance M = U D V^T of the points, R = U S V^T where
-    /// S flips the last axis if needed to keep R a rotation, s = tr(D S) / variance, t = mean - s R mean.
-    /// Without points, or with all in one place, the rotation is the identity. Both slices have one length.
+    /// The alignment of `from` to `to` with the smallest sum of squared distances (Umeyama, PAMI 13(4), 1991, equations
+    /// 40-42). With the centred cross-covariance M = U D V^T of the points, R = U S V^T where S flips the last axis if
+    /// needed to keep R a rotation, s = tr(D S) / variance, t = mean - s R mean. If there are no points or all
+    /// coincide, the rotation is the identity. Both slices must have the same length.
     pub fn best(from: &[Vector3<f64>], to: &[Vector3<f64>], freedom: Freedom) -> Self {
         if freedom == Freedom::None || from.is_empty() {
             return Self::identity();
@@ -87,7 +87,7 @@ fn rotation(cross: &Matrix3<f64>) -> (Rotation3<f64>, f64) {
     let (Some(u), Some(v_transposed)) = (decomposition.u, decomposition.v_t) else {
         return (Rotation3::identity(), 0.0);
     };
-    // Singular values come in descending order: the flipped axis is the one that matters least.
+    // Singular values are in descending order, so the flipped axis is the least important one.
     let mut signs = Vector3::new(1.0, 1.0, 1.0);
     if (u * v_transposed).determinant() < 0.0 {
         signs[2] = -1.0;
@@ -97,7 +97,7 @@ fn rotation(cross: &Matrix3<f64>) -> (Rotation3<f64>, f64) {
     (Rotation3::from_matrix_unchecked(matrix), trace)
 }
 
-/// In the plane the best turn has a closed form: the angle of the sum of all turns.
+/// In the plane the best rotation has a closed form: the angle of the sum of all rotations.
 fn turn_about_vertical(cross: &Matrix3<f64>) -> Rotation3<f64> {
     let plane: Matrix2<f64> = cross.fixed_view::<2, 2>(0, 0).into_owned();
     let turn = Vector2::new(plane[(0, 0)] + plane[(1, 1)], plane[(1, 0)] - plane[(0, 1)]);

@@ -12,15 +12,15 @@ pub const BINS: usize = 10;
 /// The field of a landmark edge with the probability that it is correct; `posecut-verify` writes it.
 pub const PROBABILITY: &str = "verify_probability";
 
-/// Landmark edges whose probability and truth are known, by bins of probability. Bin k has the probabilities from
-/// k/10 up to but excluding (k+1)/10; the last bin includes 1. Sums of several runs add up.
+/// Landmark edges whose probability and truth are known, by bins of probability. Bin k has the probabilities from k/10
+/// up to but excluding (k+1)/10; the last bin includes 1. The values of several runs can be added.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Calibration {
-    /// Edges of each bin.
+    /// Number of edges in each bin.
     pub edges: [usize; BINS],
     /// The sum of their probabilities.
     pub probability: [f64; BINS],
-    /// Correct ones among them.
+    /// Number of correct edges among them.
     pub correct: [usize; BINS],
 }
 

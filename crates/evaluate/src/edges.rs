@@ -3,12 +3,12 @@
 use posecut_graph::{EdgeKind, PoseGraph};
 use serde::Serialize;
 
-/// An edge in use is a positive: *true* if the truth calls it correct.
+/// Counts and scores of landmark edges. An edge in use is a positive; it is a *true* one if the truth calls it correct.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct EdgeScores {
     /// Correct edges in use.
     pub true_positive: usize,
-    /// Incorrect edges in use: false loop closures that got through.
+    /// Incorrect edges in use: false loop closures that were not rejected.
     pub false_positive: usize,
     /// Correct edges rejected.
     pub false_negative: usize,
@@ -20,7 +20,7 @@ pub struct EdgeScores {
     pub recall: Option<f64>,
 }
 
-/// Scores the landmark edges whose truth is known; `None` if no edge's is.
+/// Scores the landmark edges whose truth is known; `None` if there are none.
 pub fn score(graph: &PoseGraph) -> Option<EdgeScores> {
     let mut scores = EdgeScores::default();
     for edge in graph.edges_of(EdgeKind::Landmark) {

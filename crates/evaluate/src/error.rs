@@ -1,44 +1,44 @@
-//! What cannot be compared.
+//! Errors of evaluation.
 
 /// Why an estimate cannot be evaluated.
 #[derive(Debug, thiserror::Error)]
 pub enum EvaluateError {
-    /// Plane against space.
+    /// One graph is planar and the other spatial.
     #[error(
         "the estimate has dimension {estimate}, the reference {reference}; optimise both from the same session graphs"
     )]
     Dimension {
-        /// Of the estimate.
+        /// Dimension of the estimate.
         estimate: u64,
-        /// Of the reference.
+        /// Dimension of the reference.
         reference: u64,
     },
-    /// Not one node is in both.
+    /// No node is in both graphs.
     #[error(
         "not one node has a pose both in the estimate ({estimate} nodes) and in the reference ({reference} nodes); the ids of the two files must mean the same nodes{hint}"
     )]
     NothingInCommon {
-        /// Nodes of the estimate.
+        /// Number of nodes of the estimate.
         estimate: usize,
-        /// Nodes of the reference.
+        /// Number of nodes of the reference.
         reference: usize,
-        /// What else may be wrong.
+        /// Another possible reason.
         hint: &'static str,
     },
-    /// A probability that is none.
+    /// A probability is not a number between 0 and 1.
     #[error(
         "{edge}: `verify_probability` is {value}, expected a number between 0 and 1; correct or remove the field"
     )]
     Probability {
         /// Kind and id of the edge.
         edge: String,
-        /// As found.
+        /// The value in the file.
         value: String,
     },
-    /// A label that is no pair.
+    /// A label is not of the form NAME=VALUE.
     #[error("--label {label}: expected NAME=VALUE, such as --label session=2012-01-22")]
     Label {
-        /// As given.
+        /// The label on the command line.
         label: String,
     },
 }

@@ -1,12 +1,12 @@
-//! How good an estimate is: the error of its poses against a reference, and how many of the landmark edges
-//! it uses are right.
+//! Evaluates an estimate: the error of its poses against a reference, and how many of the landmark edges in use are
+//! correct.
 //!
 //! - [`alignment`]: the rigid motion (or similarity) that brings two sets of points closest (Umeyama 1991).
-//! - [`summary`]: the statistics that SLAM users know: rmse, mean, median, std, min, max, sse.
+//! - [`summary`]: the usual statistics of SLAM: rmse, mean, median, std, min, max, sse.
 //! - [`trajectory`]: absolute and relative trajectory errors (Sturm et al., IROS 2012).
 //! - [`edges`]: precision and recall of the landmark edges in use.
 //! - [`calibration`]: how often the edges of each `verify_probability` are correct.
-//! - [`result`]: all of it as one JSON document that names its alignment.
+//! - [`result`]: all of these in one JSON document that names its alignment.
 
 pub mod alignment;
 pub mod calibration;

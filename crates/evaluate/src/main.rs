@@ -1,4 +1,4 @@
-//! `posecut-evaluate`: an estimate against a reference, as one JSON result.
+//! `posecut-evaluate`: compares an estimate with a reference and writes one JSON result.
 
 use std::process::ExitCode;
 

@@ -1,4 +1,4 @@
-//! One JSON document on one estimate.
+//! The result of an evaluation: one JSON document an estimate.
 
 use std::collections::BTreeMap;
 
@@ -56,18 +56,18 @@ pub struct Options {
     pub labels: Vec<String>,
 }
 
-/// What an evaluation found.
+/// The result of an evaluation.
 #[derive(Clone, Debug, Serialize)]
 pub struct EvaluationResult {
     format: &'static str,
     version: u64,
-    /// What the caller calls this run.
+    /// The caller's labels of this run.
     pub labels: BTreeMap<String, Value>,
     /// Root mean square distance over all common poses after alignment, metres.
     pub rmse: f64,
-    /// How the poses were aligned before anything was measured.
+    /// How the poses were aligned before the errors were measured.
     pub alignment: AlignmentUsed,
-    /// Parts of the estimate that no edge in use joins; with more than one, their relative places are unknown.
+    /// Components of the estimate over the edges in use. If there are several, their relative poses are unknown.
     pub components: usize,
     /// Nodes compared.
     pub poses: usize,
@@ -81,11 +81,11 @@ pub struct EvaluationResult {
     pub sessions: BTreeMap<String, Summary>,
     /// Precision and recall of landmark edges; absent if no edge's truth is known.
     pub edges: Option<EdgeScores>,
-    /// Landmark edges by bins of `verify_probability`; the field is absent if no edge has a probability and a truth.
+    /// Landmark edges by bins of `verify_probability`; absent if no edge has both a probability and a known truth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub calibration: Option<Calibration>,
-    /// The doubts of the stages that the estimate went through, oldest first, and of evaluation itself; the field is absent
-    /// if there are none.
+    /// The doubts of the stages that produced the estimate, oldest first, and of evaluation itself; absent if there are
+    /// none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub doubts: Vec<StageDoubt>,
     /// The estimate's history.
@@ -95,11 +95,11 @@ pub struct EvaluationResult {
 /// The name and numbers of an alignment.
 #[derive(Clone, Debug, Serialize)]
 pub struct AlignmentUsed {
-    /// The motions allowed.
+    /// The allowed motions.
     pub freedom: Freedom,
-    /// Together or apart.
+    /// Which poses share an alignment.
     pub scope: Scope,
-    /// What was found: one for all, one a session, or one a component (named by its first node).
+    /// The alignments: one for all, one a session, or one a component (named by its first node).
     pub found: BTreeMap<String, AlignmentFound>,
 }
 
@@ -181,7 +181,7 @@ pub fn evaluate(
     })
 }
 
-/// For each node the first node (by index) of its connected component, over the edges in use that measure something.
+/// For each node, the first node (by index) of its connected component, over the edges in use that have a measurement.
 fn first_of_component(graph: &PoseGraph) -> Vec<usize> {
     graph.first_of_part(|edge| edge.measurement.is_some())
 }
@@ -190,7 +190,7 @@ fn components(graph: &PoseGraph) -> usize {
     first_of_component(graph).into_iter().enumerate().filter(|(node, first)| node == first).count()
 }
 
-/// Numbers stay numbers, everything else is text.
+/// Parses labels: a value that is a number becomes a number, any other becomes text.
 fn labels(pairs: &[String]) -> Result<BTreeMap<String, Value>, EvaluateError> {
     pairs
         .iter()
@@ -203,7 +203,7 @@ fn labels(pairs: &[String]) -> Result<BTreeMap<String, Value>, EvaluateError> {
         .collect()
 }
 
-/// Common nodes, by session and frame.
+/// Nodes that both graphs have, matched by session and frame.
 fn matches(estimate: &PoseGraph, reference: Option<&PoseGraph>) -> Vec<Match> {
     let dimension = estimate.header.dimension;
     let graph = reference.unwrap_or(estimate);

@@ -1,9 +1,9 @@
-//! Statistics of errors, by the names SLAM users know.
+//! Statistics of errors, with the names that are usual in SLAM.
 
 use serde::Serialize;
 
-/// Statistics of non-negative errors, as evo reports them: `std` is that of the population, the median of an
-/// even number of errors the mean of the middle two.
+/// Statistics of non-negative errors, defined as in evo: `std` is that of the population, and the median of an even
+/// number of errors is the mean of the middle two.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// Root mean square.
@@ -20,7 +20,7 @@ pub struct Summary {
     pub max: f64,
     /// Sum of squares.
     pub sse: f64,
-    /// How many.
+    /// Number of errors.
     pub count: usize,
 }
 

@@ -31,18 +31,18 @@ pub struct AbsoluteError {
     pub rotation_rad: Option<Summary>,
 }
 
-/// Errors of the motion over a number of frames.
+/// Errors of relative motions over a number of frames.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RelativeError {
     /// The number of frames.
     pub delta_frames: usize,
-    /// Metres.
+    /// In metres.
     pub translation_m: Option<Summary>,
-    /// Radians.
+    /// In radians.
     pub rotation_rad: Option<Summary>,
 }
 
-/// The alignment of the estimate to the reference over some matches.
+/// The alignment of the estimate to the reference over the given matches.
 pub fn align(matches: &[&Match], freedom: Freedom) -> Alignment {
     let points = |pick: fn(&Match) -> &SE3| -> Vec<Vector3<f64>> {
         matches.iter().map(|found| pick(found).translation).collect()
@@ -57,8 +57,8 @@ pub fn errors(matches: &[&Match], alignment: &Alignment) -> (Vec<f64>, Vec<f64>)
         .map(|found| {
             let distance =
                 (alignment.apply(&found.estimate.translation) - found.reference.translation).norm();
-            // Quaternions: the angle between equal rotation matrices can come out as NaN, the arc cosine of
-            // a little more than 1.
+            // Use quaternions: between equal rotation matrices, rounding can give the arc cosine of a little more than
+            // 1, which is NaN.
             let turned = UnitQuaternion::from_rotation_matrix(&alignment.rotation) * found.estimate.rotation;
             (distance, turned.angle_to(&found.reference.rotation))
         })
@@ -92,7 +92,8 @@ pub fn relative_error(matches: &[Match], delta: usize) -> RelativeError {
 mod tests {
     use super::*;
 
-    /// Found by an estimate equal to its reference: its rotation error was NaN, which JSON wrote as null.
+    /// Regression test: if an estimate was equal to its reference, its rotation error was NaN, which JSON wrote as
+    /// null.
     #[test]
     fn a_perfect_estimate_has_rotation_error_zero_not_nan() {
         let matches: Vec<Match> = (0..200)

@@ -1,4 +1,4 @@
-//! Edges by bins of their probability.
+//! Tests the counts of edges by bins of their probability.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -7,7 +7,7 @@ use posecut_evaluate::result::Scope;
 use posecut_evaluate::{Options, evaluate};
 use posecut_graph::PoseGraph;
 
-/// Two nodes and one landmark edge for each pair of truth and probability, as JSON.
+/// A graph with two nodes, and one landmark edge for each pair of truth and probability (as JSON).
 fn graph(edges: &[(Option<bool>, Option<&str>)]) -> PoseGraph {
     let mut text =
         String::from("{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":2}\n");
@@ -27,7 +27,7 @@ fn an_edge_counts_in_the_bin_of_its_probability() {
     let found = calibration(&graph(&[
         (Some(false), Some("0")),
         (Some(true), Some("0.0999")),
-        // The lower end belongs to a bin, and 1 to the last one.
+        // The lower end belongs to its bin, and 1 to the last bin.
         (Some(true), Some("0.5")),
         (Some(false), Some("0.9")),
         (Some(true), Some("1")),

@@ -1,4 +1,4 @@
-//! Which poses share one alignment.
+//! Tests which poses share one alignment.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -6,7 +6,8 @@ use posecut_evaluate::result::Scope;
 use posecut_evaluate::{Options, evaluate};
 use posecut_graph::PoseGraph;
 
-/// Two chains of three poses; the second one starts at (x, y) and is turned by an angle. An edge joins them or not.
+/// Two chains of three poses. The second one starts at (x, y), turned by an angle. An edge joins the chains if
+/// `joined`.
 fn chains(start: (f64, f64, f64), bend: f64, joined: bool) -> PoseGraph {
     let (x, y, angle) = start;
     let mut text =
@@ -44,7 +45,7 @@ fn components_of_the_reference_are_aligned_by_themselves() {
     // An edge of the estimate does not make the reference connected.
     let joined = chains((-30.0, 7.0, 2.0), 0.0, true);
     assert!(rmse(&joined, &reference, Scope::PerComponent) < 1e-9);
-    // A bent chain counts.
+    // A bent chain has an error.
     assert!(rmse(&chains((5.0, 5.0, 0.0), 0.6, false), &reference, Scope::PerComponent) > 0.1);
 }
 

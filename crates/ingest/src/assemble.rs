@@ -1,4 +1,4 @@
-//! From a session's files to its graph.
+//! Builds the graph of a session from its files.
 
 use posecut_geometry::covariance::isotropic_information;
 use posecut_geometry::{LieGroup, SE3};
@@ -12,23 +12,24 @@ use crate::nees::nees;
 use crate::odometry::{self, Odometry, Reader, from_row};
 use crate::{FileKind, IngestError, Options, SessionFiles, Table, Trajectory};
 
-/// The name of the noise model that all odometry edges share when the options set it.
+/// The name of the noise model of all odometry edges, used if the options give the standard deviations.
 const NOISE_MODEL: &str = "odometry";
 
-/// More periods than this lie in no drive: at five a second, 23 days.
+/// No drive has more periods than this: at five a second it is 23 days.
 const MOST_PERIODS: u64 = 10_000_000;
 
-/// A session's graph and what is worth knowing about it.
+/// A session's graph, with statistics.
 pub struct Ingested {
     /// One session: keyframes, odometry edges, truth.
     pub graph: PoseGraph,
     /// Figures for `--stats`.
     pub statistics: Statistics,
-    /// The standard deviations of odometry, metres and radians, that neither the session nor the options say.
+    /// The default standard deviations of odometry, metres and radians, if neither the session nor the options give
+    /// any.
     pub invented: Option<(f64, f64)>,
 }
 
-/// Reads a session. Everything is in memory once; O(rows).
+/// Reads a session. It is in memory as a whole. O(rows).
 pub fn ingest(
     files: &mut SessionFiles,
     options: &Options,
@@ -187,13 +188,13 @@ impl Builder<'_> {
         Ok(graph)
     }
 
-    /// Covariances from the session's files count unless the options give standard deviations.
+    /// The covariances of the session's files, unless the options give standard deviations.
     fn covariances(&self) -> Option<&crate::covariance::StepCovariances> {
         let given = self.options.sigma_translation.is_some() || self.options.sigma_rotation.is_some();
         self.odometry.covariances.as_ref().filter(|_| !given)
     }
 
-    /// Standard deviations where no covariance file is used: metres and radians.
+    /// Standard deviations to use without a covariance file: metres and radians.
     fn sigmas(&self) -> (f64, f64) {
         let (translation, rotation) = Options::DEFAULT_SIGMA;
         (
@@ -202,7 +203,7 @@ impl Builder<'_> {
         )
     }
 
-    /// The same if the defaults are among them.
+    /// The same standard deviations if at least one of them is a default that is used.
     fn invented(&self) -> Option<(f64, f64)> {
         let given = self.options.sigma_translation.is_some() && self.options.sigma_rotation.is_some();
         (self.covariances().is_none() && !given).then(|| self.sigmas())
@@ -216,8 +217,8 @@ impl Builder<'_> {
         }
     }
 
-    /// A pose seen from a start, in the graph's dimension. In the plane both are projected first, so that
-    /// slopes shorten the way as a map does.
+    /// A pose relative to a start, in the graph's dimension. In the plane both are projected first, so that slopes
+    /// shorten distances as on a map.
     fn components(&self, start: &SE3, pose: &SE3) -> Vec<f64> {
         if self.planar() {
             start.to_planar().between(&pose.to_planar()).components()

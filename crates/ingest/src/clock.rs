@@ -1,8 +1,8 @@
-//! When the keyframes are taken.
+//! Chooses the times of the keyframes.
 
 use serde::Serialize;
 
-/// What gives the rhythm of the keyframes before down-sampling.
+/// The source of the times from which keyframes are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ClockSource {
@@ -15,7 +15,7 @@ pub enum ClockSource {
 }
 
 impl ClockSource {
-    /// What messages call it.
+    /// The name in messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Images => "image names",
@@ -25,10 +25,10 @@ impl ClockSource {
     }
 }
 
-/// Every `keep`-th time of a clock that the odometry covers, starting with the first.
+/// Chooses every `keep`-th of the clock's times within the odometry, starting with the first.
 ///
-/// `clock` holds the times of images, ascending; without any, `period` microseconds set the rhythm from the
-/// first covered time.
+/// `clock` has the ascending times of images. If it is empty, the times are `period` microseconds apart, from the first
+/// time of the odometry.
 pub fn keyframe_times(clock: &[i64], period: i64, keep: usize, first: i64, last: i64) -> Vec<i64> {
     let keep = keep.max(1);
     if clock.is_empty() {

@@ -1,4 +1,4 @@
-//! How sure the odometry between two keyframes is.
+//! Covariance of the odometry between two keyframes.
 
 use nalgebra::{Matrix3, Matrix6, SMatrix};
 use posecut_geometry::covariance::{information_from_covariance, pack_upper_triangle};
@@ -15,8 +15,8 @@ pub(crate) struct StepCovariances {
 }
 
 impl StepCovariances {
-    /// From NCLT's 21 upper-triangle terms in the order x, y, z, roll, pitch, yaw. For steps of a fraction of
-    /// a second, Euler angles and the rotation vector agree to second order.
+    /// Builds the covariances from NCLT's 21 upper-triangle terms in the order x, y, z, roll, pitch, yaw. For steps of
+    /// a fraction of a second, Euler angles and the rotation vector agree to second order.
     pub(crate) fn from_table(table: &Table) -> Self {
         let covariances = table
             .rows
@@ -37,8 +37,8 @@ impl StepCovariances {
         Self { file: table.file.clone(), times: table.times.clone(), covariances }
     }
 
-    /// The covariance of the motion from one time to another, in the frame of the later pose: the sum of
-    /// the steps within, each carried there by the adjoint (first order). O(steps).
+    /// The covariance of the motion between two times, in the frame of the later pose: the sum of the covariances of
+    /// the steps between them, each carried to that frame by the adjoint (first order). O(steps).
     pub(crate) fn between(&self, trajectory: &Trajectory, from: i64, to: i64) -> Matrix6<f64> {
         let Some(end) = trajectory.at(to) else { return Matrix6::zeros() };
         let first = self.times.partition_point(|&time| time <= from);
@@ -52,7 +52,7 @@ impl StepCovariances {
         sum
     }
 
-    /// The information of that motion: of all six degrees of freedom, or of x, y and heading.
+    /// The information matrix of the motion: for all six degrees of freedom, or for x, y and heading.
     pub(crate) fn information_between(
         &self,
         trajectory: &Trajectory,
@@ -83,7 +83,7 @@ fn packed_information<const DOF: usize>(covariance: &SMatrix<f64, DOF, DOF>) -> 
         .map_err(|error| error.to_string())
 }
 
-/// Log of the difference between a measured and a true motion, for statistics.
+/// The logarithm of the difference between a measured and a true motion, for statistics.
 pub(crate) fn step_error(measured: &SE3, truth: &SE3) -> [f64; 6] {
     measured.between(truth).log().into()
 }

@@ -1,17 +1,17 @@
-//! What can be wrong with a session's files.
+//! Errors of ingestion.
 
-/// A session that cannot be ingested: cause, place and remedy.
+/// Why a session cannot be ingested: cause, file and remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum IngestError {
-    /// The system refused to give the bytes.
+    /// The system could not read the bytes.
     #[error("{place}: cannot be read: {error}")]
     Io {
         /// File or archive.
         place: String,
-        /// What the system said.
+        /// The system's error.
         error: std::io::Error,
     },
-    /// A row that is not what the layout says.
+    /// A row violates the layout.
     #[error("{file}, line {line}: {problem}; {remedy}")]
     Row {
         /// The CSV file.

@@ -1,17 +1,20 @@
-//! Ground truth that stops before its file ends.
+//! Removes ground truth that is frozen at either end of a file.
 //!
-//! Some of NCLT's ground-truth files repeat their last pose to the last digit, for 53 s on 2012-11-16, while the odometry shows a
-//! robot that still drives and turns. What is constructed or evaluated from such rows is wrong by as much as the robot moved.
+//! Some of NCLT's ground-truth files repeat their last pose to the last digit, for 53 s on 2012-11-16, while the
+//! odometry shows that the robot still drives and turns. Anything constructed or evaluated from such rows is wrong by
+//! as much as the robot moved.
 
 use posecut_geometry::LieGroup as _;
 
 use crate::Trajectory;
 
-/// The motion, by odometry, at which a robot no longer stands still: metres, radians. Odometry of a robot that stands drifts less.
+/// A robot that moves further than this by odometry does not stand still: metres, radians. The odometry of a standing
+/// robot drifts less.
 const MOVED: (f64, f64) = (0.5, 0.1);
 
-/// Removes repetitions of one pose at either end of the ground truth over which the odometry moves; their pose is kept where they
-/// meet the rest. Returns how many rows are removed. O(rows of the repetitions, each with a search in the odometry).
+/// Removes repetitions of one pose at either end of the ground truth if the odometry moves meanwhile. One row of the
+/// repeated pose stays: the one next to the remaining rows. Returns the number of removed rows. O(rows of the
+/// repetitions), each with a search in the odometry.
 pub(crate) fn remove_frozen_ends(truth: &mut Trajectory, odometry: &Trajectory) -> usize {
     let before = truth.times.len();
     let moves = |times: &[i64]| {

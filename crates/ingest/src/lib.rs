@@ -1,6 +1,6 @@
-//! From the files of an NCLT session (Carlevaris-Bianco, Ushani, Eustice, IJRR 35(9), 2016) to a pose graph
-//! of one session: keyframes down-sampled from the camera's clock, odometry edges with covariances, and
-//! ground truth at the keyframes.
+//! Reads the files of an NCLT session (Carlevaris-Bianco, Ushani, Eustice, IJRR 35(9), 2016) and builds the pose graph
+//! of the session: keyframes down-sampled from the camera's clock, odometry edges with covariances, and ground truth at
+//! the keyframes.
 //!
 //! NCLT's frames are kept: the local frame has x north, y east, z down; the body x forward, y right,
 //! z down; `R = Rz(yaw) Ry(pitch) Rx(roll)`. Lengths are metres, angles radians, times microseconds UTC.

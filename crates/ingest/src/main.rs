@@ -1,4 +1,4 @@
-//! `posecut-ingest`: NCLT session files to one session's pose graph.
+//! `posecut-ingest`: builds the pose graph of a session from NCLT's files.
 
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -1,4 +1,4 @@
-//! Whether the odometry's covariance describes its errors, over one step and over many.
+//! Tests whether the odometry's covariance describes its errors, over one step and over many.
 
 use nalgebra::SMatrix;
 use posecut_geometry::LieGroup;
@@ -8,26 +8,27 @@ use posecut_geometry::covariance::{
 use posecut_graph::{EdgeKind, PoseGraph, for_dimension};
 use serde::Serialize;
 
-/// Lengths of the windows, keyframe steps.
+/// Lengths of the windows, in keyframe steps.
 pub const WINDOWS: [usize; 5] = [1, 10, 30, 100, 300];
 
 /// The mean normalised estimation error squared over all windows of one length.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Nees {
-    /// Length of the windows, keyframe steps.
+    /// Length of the windows, in keyframe steps.
     pub steps: usize,
-    /// Windows whose ends both have truth; they overlap.
+    /// Number of windows whose two ends have ground truth; the windows overlap.
     pub windows: usize,
-    /// Mean of `xi^T Sigma^-1 xi` divided by the degrees of freedom: 1 where the covariance describes the errors, above
-    /// where it promises too much, below where it is too loose.
+    /// Mean of `xi^T Sigma^-1 xi` divided by the degrees of freedom: 1 if the covariance describes the errors, above 1
+    /// if the covariance is too small, below 1 if it is too large.
     pub per_degree_of_freedom: f64,
 }
 
-/// The mean NEES for each length of [`WINDOWS`] that the graph has; empty without truth or information. The graph is one
-/// session, its nodes in order and joined by odometry edges from each to the next.
+/// The mean NEES for each length of [`WINDOWS`] that fits into the graph; empty without truth or information. The graph
+/// must be one session with nodes in order, each joined to the next by an odometry edge.
 ///
-/// `xi = Log(Z^-1 T)` of the odometry's motion Z over the window and the true one, T; Sigma is that of Z, each step's
-/// carried to the window's end by the adjoint (first order). O(nodes * longest window).
+/// `xi = Log(Z^-1 T)`, where Z is the odometry's motion over the window and T the true motion. Sigma is the covariance
+/// of Z: the sum of the steps' covariances, each carried to the window's end by the adjoint (first order). O(nodes *
+/// longest window).
 pub fn nees(graph: &PoseGraph) -> Vec<Nees> {
     for_dimension!(graph.header.dimension, |G, DOF| measure::<G, DOF>(graph))
 }
@@ -51,6 +52,7 @@ fn measure<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> Vec<Nees> {
             let Some(place) = WINDOWS.iter().position(|&window| window == length) else { continue };
             let Some(to) = truth[start + length] else { continue };
             let Ok(information) = information_from_covariance(&covariance) else { continue };
+            // xi = Log(Z^-1 T)
             let error = motion.between(&from.between(&to)).log();
             sums[place] += error.dot(&(information * error)) / DOF as f64;
             counts[place] += 1;
@@ -63,7 +65,7 @@ fn measure<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> Vec<Nees> {
         .collect()
 }
 
-/// The step from each node to the next, where there is one with a usable information.
+/// The odometry step from each node to the next; `None` without a usable information matrix.
 fn steps<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> Vec<Option<Step<G, DOF>>> {
     let mut steps = vec![None; graph.nodes.len().saturating_sub(1)];
     for edge in graph.edges_of(EdgeKind::Odometry) {
@@ -86,7 +88,7 @@ fn steps<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> Vec<Option<St
 mod tests {
     use super::*;
 
-    /// A straight drive whose every step is `error` metres too long, where `sigma` is claimed.
+    /// A straight drive in which every step is `error` metres too long and `sigma` is the stated standard deviation.
     fn drive(nodes: usize, error: f64, sigma: f64) -> PoseGraph {
         let information = 1.0 / (sigma * sigma);
         let mut text = format!(
@@ -111,8 +113,8 @@ mod tests {
 
     #[test]
     fn a_constant_error_grows_with_the_window_against_its_covariance() {
-        // One step: (0.3 / 0.1)^2 / 3 degrees of freedom. Over n steps the error grows with n, the standard deviation of
-        // x with sqrt(n), and x is not correlated with the rest: n times as much.
+        // One step: (0.3 / 0.1)^2 / 3 degrees of freedom. Over n steps the error grows with n and the standard
+        // deviation of x with sqrt(n), so the NEES grows with n: x is not correlated with the rest.
         let found = nees(&drive(120, 0.3, 0.1));
         let expected = [(1, 119, 3.0), (10, 110, 30.0), (30, 90, 90.0), (100, 20, 300.0)];
         assert_eq!(found.len(), expected.len(), "no window of 300 steps");

@@ -1,4 +1,4 @@
-//! Odometry of a session from whichever of its sources is there.
+//! Reads the odometry of a session from one of its sources.
 
 mod integrated;
 mod wheels;
@@ -44,12 +44,12 @@ pub(crate) struct Odometry {
     pub(crate) source: OdometrySource,
     pub(crate) heading: Option<HeadingSource>,
     pub(crate) trajectory: Trajectory,
-    /// Covariances of the steps between rows, where the session has them.
+    /// Covariances of the steps between rows, if the session has them.
     pub(crate) covariances: Option<StepCovariances>,
     pub(crate) dropped_rows: usize,
 }
 
-/// Reads tables of one session, counting what they drop.
+/// Reads tables of one session, and counts the rows that they drop.
 pub(crate) struct Reader<'a> {
     pub(crate) files: &'a mut SessionFiles,
     pub(crate) progress: &'a ProgressBar,
@@ -57,7 +57,7 @@ pub(crate) struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// The table of a file that must be there.
+    /// The table of a required file.
     pub(crate) fn table(&mut self, kind: FileKind, columns: usize) -> Result<Table, IngestError> {
         let found = self.files.found();
         let Some((file, bytes)) = self.files.content(kind)? else {
@@ -80,7 +80,7 @@ impl Reader<'_> {
     }
 }
 
-/// Reads the odometry that the options ask for, or the best there is.
+/// Reads the odometry that the options name, or the best available one.
 pub(crate) fn read(reader: &mut Reader<'_>, options: &Options) -> Result<Odometry, IngestError> {
     let source = choose(reader.files, options.odometry)?;
     let longest = (options.longest_silence * 1e6) as i64;

@@ -50,10 +50,10 @@ pub struct Options {
 }
 
 impl Options {
-    /// Standard deviations where no covariance file is used: metres and radians per keyframe step.
+    /// Default standard deviations without a covariance file: metres and radians per keyframe step.
     pub const DEFAULT_SIGMA: (f64, f64) = (0.1, 0.02);
 
-    /// Refuses numbers that mean nothing, with a sentence.
+    /// Refuses meaningless numbers.
     pub fn check(&self) -> anyhow::Result<()> {
         let positive = [
             ("--wheel-scale", Some(self.wheel_scale)),

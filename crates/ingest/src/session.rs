@@ -1,4 +1,4 @@
-//! Finding the files of a session: in a directory, or streamed from its `DATE_sen.tar.gz`.
+//! Finds the files of a session in a directory, or streams them from its `DATE_sen.tar.gz`.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -11,7 +11,7 @@ use posecut_stage::Expansion;
 
 use crate::IngestError;
 
-/// Files that hold more than this together are not NCLT's (its largest has about 200 MB): 2 GiB.
+/// Refuse a session whose files together are larger than this: 2 GiB. NCLT's largest session has about 200 MB.
 const LARGEST_SESSION: u64 = 2 << 30;
 
 /// The NCLT files that ingestion can use.
@@ -21,7 +21,7 @@ pub enum FileKind {
     GroundTruth,
     /// `odometry_mu.csv`: relative poses at the images, 5 Hz.
     RelativeOdometry,
-    /// `odometry_cov.csv`: covariances of those.
+    /// `odometry_cov.csv`: covariances of the relative poses.
     RelativeCovariance,
     /// `odometry_mu_100hz.csv`: poses integrated from the start.
     IntegratedOdometry,
@@ -38,7 +38,7 @@ pub enum FileKind {
 }
 
 impl FileKind {
-    /// The name that NCLT gives the file.
+    /// The file's name in NCLT.
     pub fn file_name(self) -> &'static str {
         match self {
             Self::GroundTruth => "groundtruth_DATE.csv",
@@ -81,7 +81,7 @@ pub struct SessionFiles {
     pub name: String,
     place: String,
     files: BTreeMap<FileKind, (String, Place)>,
-    /// Times of the front camera's images, if there are any, in microseconds, ascending.
+    /// Ascending times of the front camera's images in microseconds; empty if there are none.
     pub image_times: Vec<i64>,
     digests: Vec<InputDigest>,
 }
@@ -141,7 +141,7 @@ impl SessionFiles {
         &self.digests
     }
 
-    /// The content of a file, and the name that messages use.
+    /// The content of a file, and its name for messages.
     pub(crate) fn content(&mut self, kind: FileKind) -> Result<Option<(String, Vec<u8>)>, IngestError> {
         let Some((name, place)) = self.files.get_mut(&kind) else { return Ok(None) };
         let (shown, bytes) = match place {
@@ -163,7 +163,7 @@ impl SessionFiles {
     }
 
     fn find_in_directory(&mut self, directory: &Path) -> Result<(), IngestError> {
-        // Unpacked, NCLT's sensor archive makes a folder named by the date within.
+        // NCLT's sensor archive unpacks to a folder named by the date.
         let nested = directory.join(&self.name);
         for folder in [directory, nested.as_path()] {
             if !folder.is_dir() {
@@ -207,7 +207,7 @@ impl SessionFiles {
         let mut room = LARGEST_SESSION;
         for member in archive.entries().map_err(broken)? {
             let mut member = member.map_err(broken)?;
-            // Only the last part of a member's name is used and nothing is unpacked: no path can escape.
+            // Only the last component of a member's path is used, and nothing is unpacked, so no path can escape.
             let member_path = member.path().map_err(broken)?.into_owned();
             let Some(name) = member_path.file_name().map(|name| name.to_string_lossy().into_owned()) else {
                 continue;
@@ -254,7 +254,7 @@ fn unknown_session(path: &Path, error: &std::io::Error) -> IngestError {
     IngestError::session(&path.display().to_string(), format!("there is no such session ({error})"), remedy)
 }
 
-/// The date in `2012-01-22_sen.tar.gz` or `…/2012-01-22`, or the whole name if there is none.
+/// The date in `2012-01-22_sen.tar.gz` or `…/2012-01-22`, or the whole name if it has none.
 fn session_name(path: &Path) -> String {
     let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let name =

@@ -1,35 +1,35 @@
-//! CSV tables of NCLT: a time, then numbers, no header.
+//! CSV tables of NCLT: a time and then numbers, without a header.
 
 use posecut_stage::ProgressBar;
 
 use crate::IngestError;
 
-/// Rows of one file that can be used, in ascending order of time.
+/// The usable rows of one file, in ascending order of time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// What messages call the file.
+    /// The file's name in messages.
     pub file: String,
     /// Microseconds UTC, strictly ascending.
     pub times: Vec<i64>,
     /// The columns after the time, row by row.
     pub rows: Vec<Vec<f64>>,
-    /// Rows left out: leading or inner NaN, stamps that do not advance.
+    /// Number of rows left out: rows with NaN at the start or later, and rows whose time does not advance.
     pub dropped: usize,
-    /// The first row left out because time did not advance.
+    /// Line of the first row left out because its time did not advance.
     pub first_reversal: Option<u64>,
-    /// The first row with NaN after rows without, which matters to relative measurements.
+    /// Line of the first row with NaN after a row without. Such a row invalidates relative measurements.
     pub first_inner_nan: Option<u64>,
 }
 
-/// More rows than this share going back in time is no jitter but a broken clock: one in a hundred.
+/// If more than one row in this many goes back in time, the clock is broken: that is more than jitter.
 const LARGEST_REVERSED_SHARE: usize = 100;
 
 impl Table {
     /// Reads a table of `columns` numbers after the time. Extra columns are ignored.
     ///
-    /// Rows with NaN are left out and counted (NCLT's ground truth starts with some). So are rows whose time
-    /// does not advance, unless they are more than one in a hundred. A short row, or a field that is no
-    /// number, is refused with its line.
+    /// Rows with NaN are left out and counted (NCLT's ground truth starts with some). So are rows whose time does not
+    /// advance; if they are more than one in a hundred, that is an error. A row that is too short or has a field that
+    /// is not a number is an error that names its line.
     pub fn parse(
         file: &str,
         bytes: &[u8],

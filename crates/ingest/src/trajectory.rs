@@ -2,20 +2,20 @@
 
 use posecut_geometry::{LieGroup, SE3};
 
-/// Poses at ascending times, with the intervals in which nothing is known.
+/// Poses at ascending times, and the gaps between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory {
-    /// Microseconds, strictly ascending.
+    /// In microseconds, strictly ascending.
     pub times: Vec<i64>,
-    /// One pose a time, world from body.
+    /// One pose for each time, world from body.
     pub poses: Vec<SE3>,
-    /// Intervals (before, after) longer than a sensor's silence may be; nothing is interpolated inside.
+    /// Intervals (before, after) that are longer than the allowed silence of a sensor. Nothing is interpolated inside.
     pub gaps: Vec<(i64, i64)>,
 }
 
 impl Trajectory {
-    /// The pose at a time, interpolated along the geodesic of SE(3) between its neighbours. `None` before
-    /// the first, after the last, and inside a gap: never extrapolated. O(log n).
+    /// The pose at a time, interpolated along the geodesic of SE(3) between its neighbours. `None` before the first
+    /// pose, after the last, and inside a gap: nothing is extrapolated. O(log n).
     pub fn at(&self, time: i64) -> Option<SE3> {
         let after = self.times.partition_point(|&stamp| stamp < time);
         let &stamp = self.times.get(after)?;
@@ -30,7 +30,8 @@ impl Trajectory {
         Some(self.poses[before].interpolate(&self.poses[after], fraction))
     }
 
-    /// Multiplies the way between poses by a factor, as wheels do that over-read; attitudes stay. O(n).
+    /// Multiplies the distances between poses by a factor, to correct wheels that over-read; attitudes do not change.
+    /// O(n).
     pub fn scale(&mut self, factor: f64) {
         for pose in &mut self.poses {
             pose.translation *= factor;

@@ -1,4 +1,4 @@
-//! Whole sessions, sound and damaged.
+//! Tests with whole sessions, sound and damaged.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -30,8 +30,7 @@ fn options() -> Options {
     }
 }
 
-/// A minute of driving on a circle of 10 m at 1 m/s, clockwise seen from above (yaw grows): at `tenth` the
-/// pose in NCLT's columns.
+/// Driving a circle of 10 m at 1 m/s, clockwise seen from above (yaw grows): the pose at `tenth` in NCLT's columns.
 fn circle(tenth: i64) -> [f64; 6] {
     let yaw = tenth as f64 * 0.01;
     let wrapped = posecut_geometry::wrap_angle(yaw);
@@ -209,7 +208,7 @@ fn names_in_an_archive_cannot_escape() {
     let content = b"1,0,0,0,0,0,0\n2,0,0,0,0,0,0\n";
     let mut header = tar::Header::new_gnu();
     header.set_size(content.len() as u64);
-    // The safe interface refuses such a name, so it is written into the header by hand.
+    // The library's safe interface refuses such a name, so the test writes it into the header directly.
     let name = b"../../escaped/odometry_mu.csv";
     header.as_gnu_mut().unwrap().name[..name.len()].copy_from_slice(name);
     header.set_mode(0o644);
@@ -254,7 +253,8 @@ fn truth_is_never_extrapolated_nor_bridged() {
         .filter(|(_, node)| node.truth.is_some())
         .map(|(index, _)| index)
         .collect();
-    // Tenths 120..=180 and 300..=500 in steps of 20; 200..=280 lie in the gap from 199 to 300.
+    // Keyframes are at tenths 120..=180 and 300..=500 in steps of 20; those at 200..=280 are in the gap from 199 to
+    // 300.
     assert_eq!(known, [6, 7, 8, 9, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25]);
     assert_eq!(statistic(&ingested, "dropped_rows"), 5.0);
     assert_eq!(statistic(&ingested, "truth_gaps"), 1.0);
@@ -294,7 +294,8 @@ fn covariances_come_from_the_file_unless_options_say_otherwise() {
     rows(&path.join("odometry_cov_100hz.csv"), (0..=600).map(|tenth| (time(tenth), covariance.clone())));
     let ingested = run(&path, &options()).unwrap();
     let information = ingested.graph.edges[0].information.as_ref().unwrap();
-    // Twenty steps of heading variance 0.06; sideways, the heading's errors add to 20 * 0.02.
+    // Twenty steps with heading variance 0.06. Errors of heading add to the sideways error as well, whose steps alone
+    // sum to 20 * 0.02.
     assert!((1.0 / information[5] - 1.2).abs() < 0.8, "{information:?}");
     let given = run(&path, &Options { sigma_translation: Some(0.5), ..options() }).unwrap().graph;
     assert_eq!(given.edges[0].noise.as_deref(), Some("odometry"));
@@ -343,7 +344,7 @@ fn a_session_too_short_is_refused() {
     assert!(error.contains("1 keyframes remain") && error.contains("--keep-every"), "{error}");
 }
 
-/// Two rows that lie centuries apart would make as many keyframes as five a second give.
+/// At five keyframes a second, two rows that are centuries apart would give too many keyframes.
 #[test]
 fn a_clock_that_jumps_centuries_is_refused_and_takes_no_memory() {
     let (_folder, path) = session();
@@ -359,8 +360,8 @@ fn a_clock_that_jumps_centuries_is_refused_and_takes_no_memory() {
     assert!(error.contains("a clock that jumps") && error.contains("--period"), "{error}");
 }
 
-/// The ground truth of 2012-11-16 and 2013-02-23 repeats its last pose for most of a minute, while the robot turns on: edges between
-/// those places were called correct that were off by two radians.
+/// The ground truth of 2012-11-16 and 2013-02-23 repeats its last pose for most of a minute while the robot still
+/// turns. Edges between those poses were called correct although they were off by two radians.
 #[test]
 fn ground_truth_that_repeats_a_pose_while_the_robot_moves_has_ended() {
     let (_folder, path) = session();
@@ -376,7 +377,7 @@ fn ground_truth_that_repeats_a_pose_while_the_robot_moves_has_ended() {
     assert_eq!(truth(0, 600), (keyframes(0..=30), 0.0));
     assert_eq!(truth(0, 500), (keyframes(0..=25), 100.0));
     assert_eq!(truth(100, 500), (keyframes(5..=25), 200.0));
-    // A robot that stands still has ground truth.
+    // A robot that stands still keeps its ground truth.
     let standing = |tenth: i64| circle(tenth.min(500)).to_vec();
     rows(&path.join("odometry_mu_100hz.csv"), (0..=600).map(|tenth| (time(tenth), standing(tenth))));
     assert_eq!(truth(0, 500), (keyframes(0..=30), 0.0));

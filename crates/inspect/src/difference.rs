@@ -10,31 +10,31 @@ use serde_json::{Map, Value};
 
 use crate::info::provenance_line;
 
-/// Most ids that the text lists of each change; the JSON has them all.
+/// The most ids that the text lists for each change; the JSON has all.
 const LISTED: usize = 10;
 
-/// The differences, as `--stats` has them. Records are matched by kind of record and id.
+/// The differences, as in `--stats`. Records are matched by kind and id.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Difference {
-    /// Whether anything but the history differs.
+    /// Whether the graphs are the same except for the history.
     pub same: bool,
-    /// Header fields that differ, without the history.
+    /// Header fields that differ, except the history.
     pub header: Vec<String>,
-    /// Entries of the second graph's history that the first's does not begin with.
+    /// Entries that only the second graph's history has, after the common beginning.
     pub provenance_added: Vec<String>,
-    /// Entries of the first graph's history that the second's does not begin with.
+    /// Entries that only the first graph's history has, after the common beginning.
     pub provenance_removed: Vec<String>,
-    /// Nodes.
+    /// Changes of nodes.
     pub nodes: Changes,
     /// Nodes whose estimates differ.
     pub moved: Vec<Moved>,
-    /// Edges of both kinds.
+    /// Changes of edges of both kinds.
     pub edges: Changes,
-    /// Edges that the second graph has marked and the first has not, by stage.
+    /// Edges that are marked only in the second graph, by stage.
     pub marked: BTreeMap<String, Vec<u64>>,
-    /// Edges that the first graph has marked and the second has not, by stage.
+    /// Edges that are marked only in the first graph, by stage.
     pub unmarked: BTreeMap<String, Vec<u64>>,
-    /// Edges marked by another stage.
+    /// Edges that another stage marked in the second graph.
     pub marked_anew: Vec<u64>,
     /// Records of other kinds that only the first graph has.
     pub unknown_removed: usize,
@@ -42,7 +42,7 @@ pub struct Difference {
     pub unknown_added: usize,
 }
 
-/// Records and fields that came, went and changed.
+/// Records and fields that were added, removed or changed.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Changes {
     /// Ids that only the second graph has.
@@ -51,18 +51,18 @@ pub struct Changes {
     pub removed: Vec<u64>,
     /// Ids of records that differ.
     pub changed: Vec<u64>,
-    /// For each field, how many records it differs in.
+    /// For each field, the number of records that differ in it.
     pub fields: BTreeMap<String, FieldChanges>,
 }
 
 /// Records in which a field differs.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct FieldChanges {
-    /// Records that have it in the second graph alone.
+    /// Number of records that have the field only in the second graph.
     pub added: usize,
-    /// Records that have it in the first graph alone.
+    /// Number of records that have the field only in the first graph.
     pub removed: usize,
-    /// Records that have it in both, with other values.
+    /// Number of records that have it in both, with different values.
     pub changed: usize,
 }
 
@@ -158,7 +158,7 @@ fn movement(dimension: Dimension, before: &[f64], after: &[f64]) -> Option<(f64,
 
 type ById = BTreeMap<u64, Map<String, Value>>;
 
-/// The records of a graph as JSON, so that every field is compared, known or not.
+/// The records of a graph as JSON, so that known and unknown fields are compared alike.
 struct Records {
     header: Map<String, Value>,
     nodes: ById,
@@ -213,7 +213,7 @@ fn changes(before: &ById, after: &ById, tolerance: f64) -> Changes {
     changes
 }
 
-/// Which graph has a field.
+/// The graph that has a field.
 enum Side {
     First,
     Second,
@@ -250,7 +250,8 @@ fn same(a: &Value, b: &Value, tolerance: f64) -> bool {
     }
 }
 
-/// Ids above 2^53 are different numbers and the same double.
+/// Whether both are integers. They are not compared as doubles, because distinct ids above 2^53 may be equal as
+/// doubles.
 fn both_whole(a: &Value, b: &Value) -> bool {
     !a.is_f64() && !b.is_f64()
 }

@@ -1,4 +1,4 @@
-//! A part of a pose graph that is a sound pose graph itself.
+//! Extracts a part of a pose graph that is itself a sound pose graph.
 
 use std::str::FromStr;
 
@@ -79,7 +79,7 @@ pub enum Truth {
     Unknown,
 }
 
-/// Whole numbers from the first to the last, both included; either may be open.
+/// A range of whole numbers, both ends included; either end may be open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Range {
     /// The smallest.
@@ -102,7 +102,7 @@ impl FromStr for Range {
             || format!("\"{text}\" is no range; say FIRST..LAST, FIRST.. or ..LAST, both included");
         let (first, last) = text.split_once("..").ok_or_else(expected)?;
         let end = |text: &str| {
-            // Ids and times fit into 64 bits; more digits are a slip.
+            // Ids and times fit into 64 bits; a number with more digits is a typing error.
             let number = |value: i128| (-(1 << 63)..=u64::MAX.into()).contains(&value).then_some(value);
             match text {
                 "" => Ok(None),
@@ -119,24 +119,25 @@ impl FromStr for Range {
     }
 }
 
-/// Counts of what was left out.
+/// How much was left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Left {
-    /// Nodes left out.
+    /// Number of nodes left out.
     pub nodes: usize,
-    /// Edges left out by their own properties.
+    /// Number of edges left out by their own properties.
     pub edges: usize,
-    /// Edges left out because one of their nodes was.
+    /// Number of edges left out because one of their nodes was.
     pub edges_without_nodes: usize,
 }
 
-/// Leaves out of a graph what the options do not keep. An edge whose node is left out goes with it, so that the rest is
-/// sound. O(size), with a logarithm where ids do not count from 0.
+/// Removes from a graph what the options do not keep. An edge is removed with its node, so that the rest is sound.
+/// O(size), with a logarithmic factor if ids do not count from 0.
 pub fn filter(graph: &mut PoseGraph, options: &Options) -> Left {
     let mut kept: Vec<bool> = graph.nodes.iter().map(|node| options.keeps_node(node)).collect();
     if let Some(number) = options.component {
         let mut parts = parts(graph);
-        // Largest first; of the same size, the one with the smallest node first: the sort is stable.
+        // Largest first. The sort is stable: among components of the same size, the one with the smallest node comes
+        // first.
         parts.sort_by_key(|part| std::cmp::Reverse(part.nodes.len()));
         let part = parts.get(number as usize - 1);
         let mut inside = vec![false; graph.nodes.len()];

@@ -1,4 +1,4 @@
-//! What is in a pose graph.
+//! Summarises a pose graph.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -10,13 +10,13 @@ use serde_json::Value;
 
 use crate::parts::parts;
 
-/// Most sessions, noise models and parts that the text lists; the JSON has them all.
+/// The most sessions, noise models and components that the text lists; the JSON has all.
 const LISTED: usize = 20;
 
-/// The facts about a graph, as `--stats` has them.
+/// The summary of a graph, as in `--stats`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Info {
-    /// 2 or 3.
+    /// The dimension: 2 or 3.
     pub dimension: u64,
     /// Number of nodes.
     pub nodes: usize,
@@ -26,34 +26,34 @@ pub struct Info {
     pub true_poses: usize,
     /// Sessions in the order of their first node.
     pub sessions: Vec<Session>,
-    /// Corners of the estimates, metres; absent without estimates.
+    /// Smallest box around the estimates, metres; absent without estimates.
     pub bounding_box: Option<Bounds>,
     /// Odometry edges.
     pub odometry: Edges,
     /// Landmark edges.
     pub landmark: Edges,
-    /// Marked edges by the stage that marked them.
+    /// Number of marked edges, by the stage that marked them.
     pub rejected_by: BTreeMap<String, usize>,
-    /// Noise models of the header: how many edges use each.
+    /// Number of edges that use each noise model of the header.
     pub noise_models: BTreeMap<String, usize>,
-    /// Parts that the edges in use hold together.
+    /// Connected components over the edges in use.
     pub components: Components,
     /// Precision and recall of the landmark edges in use; absent if no edge's truth is known.
     pub edges: Option<EdgeScores>,
-    /// What made the file, oldest first.
+    /// The stages that made the file, oldest first.
     pub provenance: Vec<String>,
-    /// Records of unknown kind.
+    /// Number of records of unknown kind.
     pub unknown_records: usize,
-    /// Fields that the format does not know, and how many records have them.
+    /// Fields that the format does not define, with the number of records that have them.
     pub unknown_fields: BTreeMap<String, usize>,
 }
 
 /// One session.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Session {
-    /// Its name; empty for nodes that name none.
+    /// Its name; empty for nodes without one.
     pub name: String,
-    /// Its nodes.
+    /// Number of nodes.
     pub nodes: usize,
     /// First and last frame.
     pub frames: Option<(i64, i64)>,
@@ -73,27 +73,27 @@ pub struct Bounds {
 /// Edges of one kind.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Edges {
-    /// All of them.
+    /// Number of edges.
     pub count: usize,
-    /// Those that no stage has rejected.
+    /// Number of edges that no stage has rejected.
     pub in_use: usize,
-    /// Those without a measurement.
+    /// Number of edges without a measurement.
     pub unmeasured: usize,
-    /// Those between two sessions.
+    /// Number of edges between two sessions.
     pub between_sessions: usize,
 }
 
-/// Connected parts.
+/// Connected components.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Components {
-    /// How many.
+    /// Number of components.
     pub count: usize,
-    /// Nodes of each, largest first.
+    /// Number of nodes of each component, largest first.
     pub sizes: Vec<usize>,
 }
 
 impl Info {
-    /// Gathers the facts. Takes O(size), with a logarithm where ids do not count from 0.
+    /// Summarises a graph. O(size), with a logarithmic factor if ids do not count from 0.
     pub fn of(graph: &PoseGraph) -> Self {
         let mut rejected_by = BTreeMap::new();
         let mut noise_models: BTreeMap<String, usize> =

@@ -1,5 +1,5 @@
-//! What is in a pose graph ([`info`]), is it sound ([`validate`]), what changed between two ([`difference`]), and a part
-//! of one ([`filter`]).
+//! Inspects pose graphs: summarises a graph ([`info`]), checks whether it is sound ([`validate`]), compares two
+//! ([`difference`]), and extracts a part of one ([`filter`]).
 //!
 //! ```
 //! use posecut_graph::PoseGraph;

@@ -1,4 +1,4 @@
-//! `posecut-inspect`: what is in a pose graph, is it sound, what changed between two, and a part of one.
+//! `posecut-inspect`: summarises, validates, compares and filters pose graphs.
 
 use std::process::ExitCode;
 
@@ -160,7 +160,7 @@ fn compare(
     Ok(if difference.same { Outcome::Done } else { Outcome::CheckFailed })
 }
 
-/// Every field of a summary becomes a figure of its own.
+/// Adds every field of a summary to the statistics.
 fn note_all(summary: &impl serde::Serialize, context: &mut Context) -> anyhow::Result<()> {
     if let serde_json::Value::Object(fields) = serde_json::to_value(summary)? {
         for (name, value) in fields {

@@ -1,4 +1,4 @@
-//! Is a pose graph sound?
+//! Checks whether a pose graph is sound.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fmt;
@@ -10,22 +10,22 @@ use serde::Serialize;
 
 use crate::parts::parts;
 
-/// Whether a finding makes a file unsound.
+/// Whether a finding makes a file invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Severity {
     /// Every stage refuses the file.
     Fault,
-    /// Stages take it, but it is probably not what was meant.
+    /// Stages accept it, but it is probably a mistake.
     Warning,
 }
 
-/// One thing that is wrong or strange.
+/// One error or warning.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
     /// How bad it is.
     pub severity: Severity,
-    /// The line, from 1; 0 where the whole file is meant.
+    /// The line, from 1; 0 if the finding is about the whole file.
     pub line: u64,
     /// The record, such as `landmark 2574`.
     pub record: Option<String>,
@@ -54,8 +54,8 @@ impl fmt::Display for Finding {
     }
 }
 
-/// All findings about a file: faults in the order of lines, what concerns several records after them, then warnings.
-/// Only bytes that do not arrive are an error. O(size), with a logarithm where ids do not count from 0.
+/// All findings about a file: errors in the order of lines, then errors that concern several records, then warnings.
+/// Returns an error only if the bytes cannot be read. O(size), with a logarithmic factor if ids do not count from 0.
 pub fn validate(source_name: &str, reader: impl BufRead) -> Result<Vec<Finding>, ReadError> {
     let Examination { graph, node_lines, edge_lines, faults } = examine(source_name, reader)?;
     let mut findings: Vec<Finding> = faults.into_iter().map(fault).collect();
@@ -109,7 +109,7 @@ impl Warnings<'_> {
         });
     }
 
-    /// Ids that fall, and edges before nodes: the canonical form has neither.
+    /// Warns of descending ids, and of edges before nodes: the canonical form has neither.
     fn order(&mut self) {
         let falls = |lines: &[u64]| lines.windows(2).find(|pair| pair[0] > pair[1]).map(|pair| pair[1]);
         for (what, line) in [("nodes", falls(&self.node_lines)), ("edges", falls(&self.edge_lines))] {
@@ -138,7 +138,7 @@ impl Warnings<'_> {
         }
     }
 
-    /// Nodes by session: poses that some lack, frames that stand twice, times that fall.
+    /// Warns of nodes without a pose, repeated frames and descending times, session by session.
     fn sessions(&mut self) {
         let graph = self.graph;
         let mut by_session: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
@@ -196,7 +196,8 @@ impl Warnings<'_> {
         }
     }
 
-    /// Information that is singular or nearly so, quaternions that are not quite of norm 1, marks on odometry.
+    /// Warns of information matrices that are singular or nearly so, quaternions that are not quite of norm 1, and
+    /// marks on odometry.
     fn measurements(&mut self) {
         let graph = self.graph;
         for (name, model) in &graph.header.noise_models {
@@ -284,7 +285,7 @@ impl Warnings<'_> {
         }
     }
 
-    /// Parts that nothing holds together, and sessions whose odometry is broken.
+    /// Warns of several connected components.
     fn connection(&mut self) {
         let parts = parts(self.graph);
         if parts.len() > 1 {
@@ -300,7 +301,7 @@ impl Warnings<'_> {
         }
     }
 
-    /// Names that look like mistakes.
+    /// Warns of unused noise models, and of history entries without a stage or version.
     fn names(&mut self) {
         let used: BTreeSet<&str> = self.graph.edges.iter().filter_map(|edge| edge.noise.as_deref()).collect();
         let header = &self.graph.header;
@@ -329,7 +330,7 @@ impl Warnings<'_> {
 
 const WEAK_REMEDY: &str = "give every direction a measurable information, or leave the measurement out";
 
-/// In which way an information matrix says next to nothing about some direction.
+/// Describes in which component an information matrix is singular to working precision; `None` if it is regular.
 fn weakness(dimension: Dimension, terms: &[f64]) -> Option<String> {
     let result = match dimension {
         Dimension::Two => covariance_from_information(&unpack_upper_triangle::<3>(terms).ok()?).map(drop),

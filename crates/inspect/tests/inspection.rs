@@ -1,4 +1,4 @@
-//! Findings, differences and parts of small graphs.
+//! Tests findings, differences and parts of small graphs.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -90,7 +90,7 @@ nonsense
     assert_eq!((header.len(), header[0].line), (1, 1), "without a header nothing else can be judged");
 }
 
-/// Each change makes its own warning, and the graph has no other than the parts that its mark leaves.
+/// Each change causes its own warning. Unchanged, the graph has only the warning about its two components.
 #[test]
 fn warnings_name_what_is_strange() {
     let only: Vec<String> = findings(GRAPH).iter().map(ToString::to_string).collect();

@@ -1,4 +1,4 @@
-//! The consistency matrix that PCM decided on, computed anew from a graph that went through it.
+//! The consistency matrix of PCM, computed again from a graph that PCM processed.
 
 use std::collections::BTreeMap;
 
@@ -10,19 +10,19 @@ use posecut_pcm::{Gate, Options, Scale};
 use posecut_stage::warn;
 use serde_json::Value;
 
-/// The name of the stage, in histories and marks.
+/// The name of the stage in histories and marks.
 const PCM: &str = "pcm";
 
 /// PCM's candidates and which of them agree.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Matrix {
-    /// Places of the candidates among the graph's edges, ordered by group, then by their nodes.
+    /// Indices of the candidates among the graph's edges, ordered by group, then by their nodes.
     pub edges: Vec<usize>,
-    /// The pair of chains that each joins.
+    /// The group of each candidate: one group for each pair of chains.
     pub group: Vec<usize>,
-    /// Whether each was kept: in the clique.
+    /// Whether PCM kept each candidate, that is, whether it is in the clique.
     pub clique: Vec<bool>,
-    /// When a pair is consistent, in words.
+    /// The condition for a consistent pair, in words.
     pub gate: String,
     consistent: Vec<bool>,
 }
@@ -33,26 +33,27 @@ impl Matrix {
         self.consistent[one * self.edges.len() + other]
     }
 
-    /// Pairs that agree.
+    /// Number of consistent pairs.
     pub fn pairs(&self) -> usize {
         (self.consistent.iter().filter(|consistent| **consistent).count() - self.edges.len()) / 2
     }
 }
 
-/// Whether a graph has been through PCM.
+/// Whether PCM processed a graph.
 pub fn went_through_pcm(graph: &PoseGraph) -> bool {
     place_of_pcm(graph).is_some()
 }
 
-/// Where in the history of a graph PCM looked for a clique; re-admission, an option of pcm in earlier versions, looks at none.
+/// The position in a graph's history where PCM looked for a clique. Re-admission, an option of pcm in earlier versions,
+/// looks for none and does not count.
 fn place_of_pcm(graph: &PoseGraph) -> Option<usize> {
     let looks =
         |entry: &Value| stage(entry) == Some(PCM) && entry["arguments"]["readmit"] != Value::Bool(true);
     graph.header.provenance.iter().position(looks)
 }
 
-/// The matrix of a graph that went through PCM, by the options in its history; marks of PCM and later stages are
-/// taken back first. `None` if it did not. O(candidates^2).
+/// The matrix of a graph that PCM processed, by the options in its history; `None` if PCM did not. The marks of PCM and
+/// later stages are removed first. O(candidates^2).
 pub fn matrix(graph: &PoseGraph) -> anyhow::Result<Option<Matrix>> {
     let Some(place) = place_of_pcm(graph) else {
         return Ok(None);
@@ -76,13 +77,13 @@ fn stage(entry: &Value) -> Option<&str> {
     entry.get("stage")?.as_str()
 }
 
-/// The options that the graph was decided on with, for the informations that it has now.
+/// The options of the recorded run of PCM, adapted to the information matrices that the graph has now.
 fn options(arguments: &Value) -> anyhow::Result<Options> {
     let mut options: Options = serde_json::from_value(arguments.clone()).with_context(|| {
         format!("the history's arguments of pcm are none that this version knows: {arguments}")
     })?;
     if options.calibrate {
-        // Informations are divided by what was estimated, and an estimate would divide them again.
+        // PCM has divided the information matrices by the estimated scales; a second estimate would divide them again.
         anyhow::ensure!(
             options.scale == Scale::Auto,
             "pcm divided informations by one scale (--calibrate) and tested with another (--scale {}), so its consistency \
@@ -106,7 +107,7 @@ fn of(graph: &PoseGraph, groups: &[GroupConsistency]) -> Matrix {
     };
     for (number, group) in groups.iter().enumerate() {
         let start = matrix.edges.len();
-        // Along the first chain, then the second.
+        // Sort along the first chain, then along the second.
         let mut order: Vec<usize> = (0..group.places.len()).collect();
         order.sort_by_key(|&vertex| group.places[vertex]);
         for (row, &one) in order.iter().enumerate() {
@@ -123,7 +124,7 @@ fn of(graph: &PoseGraph, groups: &[GroupConsistency]) -> Matrix {
     matrix
 }
 
-/// The gates of all groups, which differ where they are corrected for the number of pairs.
+/// The gates in words: a range if they differ between groups, because of the correction for the number of pairs.
 fn in_words(groups: &[GroupConsistency]) -> String {
     let gates: Vec<Gate> = groups.iter().map(|group| group.gate).collect();
     if let Some(Gate { per_step: Some(per_step), .. }) = gates.first() {
@@ -134,8 +135,8 @@ fn in_words(groups: &[GroupConsistency]) -> String {
     if least < most { format!("{least:.2} to {most:.2}") } else { format!("{least:.2}") }
 }
 
-/// The order in which a matrix is drawn: within each group the clique first, then the others by how many of
-/// the clique they agree with, so that blocks stand out.
+/// The order in which a matrix is drawn. Within each group the clique comes first, then the others by the number of
+/// clique members that they agree with, so that blocks are visible.
 pub fn clique_first(matrix: &Matrix) -> Vec<usize> {
     let count = matrix.edges.len();
     let agreeing: BTreeMap<usize, usize> = (0..count)

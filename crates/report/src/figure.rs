@@ -1,4 +1,4 @@
-//! Figures: what is drawn, apart from how. [`plotting`] alone knows the plotting library.
+//! Figures: what to draw. [`plotting`] draws it, and is the only module that uses the plotting library.
 
 pub mod components;
 pub mod consistency;
@@ -11,32 +11,32 @@ pub mod regret;
 pub mod reliability;
 pub mod trajectories;
 
-/// How a line is broken.
+/// The dashes of a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Dash {
-    /// Not at all.
+    /// A solid line.
     #[default]
     Solid,
-    /// Long pieces.
+    /// Long dashes.
     Dashed,
-    /// Short pieces.
+    /// Short dashes.
     Dotted,
-    /// Both by turns.
+    /// Long and short dashes by turns.
     DashDot,
 }
 
 /// A line through points, in units of the axes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Polyline {
-    /// To the right and upwards.
+    /// Pairs of coordinates: to the right, upwards.
     pub points: Vec<(f64, f64)>,
     /// A CSS colour.
     pub colour: &'static str,
-    /// Pixels.
+    /// Width in pixels.
     pub width: f64,
-    /// How it is broken.
+    /// Its dashes.
     pub dash: Dash,
-    /// A band around it, lower and upper ends, one pair a point; empty without one.
+    /// A band around the line: lower and upper end for each point; empty for a line without a band.
     pub band: Vec<(f64, f64)>,
     /// Its entry in the legend, if it has one.
     pub legend: Option<String>,
@@ -56,7 +56,7 @@ pub enum Shape {
 /// Marks of one kind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Marks {
-    /// To the right and upwards.
+    /// Pairs of coordinates: to the right, upwards.
     pub points: Vec<(f64, f64)>,
     /// A CSS colour.
     pub colour: &'static str,
@@ -68,36 +68,36 @@ pub struct Marks {
     pub legend: Option<String>,
 }
 
-/// What axes say.
+/// Labels and scales of the axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axes {
-    /// Below.
+    /// The label below.
     pub right: String,
-    /// At the left.
+    /// The label at the left.
     pub up: String,
-    /// Whether both have one scale, as maps do.
+    /// Whether both axes have the same scale, as in maps.
     pub equal: bool,
-    /// Whether the scale to the right is logarithmic.
+    /// Whether the horizontal axis is logarithmic.
     pub logarithmic_right: bool,
-    /// Whether the scale upwards is logarithmic.
+    /// Whether the vertical axis is logarithmic.
     pub logarithmic_up: bool,
 }
 
 /// One set of axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// Above the axes.
+    /// The text above the axes.
     pub title: String,
-    /// What the axes say.
+    /// Labels and scales.
     pub axes: Axes,
-    /// In drawing order.
+    /// Lines in drawing order.
     pub lines: Vec<Polyline>,
-    /// Above the lines.
+    /// Marks, drawn above the lines.
     pub marks: Vec<Marks>,
 }
 
-/// Colours that differ for colour-blind readers too, together with the widths, dashes and shapes that go with
-/// them; the page has the same.
+/// Colours that colour-blind readers can tell apart too, together with the widths, dashes and shapes used with them.
+/// The page uses the same colours.
 pub mod colours {
     use super::Dash;
 
@@ -107,19 +107,19 @@ pub mod colours {
     pub const SECOND: &str = "#c77f00";
     /// Further experiences.
     pub const OTHERS: [&str; 2] = ["#7b5ea7", "#3a9ab2"];
-    /// What an estimate is compared with.
+    /// The reference of an estimate.
     pub const REFERENCE: &str = "#bcc3cd";
     /// Correct edges.
     pub const CORRECT: &str = "#00805c";
     /// Incorrect edges.
     pub const INCORRECT: &str = "#c8102e";
-    /// Edges whose truth is unknown, and what matters less.
+    /// Edges whose truth is unknown, and less important things.
     pub const UNKNOWN: &str = "#6b7280";
-    /// Pairs of kept candidates that agree.
+    /// Consistent pairs of kept candidates.
     pub const CLIQUE: &str = "#1f5f99";
-    /// Other pairs that agree.
+    /// Other consistent pairs.
     pub const AGREE: &str = "#b9cbe0";
-    /// Where there is nothing.
+    /// Empty cells.
     pub const GROUND: &str = "#f5f6f8";
     /// Text.
     pub const INK: &str = "#18202b";
@@ -136,7 +136,7 @@ pub mod colours {
         }
     }
 
-    /// Colour and dashes of a method; `index` counts those that have none of their own.
+    /// Colour and dashes of a method; `index` is its number among the methods without a colour of their own.
     pub fn method(name: &str, index: usize) -> (&'static str, Dash) {
         match name {
             "none" => ("#7a828d", Dash::Dotted),
@@ -162,7 +162,7 @@ pub enum Frame {
 }
 
 impl Frame {
-    /// A place on paper.
+    /// The position on paper.
     pub fn place(self, x: f64, y: f64) -> (f64, f64) {
         match self {
             Self::Ned => (y, x),
@@ -170,7 +170,7 @@ impl Frame {
         }
     }
 
-    /// What lies to the right and what upwards.
+    /// The directions that point to the right and upwards.
     pub fn directions(self) -> (&'static str, &'static str) {
         match self {
             Self::Ned => ("east", "north"),

@@ -1,4 +1,4 @@
-//! `posecut-report`: tables, figures and one page of experiments.
+//! `posecut-report`: writes tables, figures and one HTML page of experiments.
 
 mod task;
 

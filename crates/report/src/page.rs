@@ -1,11 +1,11 @@
-//! One self-contained HTML page of an experiment: no network, no fonts or scripts from elsewhere; all data and
-//! scripts are in the file. The same inputs give the same bytes.
+//! One self-contained HTML page of an experiment. All data and scripts are in the file; it loads nothing from the
+//! network. The same inputs give the same bytes.
 //!
-//! - [`collect`]: results and the graphs that lie beside them, as the page's data.
-//! - [`view`]: that data, as the page's scripts read it.
-//! - [`encode`]: numbers as short text.
-//! - [`tables`], [`trust`], [`history`]: what stands in the page as HTML.
-//! - [`document`]: the page.
+//! - [`collect`]: collects the page's data from results and from the graphs in the same folders.
+//! - [`view`]: the data in the form that the page's scripts read.
+//! - [`encode`]: encodes numbers as short text.
+//! - [`tables`], [`trust`], [`history`]: the parts of the page that are HTML.
+//! - [`document`]: assembles the page.
 
 pub mod collect;
 pub mod document;

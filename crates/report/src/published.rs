@@ -1,4 +1,4 @@
-//! Figures that others have published, to stand beside ours.
+//! Published figures, for comparison with ours.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,7 +12,7 @@ use serde::Deserialize;
 pub struct Published {
     /// Where it was published.
     pub source: String,
-    /// For each method: metres by session.
+    /// RMSE in metres, by method and session.
     pub rmse: BTreeMap<String, BTreeMap<String, f64>>,
 }
 
@@ -22,7 +22,7 @@ impl Published {
         let place = path.display();
         let text = std::fs::read_to_string(path).with_context(|| format!("{place}: cannot be read"))?;
         let published: Self = toml::from_str(&text).map_err(|error| {
-            // The library's own text is a drawing of several lines.
+            // The library's full message is a drawing of several lines; take only its text.
             let message = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
             let before = |end: usize| text.as_bytes().iter().take(end).filter(|byte| **byte == b'\n').count();
             let line = error.span().map_or_else(String::new, |span| format!(", line {}", before(span.start) + 1));
@@ -42,14 +42,14 @@ impl Published {
         self.rmse.get(method)?.get(session).copied()
     }
 
-    /// The mean over the published sessions of a method.
+    /// The mean of a method over its published sessions.
     pub fn mean(&self, method: &str) -> Option<f64> {
         let row = self.rmse.get(method).filter(|row| !row.is_empty())?;
         Some(row.values().sum::<f64>() / row.len() as f64)
     }
 }
 
-/// What is being defined at the end of a text: the table, and the key if its value comes next.
+/// The field that the end of a text defines: the table, and the key if its value comes next.
 fn field(before: &str) -> String {
     let header = |line: &&str| line.starts_with('[');
     let table = before.lines().map(str::trim).rfind(header).map(|line| line.trim_matches(['[', ']']));

@@ -1,10 +1,10 @@
-//! The map of regimes: where a method helps, is neutral, or hurts, over the scale of the odometry's covariance
+//! The map of regimes: where a method helps, is neutral, or hurts, depending on the scale of the odometry's covariance
 //! and the share of false edges.
 //!
 //! - [`statistics`]: confidence intervals and tests over seeds.
-//! - `runs`: runs by their places in the map.
-//! - [`map`]: means and intervals of every cell, and the effect of the graph cut on every cell.
-//! - [`table`]: the same as Markdown and CSV.
+//! - `runs`: assigns runs to the cells of the map.
+//! - [`map`]: means and intervals of every cell, and the effect of the graph cut in every cell.
+//! - [`table`]: the map as Markdown and CSV.
 //! - [`document`]: the tables of docs/results/regimes.md.
 
 pub mod document;

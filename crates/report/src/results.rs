@@ -1,4 +1,4 @@
-//! Results of evaluations, read back.
+//! Reads results of evaluations.
 
 use std::collections::BTreeMap;
 use std::io::Read as _;
@@ -9,7 +9,7 @@ use posecut_graph::StageDoubt;
 use serde::Deserialize;
 use serde_json::Value;
 
-/// One evaluation, as far as tables need it.
+/// One evaluation, with the fields that tables need.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct RunResult {
     format: String,
@@ -17,17 +17,17 @@ pub struct RunResult {
     labels: BTreeMap<String, Value>,
     /// Metres.
     pub rmse: f64,
-    /// Parts of the graph that no edge in use joins.
+    /// Components of the graph of edges in use.
     pub components: usize,
-    /// Precision and recall of landmark edges, where their truth is known.
+    /// Precision and recall of landmark edges, if their truth is known.
     pub edges: Option<Edges>,
-    /// The doubts of the stages, oldest first; none in files of older programs.
+    /// The doubts of the stages, oldest first; empty in files of older programs.
     #[serde(default)]
     pub doubts: Vec<StageDoubt>,
     /// The history of the estimate: one object a stage.
     #[serde(default)]
     pub provenance: Vec<Value>,
-    /// The motions that the alignment was allowed, by the name results give them.
+    /// The motions that the alignment was allowed, named as in results.
     #[serde(default)]
     pub alignment: Option<AlignmentUsed>,
 }
@@ -71,7 +71,7 @@ fn share(part: usize, rest: usize) -> Option<f64> {
 }
 
 impl RunResult {
-    /// A label as text; what it is not labelled with is empty.
+    /// A label as text; empty if the result does not have it.
     pub fn label(&self, name: &str) -> String {
         match self.labels.get(name) {
             None => String::new(),
@@ -86,20 +86,20 @@ impl RunResult {
 pub struct Located {
     /// The file.
     pub path: PathBuf,
-    /// What stands in it.
+    /// Its content.
     pub result: RunResult,
     /// SHA-256 of the file's content, decompressed.
     pub sha256: String,
 }
 
-/// Reads results: files as named, directories searched for `*.result.json`. Sorted by path, so that tables do
-/// not depend on the order of directories.
+/// Reads results from the given files, and from every `*.result.json` in the given directories. They are sorted by
+/// path, so that tables do not depend on the order of directories.
 pub fn read_all(paths: &[PathBuf]) -> anyhow::Result<Vec<RunResult>> {
     Ok(read_located(paths)?.into_iter().map(|located| located.result).collect())
 }
 
-/// As [`read_all`], and says where each result was found. A file whose name ends in `.jsonl` or `.jsonl.gz`
-/// holds a result a line.
+/// Reads results like [`read_all`], with the file of each. A file whose name ends in `.jsonl` or `.jsonl.gz` has one
+/// result a line.
 pub fn read_located(paths: &[PathBuf]) -> anyhow::Result<Vec<Located>> {
     let mut files = Vec::new();
     for path in paths {

@@ -1,8 +1,9 @@
-//! The parts of documents that programs write.
+//! Replaces the sections of documents that programs write.
 
 use anyhow::{Context as _, bail};
 
-/// Puts text, without empty lines around it, between the lines `<!-- begin: NAME -->` and `<!-- end: NAME -->` of a document.
+/// Replaces the text between the lines `<!-- begin: NAME -->` and `<!-- end: NAME -->` of a document. Empty lines
+/// around `text` do not matter.
 pub fn splice(document: &str, name: &str, text: &str) -> anyhow::Result<String> {
     let (begin, end) = (format!("<!-- begin: {name} -->\n"), format!("<!-- end: {name} -->\n"));
     let (before, rest) =

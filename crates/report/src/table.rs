@@ -1,4 +1,4 @@
-//! Methods against sessions.
+//! Tables of methods (rows) by sessions (columns).
 
 mod csv_rows;
 mod doubts;
@@ -15,14 +15,14 @@ pub use markdown::markdown;
 
 use crate::results::RunResult;
 
-/// Mean and spread of one method on one session over seeds.
+/// Mean and standard deviation of one method on one session over seeds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cell {
     /// Mean RMSE, metres.
     pub mean: f64,
     /// Sample standard deviation over seeds; absent for a single seed.
     pub deviation: Option<f64>,
-    /// Seeds.
+    /// Number of seeds.
     pub seeds: usize,
     /// Mean number of incorrect edges in use.
     pub false_kept: f64,
@@ -32,16 +32,16 @@ pub struct Cell {
     pub true_kept: f64,
     /// Mean number of correct edges.
     pub true_all: f64,
-    /// Seeds whose graph fell into parts that no edge joins.
+    /// Number of seeds whose graph fell into several components.
     pub disconnected: usize,
-    /// Those of them without a doubt that says so, as in results of older programs.
+    /// Number of those that have no doubt about it, as in results of older programs.
     pub silently_disconnected: usize,
-    /// Seeds with each doubt, by stage and doubt.
+    /// Number of seeds with each doubt, by stage and doubt.
     pub(crate) doubts: Doubts,
 }
 
 impl Cell {
-    /// What follows its value: a dagger if there is a reason to mistrust it.
+    /// The mark after the value: a dagger if there is a reason to mistrust it.
     pub(crate) fn mark(&self) -> &'static str {
         if self.disconnected > 0 || !self.doubts.is_empty() { MARK } else { "" }
     }
@@ -52,9 +52,9 @@ impl Cell {
 pub struct Table {
     /// The experiment's name.
     pub pipeline: String,
-    /// Columns, sorted; those without data are kept.
+    /// Columns, sorted; sessions without data are included.
     pub sessions: Vec<String>,
-    /// Rows in the order asked for.
+    /// Rows in the requested order.
     pub methods: Vec<Row>,
 }
 
@@ -75,8 +75,8 @@ impl Row {
     }
 }
 
-/// Builds one table an experiment. `methods` orders the rows (others follow by name), `missing` names sessions
-/// that were asked for but have no data.
+/// Builds one table an experiment. `methods` orders the rows (other methods follow by name); `missing` names requested
+/// sessions that have no data.
 pub fn tables(results: &[RunResult], methods: &[String], missing: &[String]) -> Vec<Table> {
     let mut pipelines: Vec<String> = results.iter().map(|result| result.label("pipeline")).collect();
     pipelines.sort();
@@ -149,12 +149,12 @@ fn cell(runs: &[&RunResult]) -> Option<Cell> {
     })
 }
 
-/// Whether a doubt of a run says that it fell into components.
+/// Whether a doubt of a run reports several components.
 fn says_so(run: &RunResult) -> bool {
     run.doubts.iter().any(|found| found.doubt == posecut_stage::Doubt::PartsNotConnected.name())
 }
 
-/// Metres with two decimals below ten and one above.
+/// Metres with two decimals below ten and one decimal above.
 pub(crate) fn metres(value: f64) -> String {
     if value.abs() < 10.0 { format!("{value:.2}") } else { format!("{value:.1}") }
 }

@@ -1,4 +1,4 @@
-//! What the program can be asked for, one module a kind of answer.
+//! The subcommands of the program, one module for each kind of output.
 
 pub(crate) mod figures;
 pub(crate) mod html;

@@ -1,12 +1,12 @@
 //! The trust benchmark: every method on every family of graphs, what each gets wrong, and which one to use.
 //!
-//! - [`records`]: the results of runs, and the CPU times beside them, read strictly.
+//! - [`records`]: the results and CPU times of runs, read strictly.
 //! - [`benchmark`]: runs with the outcome of every method, and its regret.
 //! - [`bootstrap`]: intervals from clusters of runs that are not independent.
-//! - [`summary`]: what a method does on a family, or on all of them.
+//! - [`summary`]: a method's results on one family, or on all of them.
 //! - [`reliability`]: how well probabilities of edges are calibrated.
-//! - [`tables`], [`comparison`], [`recommendation`]: the tables, and the answer in sentences.
-//! - [`document`]: both, as the sections of docs/trust.md.
+//! - [`tables`], [`comparison`], [`recommendation`]: the tables, and the recommendation in sentences.
+//! - [`document`]: tables and recommendation as the sections of docs/trust.md.
 
 pub mod benchmark;
 pub mod bootstrap;

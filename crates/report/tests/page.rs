@@ -1,4 +1,4 @@
-//! The page against the results and graphs it was made of.
+//! Compares the page with the results and graphs that it was made of.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -12,7 +12,7 @@ use posecut_graph::PoseGraph;
 use posecut_report::page::encode::decoded;
 use serde_json::Value;
 
-/// Runs the program; what it said on standard error.
+/// Runs the program, and returns its success and its standard error.
 fn run(arguments: &[&str]) -> (bool, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_posecut-report")).args(arguments).output().unwrap();
     (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned())
@@ -25,15 +25,15 @@ fn page(arguments: &[&str], folder: &Path) -> String {
     fs::read_to_string(file).unwrap()
 }
 
-/// The data in a page, as its script reads it.
+/// The data in a page, as the page's script reads it.
 fn data(page: &str) -> Value {
     let start = page.find("id=\"data\">").unwrap() + "id=\"data\">".len();
     let end = start + page[start..].find("</script>").unwrap();
     serde_json::from_str(&page[start..end]).unwrap()
 }
 
-/// Two passes along a line, nodes 0 to 9 and 10 to 19, with three correct edges and one incorrect one; the
-/// second pass lies `bend` metres off at its end.
+/// Two passes along a line, nodes 0 to 9 and 10 to 19, with three correct edges and one incorrect one. At its end the
+/// second pass is `bend` metres off.
 fn graph(bend: f64, kept: bool, history: &str) -> PoseGraph {
     let mut text = format!(
         r#"{{"kind":"header","format":"posecut","version":1,"dimension":2,"noise_models":{{"odometry":{{"information":[100,0,0,100,0,400]}}}},"provenance":[{history}]}}"#
@@ -73,7 +73,7 @@ fn graph(bend: f64, kept: bool, history: &str) -> PoseGraph {
 
 const PCM: &str = r#"{"stage":"pcm","version":"9.9.9","arguments":{"test":"mahalanobis","probability":0.99},"seed":null,"inputs":[]}"#;
 
-/// Writes the graph of a method with its result; returns its RMSE.
+/// Writes the graph of a method and its result, and returns its RMSE.
 fn store(folder: &Path, labels: [&str; 3], method: &str, graph: &PoseGraph, reference: &PoseGraph) -> f64 {
     let [pipeline, session, seed] = labels;
     let mut bytes = Vec::new();
@@ -127,14 +127,14 @@ fn numbers_in_the_page_are_those_of_the_results() {
     assert_eq!(seed["edges"]["truth"], "tttf");
     assert_eq!(seed["methods"][1]["stages"][0], "pcm");
     assert_eq!(seed["methods"][0]["landmarks"], serde_json::json!([[0, 10], [1, 11], [2, 12]]));
-    // East is to the right: the route runs north, at 3 m east, wherever the optimised frame lay.
+    // East is to the right: the route runs north, 3 m east, in whatever frame the optimised graph was.
     let right = decoded(seed["reference"]["right"].as_str().unwrap(), 0.1).unwrap();
     let up = decoded(seed["reference"]["up"].as_str().unwrap(), 0.1).unwrap();
     assert!(right.iter().all(|east| (east - 3.0).abs() < 0.06) && (up[9] - 18.0).abs() < 0.06);
     let matrix = &seed["consistency"];
     assert_eq!(matrix["edges"].as_array().unwrap().len(), 4);
     assert_eq!(matrix["gate"], "11.34");
-    // In the order 0-10, 1-11, 1-18, 2-12: all but the third.
+    // Edges in the order 0-10, 1-11, 1-18, 2-12: all except the third are in the clique.
     assert_eq!(matrix["clique"], "Cw==");
 }
 
@@ -159,7 +159,7 @@ fn the_same_inputs_give_the_same_bytes_in_any_order_and_no_path_is_told() {
     }
 }
 
-/// Session names and labels come from files that anybody may have written.
+/// Session names and labels come from files of unknown origin, so the page must not trust them.
 #[test]
 fn hostile_names_stay_text() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! The map of regimes against hand-made results.
+//! Tests the map of regimes with hand-made results.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -24,7 +24,7 @@ fn results(lines: &str) -> anyhow::Result<Vec<RunResult>> {
     read_all(&[path])
 }
 
-/// Twenty seeds: with the graph cut better at scale 3, worse at 0.3, and as good at 1.
+/// Twenty seeds: the graph cut is better at scale 3, worse at 0.3, and equal at 1.
 fn sample() -> Vec<RunResult> {
     let mut text = String::new();
     for seed in 0..20 {
@@ -52,7 +52,7 @@ fn cells_are_means_over_seeds_with_intervals_around_them() {
     let cell = map.of("s", "uniform", "pcm").unwrap().cells[2].unwrap();
     assert!((cell.mean - 100.95).abs() < 1e-9, "{cell:?}");
     assert_eq!((cell.seeds, cell.precision, cell.recall), (20, Some(0.9), Some(0.75)));
-    // The mean's standard error is 0.132 m: the interval is about 1.96 of them on either side.
+    // The mean's standard error is 0.132 m; the interval extends about 1.96 of them to either side.
     assert!((cell.low - 100.70).abs() < 0.06 && (cell.high - 101.20).abs() < 0.06, "{cell:?}");
     let all = map.of("all sessions", "uniform", "pcm").unwrap().cells[2].unwrap();
     assert!((all.mean - 100.95).abs() < 1e-9 && all.seeds == 40);
@@ -109,7 +109,7 @@ fn a_cell_without_results_and_a_session_without_the_cell_are_no_data() {
         "a mean over other sessions would be another quantity"
     );
     assert!(table::markdown(&map, &map.sessions, &map.kinds).contains("no data"));
-    // Not every session has a place for every kind of false edges; the others are taken together, and it is said.
+    // Session t has no corridor mistakes: means are over the other sessions, and a sentence says so.
     text += &(line("s", "pcm", "1", "\"0.1\"", 1, 7.0).replace("uniform", "corridor") + "\n");
     let map = Map::new(&results(&text).unwrap(), &[]).unwrap();
     assert_eq!(map.kinds, ["uniform", "corridor"]);
@@ -198,7 +198,7 @@ fn the_tables_of_the_document_stand_between_their_markers_and_say_what_the_map_s
     assert!(tables[0].1.contains(&signed(effect.difference)), "{}", tables[0].1);
 }
 
-/// A real and a simulated session may be of the same date.
+/// A real and a simulated session may have the same date.
 #[test]
 fn real_and_simulated_sessions_are_never_taken_together() {
     let real = line("2012-01-22", "pcm", "1", "0.1", 1, 2.0);

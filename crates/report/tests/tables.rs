@@ -1,4 +1,4 @@
-//! Tables from results, checked by hand-made numbers.
+//! Tests tables with hand-made results.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -27,7 +27,7 @@ fn published() -> Published {
     Published::read(&path).unwrap()
 }
 
-/// The TOML library's drawing of the line took several lines.
+/// The TOML library's drawing of the line took several lines of the message.
 #[test]
 fn errors_of_published_figures_are_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
@@ -140,7 +140,8 @@ fn figures_are_drawn_in_all_formats_and_the_same_each_time() {
     assert!(charts(&[], 2).is_err());
 }
 
-/// Labels of a stranger's result became formulas of spreadsheets, cells and elements of Markdown, and commands of LaTeX.
+/// Labels of a foreign result used to become formulas of spreadsheets, cells and elements of Markdown, and commands of
+/// LaTeX.
 #[test]
 fn hostile_labels_stay_text_in_every_table() {
     let folder = tempfile::tempdir().unwrap();
@@ -169,7 +170,7 @@ fn hostile_labels_stay_text_in_every_table() {
     assert!(!tex.contains("\\input"), "{tex}");
 }
 
-/// Gives the result in a file doubts; of a second call those count.
+/// Puts doubts into the result in a file. Doubts of a second call take precedence.
 fn doubt(path: &Path, doubts: &str) {
     let text = fs::read_to_string(path).unwrap().replace("\"doubts\":[],", "");
     fs::write(path, text.replace("\"version\":1,", &format!("\"version\":1,\"doubts\":{doubts},"))).unwrap();

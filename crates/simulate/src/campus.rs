@@ -1,4 +1,4 @@
-//! The campus: where one can drive, how high it lies, and what disturbs a compass there.
+//! The campus: its paths, its terrain, and the iron that disturbs a compass.
 
 use nalgebra::Vector2;
 use petgraph::algo::connected_components;
@@ -9,17 +9,17 @@ use rand::RngExt as _;
 
 use crate::noise::normal;
 
-/// Crossings from south to north and from west to east: about 420 m by 830 m, the extent of NCLT's routes.
+/// Number of crossings from south to north and from west to east: about 420 m by 830 m, the extent of NCLT's routes.
 const ROWS: usize = 5;
 const COLUMNS: usize = 9;
 /// Metres between crossings before they are displaced.
 const SPACING: f64 = 100.0;
-/// How far crossings lie off the grid, metres.
+/// How far crossings are displaced from the grid, metres.
 const DISPLACEMENT: f64 = 18.0;
 /// Share of the grid's paths that are not built.
 const MISSING_PATHS: f64 = 0.25;
 
-/// Directions and phases are drawn from a whole turn, to two digits.
+/// A whole turn, rounded to two digits: directions and phases are drawn from it.
 #[expect(clippy::approx_constant, reason = "more digits would only change every simulated session")]
 const TURN: f64 = 6.28;
 
@@ -47,7 +47,7 @@ struct Bump {
 }
 
 impl Campus {
-    /// The campus of a seed. All sessions of one experiment share it.
+    /// The campus with this seed. All sessions of one experiment share it.
     pub fn new(seed: u64) -> Self {
         let mut draw = random(seed, "campus");
         let paths = network(&mut draw);
@@ -69,7 +69,7 @@ impl Campus {
                     draw.random_range(-50.0..SPACING * ROWS as f64),
                     draw.random_range(-50.0..SPACING * COLUMNS as f64),
                 );
-                // Most buildings bend a compass by some degrees, a few by far more.
+                // Most buildings disturb a compass by some degrees, a few by far more.
                 let sigma = if index % 9 == 0 { 1.0 } else { 0.2 };
                 Bump { centre, radius: draw.random_range(8.0..30.0), height: normal(&mut draw, sigma) }
             })
@@ -82,7 +82,7 @@ impl Campus {
         self.hills.iter().map(|wave| wave.amplitude * (wave.direction.dot(place) + wave.phase).sin()).sum()
     }
 
-    /// How far a compass is turned by iron near a place, radians.
+    /// The error of a compass at a position, caused by iron nearby, radians.
     pub fn compass_error(&self, place: &Vector2<f64>) -> f64 {
         let bend = |bump: &Bump| {
             let distance = (place - bump.centre).norm() / bump.radius;
@@ -92,8 +92,8 @@ impl Campus {
     }
 }
 
-/// A displaced grid from which paths are taken away as long as all crossings stay reachable and none becomes
-/// a dead end.
+/// A displaced grid without some of its paths. A path is removed only if all crossings remain reachable and none
+/// becomes a dead end.
 fn network(draw: &mut ChaCha8Rng) -> UnGraph<Vector2<f64>, ()> {
     let mut paths = UnGraph::new_undirected();
     let crossings: Vec<NodeIndex> = (0..ROWS * COLUMNS)
@@ -133,7 +133,7 @@ fn network(draw: &mut ChaCha8Rng) -> UnGraph<Vector2<f64>, ()> {
     paths
 }
 
-/// The crossings that can be driven to from a crossing, in ascending order.
+/// The crossings that a path joins with this crossing, in ascending order.
 pub(crate) fn neighbours(paths: &UnGraph<Vector2<f64>, ()>, crossing: NodeIndex) -> Vec<NodeIndex> {
     let mut found: Vec<NodeIndex> = paths.edges(crossing).map(|path| path.target()).collect();
     found.sort_unstable();

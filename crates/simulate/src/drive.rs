@@ -1,4 +1,4 @@
-//! When the robot is where: the line driven in time.
+//! Drives a line in time: the robot's pose at every instant.
 
 use nalgebra::Vector2;
 use posecut_geometry::{SE3, wrap_angle};
@@ -11,14 +11,14 @@ use crate::noise::Wander;
 
 /// Speed on a free path, m/s: the median of the real sessions.
 const CRUISE: f64 = 1.36;
-/// Sideways acceleration that limits the speed in turns, m/s^2.
+/// Sideways acceleration allowed in turns, which limits the speed, m/s^2.
 const SIDEWAYS_ACCELERATION: f64 = 0.25;
-/// How fast the speed changes, m/s^2.
+/// Acceleration of the robot, m/s^2.
 const ACCELERATION: f64 = 0.6;
-/// Metres between stops, and seconds a stop lasts, in the mean.
+/// Mean distance between stops, metres, and mean length of a stop, seconds.
 const STOP_EVERY: f64 = 140.0;
 const STOP_LASTS: f64 = 14.0;
-/// Metres over which slope and heading are taken.
+/// Heading and curvature are differences over this many points on either side.
 const WHEELBASE: usize = 4;
 
 /// The robot at one instant.
@@ -34,7 +34,7 @@ pub struct Instant {
     pub yaw_rate: f64,
 }
 
-/// Drives along a line, an instant every `period` seconds, until its end.
+/// Drives along a line until its end, with one instant every `period` seconds.
 pub fn drive(campus: &Campus, line: &[Vector2<f64>], period: f64, draw: &mut ChaCha8Rng) -> Vec<Instant> {
     let track = Track::new(campus, line);
     let mut mood = Wander::new(draw, 0.06, 60.0);
@@ -70,7 +70,7 @@ pub fn drive(campus: &Campus, line: &[Vector2<f64>], period: f64, draw: &mut Cha
 
 fn exponential(draw: &mut ChaCha8Rng) -> f64 {
     let unit: f64 = Exp1.sample(draw);
-    // A stop of an hour would be no drive.
+    // Limit the draw: a stop of an hour would be unrealistic.
     unit.min(6.0) + draw.random_range(0.0..1e-9)
 }
 
@@ -96,7 +96,7 @@ impl Track {
             let slope = |direction: &Vector2<f64>| {
                 campus.height(&(point + direction)) - campus.height(&(point - direction))
             };
-            // z points down: uphill the nose goes up, which is a positive pitch.
+            // z points down: uphill the nose goes up, and the pitch is positive.
             let (pitch, roll) = ((0.5 * slope(&along)).atan(), -(0.5 * slope(&right)).atan());
             let yaw = along.y.atan2(along.x);
             track.places.push(place);
@@ -116,7 +116,7 @@ impl Track {
         self.places.last().copied().unwrap_or(0.0)
     }
 
-    /// Pose and curvature at a place along the line.
+    /// Pose and curvature at a position along the line.
     fn at(&self, place: f64) -> (SE3, f64) {
         let after = self.places.partition_point(|&known| known < place).clamp(1, self.places.len() - 1);
         let before = after - 1;

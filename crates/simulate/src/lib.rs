@@ -1,13 +1,13 @@
-//! Simulated sessions: a robot drives over a campus for an hour and a half, and its sensors write what
-//! NCLT's would have written. One campus for all sessions, another route for each.
+//! Simulates sessions: a robot drives over a campus for an hour and a half, and its sensors write files as NCLT's do.
+//! All sessions share one campus; each has its own route.
 //!
-//! - [`campus`]: the network of paths, the terrain, and what disturbs a compass.
+//! - [`campus`]: the network of paths, the terrain, and the iron that disturbs a compass.
 //! - [`route`]: a walk over the network, with revisits in both directions.
-//! - [`drive`]: when the robot is where: speed, turns, stops.
-//! - [`sensors`]: what each sensor makes of it.
+//! - [`drive`]: the pose at every instant: speed, turns, stops.
+//! - [`sensors`]: the measurements of each sensor.
 //! - [`session`]: the files.
 //!
-//! Frames as in NCLT: x north, y east, z down; yaw clockwise from north.
+//! Frames are as in NCLT: x north, y east, z down; yaw clockwise from north.
 
 pub mod campus;
 pub mod drive;

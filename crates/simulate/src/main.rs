@@ -1,4 +1,4 @@
-//! `posecut-simulate`: a simulated session in NCLT's layouts.
+//! `posecut-simulate`: simulates a session in NCLT's layouts.
 
 use std::process::ExitCode;
 

@@ -1,16 +1,16 @@
-//! Noise that sensors have.
+//! Noise of sensors.
 
 use posecut_stage::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// A normally distributed number of mean 0 and the given standard deviation.
+/// A normally distributed number with mean 0 and the given standard deviation.
 pub(crate) fn normal(random: &mut ChaCha8Rng, sigma: f64) -> f64 {
     let unit: f64 = StandardNormal.sample(random);
     sigma * unit
 }
 
-/// Noise that forgets: an Ornstein-Uhlenbeck process of given standard deviation and correlation length
-/// (seconds or metres).
+/// Correlated noise: an Ornstein-Uhlenbeck process with the given standard deviation and correlation length (seconds or
+/// metres).
 #[derive(Clone, Debug)]
 pub(crate) struct Wander {
     value: f64,
@@ -19,7 +19,7 @@ pub(crate) struct Wander {
 }
 
 impl Wander {
-    /// Starts in its stationary distribution.
+    /// Starts in the stationary distribution.
     pub(crate) fn new(random: &mut ChaCha8Rng, sigma: f64, length: f64) -> Self {
         Self { value: normal(random, sigma), sigma, length }
     }

@@ -1,4 +1,4 @@
-//! Which way the robot takes, and the line it really drives.
+//! The route that the robot takes, and the line that it drives.
 
 use nalgebra::Vector2;
 use petgraph::graph::NodeIndex;
@@ -13,12 +13,12 @@ use crate::noise::Wander;
 pub const STEP: f64 = 0.25;
 /// Corners are cut within this many metres before and after them.
 const CORNER: f64 = 4.0;
-/// How far the robot drives off the middle of a path, metres, and over what distance that changes.
+/// Standard deviation of the robot's distance from the middle of a path, and its correlation length, metres.
 const SIDEWAYS: f64 = 0.7;
 const SIDEWAYS_LENGTH: f64 = 25.0;
 /// Probability of turning round at a crossing.
 const TURN_ROUND: f64 = 0.04;
-/// How much less a path attracts for each time it was driven in this direction.
+/// Each time a path is driven in a direction, its weight in that direction is multiplied by this.
 const NOVELTY: f64 = 0.6;
 
 /// Which way a robot takes.
@@ -32,7 +32,7 @@ pub enum Route {
 }
 
 impl Route {
-    /// The line of a drive of the given length, metres.
+    /// The line of a drive with the given length in metres.
     pub fn line(
         self,
         campus: &Campus,
@@ -41,7 +41,7 @@ impl Route {
         sideways: &mut ChaCha8Rng,
     ) -> Vec<Vector2<f64>> {
         let length = if self == Self::Return { 0.5 * length } else { length };
-        // The line cuts corners, so the walk must be longer.
+        // The line cuts corners and is therefore shorter than the walk.
         let crossings = walk(campus, length * 1.1 + 200.0, route);
         let mut points = line(campus, &crossings, length, sideways);
         if self == Self::Return {
@@ -51,7 +51,7 @@ impl Route {
     }
 }
 
-/// The same line from its end to its start, again now left, now right of it.
+/// The same line from its end to its start, with new sideways deviations.
 fn way_back(out: &[Vector2<f64>], draw: &mut ChaCha8Rng) -> Vec<Vector2<f64>> {
     let mut sideways = Wander::new(draw, SIDEWAYS, SIDEWAYS_LENGTH);
     let mut points = Vec::with_capacity(out.len());
@@ -62,8 +62,8 @@ fn way_back(out: &[Vector2<f64>], draw: &mut ChaCha8Rng) -> Vec<Vector2<f64>> {
     smoothed(&points, (CORNER / STEP) as usize)
 }
 
-/// A walk over crossings of about the given length, metres. Paths driven before attract less, but often
-/// enough: routes revisit places in both directions.
+/// A random walk over crossings, of about the given length in metres. It prefers new paths but drives old ones often
+/// enough that routes revisit places in both directions.
 pub fn walk(campus: &Campus, length: f64, draw: &mut ChaCha8Rng) -> Vec<NodeIndex> {
     let crossings: Vec<NodeIndex> = campus.paths.node_indices().collect();
     let mut here = crossings[draw.random_range(0..crossings.len())];
@@ -92,8 +92,8 @@ pub fn walk(campus: &Campus, length: f64, draw: &mut ChaCha8Rng) -> Vec<NodeInde
     route
 }
 
-/// The driven line, a point every [`STEP`] metres or so: the route with its corners cut, and the robot now
-/// left, now right of the middle. Never the same line twice.
+/// The driven line, about one point every [`STEP`] metres: the route with its corners cut, and with random deviations
+/// to the left and right, so that no line is driven twice.
 pub fn line(campus: &Campus, route: &[NodeIndex], length: f64, draw: &mut ChaCha8Rng) -> Vec<Vector2<f64>> {
     let mut sideways = Wander::new(draw, SIDEWAYS, SIDEWAYS_LENGTH);
     let mut points = Vec::new();
@@ -117,7 +117,7 @@ pub fn line(campus: &Campus, route: &[NodeIndex], length: f64, draw: &mut ChaCha
     smooth
 }
 
-/// The mean of the points within `reach` places, twice, which leaves no kinks. O(points).
+/// A moving mean over `reach` points on either side, then one over half as many, so that no kinks remain. O(points).
 fn smoothed(points: &[Vector2<f64>], reach: usize) -> Vec<Vector2<f64>> {
     let once = moving_mean(points, reach);
     moving_mean(&once, reach / 2)

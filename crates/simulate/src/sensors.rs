@@ -1,5 +1,5 @@
-//! What the sensors make of a drive, as rows of NCLT's files. The size of each error is that of the real
-//! sensors, as far as the data tell; the crate's README puts both side by side.
+//! Simulates the sensors on a drive, as rows of NCLT's files. The errors are as large as those of the real sensors, as
+//! far as the data show them; the crate's README compares both.
 
 mod compass;
 mod gps;

@@ -1,4 +1,4 @@
-//! A session's files.
+//! Simulates a session and writes its files.
 
 use std::io::Write as _;
 use std::path::Path;
@@ -38,7 +38,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// Refuses what no session can be simulated with.
+    /// Refuses options with which no session can be simulated.
     pub fn check(&self) -> anyhow::Result<()> {
         if !(5.0..=200.0).contains(&self.rate) {
             bail!("--rate is {}, and must lie between 5 (the camera's) and 200 Hz", self.rate);
@@ -52,12 +52,12 @@ impl Options {
     }
 }
 
-/// Microseconds of an instant.
+/// The time stamp of an instant, microseconds.
 pub(crate) fn time(start: i64, seconds: f64) -> i64 {
     start + (seconds * 1e6).round() as i64
 }
 
-/// Names of the files of a session beside its ground truth.
+/// Names of a session's files except its ground truth.
 const FILES: [&str; 8] = [
     "odometry_mu_100hz.csv",
     "odometry_mu.csv",
@@ -69,14 +69,14 @@ const FILES: [&str; 8] = [
     "gps.csv",
 ];
 
-/// Whether a simulated session has a file of this name. A real one has others too.
+/// Whether a simulated session has a file of this name. Real sessions have more files.
 pub fn is_session_file(name: &str) -> bool {
     FILES.contains(&name)
         || name.strip_prefix("groundtruth_").is_some_and(|rest| rest.strip_suffix(".csv").is_some())
 }
 
-/// Simulates a session and writes its files into an existing directory; `name` is the session's date, which
-/// its ground-truth file carries, and with the seed fixes the route.
+/// Simulates a session and writes its files into an existing directory. `name` is the session's date: it is part of the
+/// ground-truth file's name, and determines the route together with the seed.
 pub fn simulate(directory: &Path, name: &str, options: &Options) -> anyhow::Result<Statistics> {
     options.check()?;
     let campus = Campus::new(options.campus);
@@ -119,7 +119,7 @@ fn statistics(name: &str, instants: &[Instant], campus: &Campus) -> Statistics {
     statistics
 }
 
-/// Noon UTC of a date YYYY-MM-DD, microseconds; a fixed day for names that are no date.
+/// Noon UTC of a date YYYY-MM-DD, microseconds. A name that is not a date gets a fixed day.
 fn start_time(name: &str) -> i64 {
     let parts: Vec<i64> = name.split('-').filter_map(|part| part.parse().ok()).collect();
     let [year, month, day] = parts[..] else { return 1_325_419_200_000_000 };
@@ -130,14 +130,14 @@ fn start_time(name: &str) -> i64 {
 }
 
 fn write(path: &Path, rows: &[Row]) -> anyhow::Result<()> {
-    // Whoever reads the message does not know the temporary folder.
+    // The user does not know the temporary folder: name only the file.
     let place = || path.file_name().unwrap_or_default().display().to_string();
     let file = std::fs::File::create(path).with_context(place)?;
     let mut writer = std::io::BufWriter::new(file);
     for (time, numbers) in rows {
         write!(writer, "{time}").with_context(place)?;
         for number in numbers {
-            // Nanometres and nanoradians are finer than any of the sensors, as latitudes need them.
+            // Nine decimals are finer than any of the sensors, but latitudes in radians need them.
             write!(writer, ",{number:.9}").with_context(place)?;
         }
         writeln!(writer).with_context(place)?;

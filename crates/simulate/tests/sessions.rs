@@ -1,4 +1,4 @@
-//! Simulated sessions are sound, seeded, and of the size they claim.
+//! Tests that simulated sessions are sound, determined by their seeds, and as large as stated.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -66,8 +66,8 @@ fn the_drive_has_the_asked_length() {
     assert!((length - 800.0).abs() < 8.0, "{length}");
 }
 
-/// Of the second half's rows of ground truth, the share near a row of the first half: driven in the same direction, and
-/// in the opposite one.
+/// The shares of the second half's ground-truth rows that are near a row of the first half: driven in the same
+/// direction, and in the opposite one.
 fn revisits(route: Route) -> [f64; 2] {
     let folder = tempfile::tempdir().unwrap();
     simulate(folder.path(), "2012-01-22", &Options { route, ..options(1) }).unwrap();

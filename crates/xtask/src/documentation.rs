@@ -1,6 +1,6 @@
-//! The documents that are made from the programs themselves.
+//! Documents that are generated from the programs.
 //!
-//! Every program describes its own command line (`--generate`), so a new one appears here without a change.
+//! Every program describes its own command line (`--generate`), so a new program needs no change here.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,7 +11,7 @@ use serde_json::Value;
 use crate::splice::splice;
 use crate::workspace::root;
 
-/// The section of a program's README, and the heading above it.
+/// The name of the section in a program's README, and the heading above it.
 const SECTION: &str = "options";
 const HEADING: &str = "\n## Options\n";
 
@@ -43,7 +43,7 @@ impl Page {
     }
 }
 
-/// What a program writes with `--generate`.
+/// The output of a program with `--generate`.
 ///
 /// # Errors
 /// If the program cannot be run or fails.
@@ -56,8 +56,8 @@ pub fn generated(program: &Path, what: &str) -> anyhow::Result<String> {
     String::from_utf8(output.stdout).with_context(called)
 }
 
-/// All generated documents. `names` are those of the programs without `posecut-`, `program` finds one by its name, and
-/// `schema` is that of the format.
+/// All generated documents. `names` are the programs' names without `posecut-`, `program` gives the path for a name,
+/// and `schema` is the format's schema.
 ///
 /// # Errors
 /// If a program does not run or a README cannot be read.
@@ -96,8 +96,8 @@ fn schema_page(schema: &Value) -> anyhow::Result<Page> {
     Ok(Page { path: "docs/schema/pose-graph-1.schema.json".into(), text })
 }
 
-/// A README with its table of options. One without the section gets it: under the heading `## Options`, before the text
-/// there, or at its end.
+/// A README with its table of options. If it lacks the section, add it under the heading `## Options`, before the text
+/// there, or at the end.
 fn readme(name: &str, program: &Path) -> anyhow::Result<Option<Page>> {
     let path = Path::new("crates").join(name).join("README.md");
     let Ok(mut text) = std::fs::read_to_string(root().join(&path)) else { return Ok(None) };

@@ -1,4 +1,4 @@
-//! `cargo xtask edges-table`: landmark edges of collected results, as a table of a document.
+//! `cargo xtask edges-table`: writes landmark edges of collected results as a table of a document.
 
 use std::path::PathBuf;
 
@@ -73,7 +73,7 @@ impl EdgesTable {
     }
 }
 
-/// A label of a run, as a table shows it.
+/// A label of a run, as text for a table.
 fn label(run: &Run, name: &str) -> String {
     match run.labels.get(name) {
         Some(Value::String(text)) => text.clone(),
@@ -82,7 +82,7 @@ fn label(run: &Run, name: &str) -> String {
     }
 }
 
-/// Which runs a column has.
+/// The runs of a column.
 enum Column {
     Value(String, String),
     Sessions(Pattern),

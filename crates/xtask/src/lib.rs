@@ -1,8 +1,8 @@
-//! What the maintainers' program shares with the tests of the contract, and the sections of documents that it writes.
+//! The parts of the maintainers' program that the tests of the contract use too, and the sections of documents.
 
 pub mod documentation;
 pub mod sections;
-/// The same source as in posecut-report: that crate draws figures, which takes minutes to compile.
+/// The same source file as in posecut-report. Depending on that crate would compile its figures, which takes minutes.
 #[path = "../../report/src/splice.rs"]
 pub mod splice;
 pub mod workspace;

@@ -23,7 +23,7 @@ pub(crate) struct Licences {
 
 const PAGE: &str = "docs/dependencies.md";
 
-/// What `cargo metadata` says, as far as it matters here.
+/// The fields of `cargo metadata` that matter here.
 #[derive(Deserialize)]
 struct Metadata {
     packages: Vec<Package>,
@@ -38,7 +38,7 @@ struct Package {
     version: String,
     license: Option<String>,
     source: Option<String>,
-    /// The registries that it may be published to; none at all for `publish = false`.
+    /// The registries to which it may be published; empty for `publish = false`.
     publish: Option<Vec<String>>,
 }
 
@@ -90,7 +90,7 @@ fn metadata() -> anyhow::Result<Metadata> {
     serde_json::from_slice(&output.stdout).context("`cargo metadata` writes something else than expected")
 }
 
-/// The licences that deny.toml allows, for cargo-deny as well.
+/// The licences that deny.toml allows; cargo-deny uses the same list.
 fn allowed() -> anyhow::Result<Vec<Licensee>> {
     #[derive(Deserialize)]
     struct Deny {
@@ -108,7 +108,7 @@ fn allowed() -> anyhow::Result<Vec<Licensee>> {
     deny.licenses.allow.iter().map(licensee).collect()
 }
 
-/// Whether any of an OR and all of an AND are allowed. Some crates write `/` for OR.
+/// Whether an expression is allowed: any licence of an OR, all of an AND. Some crates write `/` for OR.
 fn is_allowed(expression: &str, allowed: &[Licensee]) -> bool {
     let parsed = Expression::parse_mode(expression, ParseMode::LAX);
     parsed.is_ok_and(|parsed| {
@@ -116,7 +116,7 @@ fn is_allowed(expression: &str, allowed: &[Licensee]) -> bool {
     })
 }
 
-/// The packages that programs are built from: reached from published crates without development dependencies.
+/// The packages that programs are built from: those that published crates reach without development dependencies.
 fn linked(metadata: &Metadata) -> HashSet<&str> {
     let nodes: HashMap<&str, &Node> = metadata.resolve.nodes.iter().map(|node| (&*node.id, node)).collect();
     let published = |package: &&Package| {
@@ -139,7 +139,7 @@ fn linked(metadata: &Metadata) -> HashSet<&str> {
     seen
 }
 
-/// The text of the page, and what is wrong with the dependencies.
+/// The text of the page, and the problems with the dependencies.
 fn page(metadata: &Metadata, allowed: &[Licensee]) -> (String, Vec<String>) {
     let linked = linked(metadata);
     let (mut rows, mut problems) = (BTreeMap::new(), Vec::new());

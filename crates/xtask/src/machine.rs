@@ -1,4 +1,4 @@
-//! What a measurement was made on, and when.
+//! The machine and the date of a measurement.
 
 use std::process::Command;
 
@@ -6,16 +6,16 @@ use crate::process::must;
 
 /// The machine's processors and memory.
 pub(crate) struct Machine {
-    /// Processors.
+    /// Number of processors.
     pub(crate) cores: usize,
     /// Physical memory in units of 2^30 bytes.
     pub(crate) gigabytes: f64,
-    /// The processor's name, or its architecture where the system does not tell it.
+    /// The processor's name, or its architecture if the system does not report a name.
     pub(crate) model: String,
 }
 
 impl Machine {
-    /// This machine. Memory and model are known on Linux alone.
+    /// This machine. Memory and model are known only on Linux.
     pub(crate) fn here() -> Self {
         let found = |file: &str, key: &str| {
             let text = std::fs::read_to_string(file).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! `cargo xtask`: what the maintainers of posecut run.
+//! `cargo xtask`: the tasks of posecut's maintainers.
 
 #![allow(
     clippy::print_stdout,
@@ -48,7 +48,7 @@ enum Task {
     Measure(measure::Measure),
 }
 
-/// Whether what was checked holds. Status 1 where it does not, 2 for errors.
+/// The result of a check. The exit status is 1 if the check fails, and 2 for errors.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Verdict {
     Holds,

@@ -1,6 +1,6 @@
 //! Markdown tables.
 
-/// Lines of a table. The columns after the first `left` align to the right.
+/// Lines of a table. The first `left` columns are aligned left, the others right.
 pub(crate) fn table(head: &[String], left: usize, rows: &[Vec<String>]) -> Vec<String> {
     let right = head.len() - left;
     let mut lines = vec![row(head), format!("|{}{}", "---|".repeat(left), "---:|".repeat(right))];

@@ -1,4 +1,4 @@
-//! `cargo xtask measure`: seconds and memory of programs, in tables of documents.
+//! `cargo xtask measure`: measures time and memory of programs, and writes tables of documents.
 
 mod incremental;
 mod memory;

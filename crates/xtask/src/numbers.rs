@@ -1,6 +1,7 @@
-//! Numbers as tables show them.
+//! Formats numbers for tables.
 
-/// A number with this many significant digits and no trailing zeros, in scientific notation where that is shorter (C's `%g`).
+/// A number with this many significant digits and no trailing zeros, in scientific notation if that is shorter (C's
+/// `%g`).
 pub(crate) fn general(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return value.to_string().to_lowercase();
@@ -32,7 +33,7 @@ fn without_zeros(text: &str) -> &str {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
 }
 
-/// A whole number with a comma between thousands.
+/// A whole number with commas between thousands.
 pub(crate) fn thousands(value: u64) -> String {
     let digits = value.to_string();
     let first = (digits.len() + 2) % 3 + 1;
@@ -40,7 +41,7 @@ pub(crate) fn thousands(value: u64) -> String {
     groups.fold(digits[..first].to_owned(), |text, group| text + "," + &group)
 }
 
-/// The middle value, or the mean of the two in the middle.
+/// The median: the middle value, or the mean of the middle two.
 pub(crate) fn median(values: &[f64]) -> f64 {
     let mut ordered = values.to_vec();
     ordered.sort_by(f64::total_cmp);

@@ -1,4 +1,5 @@
-//! `cargo xtask plant-faults`: whether `make check-results` blames a fault on its stage, for docs/experiments.md.
+//! `cargo xtask plant-faults`: checks that `make check-results` blames a planted fault on its stage, for
+//! docs/experiments.md.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -23,7 +24,7 @@ pub(crate) struct PlantFaults {
 
 const DOCUMENT: &str = "docs/experiments.md";
 const WIDTH: usize = 160;
-/// Below the root, where copies are built.
+/// The folder below the root in which copies are built.
 const COPY: &str = "target/faulty";
 
 struct Fault {
@@ -76,7 +77,7 @@ impl PlantFaults {
 }
 
 impl Fault {
-    /// A program built from a copy of the sources with one line changed; its path from the root.
+    /// Builds a program from a copy of the sources with one changed line, and returns its path from the root.
     fn plant(&self) -> anyhow::Result<PathBuf> {
         let copy = root().join(COPY);
         let sources = copy.join("sources");
@@ -103,7 +104,7 @@ impl Fault {
         Ok(Path::new(COPY).join(name))
     }
 
-    /// What the check says about the table with this program as the stage; nothing if it blames another stage or none.
+    /// The output of the check if it blames this stage with this program; `None` if it blames another stage or none.
     fn blamed(&self, program: &Path) -> anyhow::Result<Option<String>> {
         let results = Path::new(COPY).join("results");
         if root().join(&results).exists() {
@@ -124,7 +125,7 @@ impl Fault {
     }
 }
 
-/// From the line that blames the stage to the line that says what to do, cut at the width.
+/// The lines from the one that blames the stage to the one that says what to do, cut at the width.
 fn excerpt(said: &str, stage: &str) -> Option<String> {
     let lines: Vec<&str> = said.lines().collect();
     let start = lines.iter().position(|line| line.starts_with("FAILED in stage"))?;

@@ -1,4 +1,4 @@
-//! Processes: those that must succeed, and those that are measured.
+//! Runs processes, and measures some of them.
 
 use std::ffi::OsStr;
 use std::io::Read;
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, bail};
 use wait4::Wait4 as _;
 
-/// Seconds and memory of a process that ended as it should.
+/// Output, time and memory of a process that succeeded.
 pub(crate) struct Measured {
     /// Standard output.
     pub(crate) output: Vec<u8>,
@@ -24,14 +24,14 @@ pub(crate) struct Measured {
 /// How a measured process ended.
 pub(crate) enum Ended {
     Done(Measured),
-    /// With what it wrote to standard error.
+    /// It failed, with this text on standard error.
     Failed(String),
-    /// It was stopped after the limit.
+    /// It reached the time limit and was stopped.
     OutOfTime,
 }
 
 impl Ended {
-    /// The measurement, where the process succeeded.
+    /// The measurement if the process succeeded.
     pub(crate) fn done(self) -> Option<Measured> {
         match self {
             Ended::Done(measured) => Some(measured),
@@ -40,7 +40,7 @@ impl Ended {
     }
 }
 
-/// The command as a person would type it.
+/// The command as one would type it.
 pub(crate) fn shown(command: &Command) -> String {
     let words = std::iter::once(command.get_program()).chain(command.get_args());
     words.map(OsStr::to_string_lossy).collect::<Vec<_>>().join(" ")
@@ -50,14 +50,14 @@ fn collected(stream: Option<impl Read + Send + 'static>) -> JoinHandle<Vec<u8>> 
     std::thread::spawn(move || {
         let mut bytes = Vec::new();
         if let Some(mut stream) = stream {
-            // What was read until a failure is all that there is.
+            // If reading fails, what was read so far is the output.
             let _ = stream.read_to_end(&mut bytes);
         }
         bytes
     })
 }
 
-/// Runs a process for at most `limit`; status 0 is success.
+/// Runs a process for at most `limit`. Only status 0 is success.
 ///
 /// # Errors
 /// If it cannot be started.
@@ -65,7 +65,7 @@ pub(crate) fn measure(command: &mut Command, limit: Duration) -> anyhow::Result<
     measure_accepting(command, limit, &[0])
 }
 
-/// Runs a process for at most `limit`; these exit statuses are success.
+/// Runs a process for at most `limit`. The statuses in `good` are success.
 ///
 /// # Errors
 /// If it cannot be started.
@@ -77,7 +77,7 @@ pub(crate) fn measure_accepting(
     let began = Instant::now();
     let called = shown(command);
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    // Linux counts the peak of the process that starts another as the other's: forget what this one once held.
+    // On Linux a new process inherits its parent's peak memory: reset ours first.
     let _ = std::fs::write("/proc/self/clear_refs", "5");
     let mut child = command.spawn().with_context(|| format!("{called}: cannot be started"))?;
     let (output, said) = (collected(child.stdout.take()), collected(child.stderr.take()));
@@ -91,7 +91,7 @@ pub(crate) fn measure_accepting(
             child.wait()?;
             return Ok(Ended::OutOfTime);
         }
-        // Short processes are looked at more often, so that their wall time is exact.
+        // Short processes are polled more often, so that their wall time is exact.
         std::thread::sleep(Duration::from_micros(if seconds.as_secs() < 1 { 500 } else { 10_000 }));
     };
     let wall = began.elapsed().as_secs_f64();
@@ -106,7 +106,7 @@ pub(crate) fn measure_accepting(
 /// Runs a process that must succeed, and returns its standard output.
 ///
 /// # Errors
-/// If it cannot be started or fails; the message has its standard error.
+/// If the process cannot be started or fails; the message has its standard error.
 pub(crate) fn must(command: &mut Command) -> anyhow::Result<Vec<u8>> {
     let called = shown(command);
     let output = command.output().with_context(|| format!("{called}: cannot be started"))?;
@@ -116,10 +116,10 @@ pub(crate) fn must(command: &mut Command) -> anyhow::Result<Vec<u8>> {
     Ok(output.stdout)
 }
 
-/// Runs a process that must succeed, whose messages go to the terminal.
+/// Runs a process that must succeed. Its messages go to the terminal.
 ///
 /// # Errors
-/// If it cannot be started or fails.
+/// If the process cannot be started or fails.
 pub(crate) fn visibly(command: &mut Command) -> anyhow::Result<()> {
     let called = shown(command);
     let status = command.status().with_context(|| format!("{called}: cannot be started"))?;
@@ -152,7 +152,7 @@ mod tests {
         assert!(matches!(ended, Ended::OutOfTime));
     }
 
-    /// Scripts in Python measured their own 15 MB as the peak of small programs.
+    /// Measuring scripts in Python used to report their own 15 MB as the peak of small programs.
     #[test]
     #[cfg(target_os = "linux")]
     fn the_peak_of_a_process_is_its_own() {

@@ -1,4 +1,4 @@
-//! `cargo xtask regimes`: the tables of docs/results/regimes.md.
+//! `cargo xtask regimes`: regenerates the tables of docs/results/regimes.md.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -25,7 +25,7 @@ impl Regimes {
         let nclt = format!("NCLT={}", from_root(&self.nclt)?.display());
         for sessions in [&[nclt][..], &[]] {
             let mut make = Command::new("make");
-            // A failed run is named, and its point is omitted.
+            // make names each failed run, and the tables omit its point.
             if visibly(make.args(["--silent", "regimes"]).args(sessions).current_dir(root())).is_err() {
                 eprintln!("some runs failed: their points are left out");
             }

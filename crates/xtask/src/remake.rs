@@ -1,4 +1,4 @@
-//! `cargo xtask documentation`: the documents that are made from the programs.
+//! `cargo xtask documentation`: regenerates the documents that are made from the programs.
 
 use std::process::Command;
 
@@ -26,7 +26,7 @@ impl Documentation {
     }
 }
 
-/// The schema of the format, by an example of its crate, so that xtask does not have to compile the format.
+/// The schema of the format. An example of the format's crate prints it, so that xtask need not compile that crate.
 fn schema() -> anyhow::Result<serde_json::Value> {
     let example =
         ["run", "--release", "--quiet", "--locked", "--package", "posecut-graph", "--example", "schema"];

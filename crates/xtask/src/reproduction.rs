@@ -1,4 +1,4 @@
-//! `cargo xtask reproduction`: every table of docs/results/reproduction.md.
+//! `cargo xtask reproduction`: regenerates every table of docs/results/reproduction.md.
 
 mod difference;
 mod odometry;
@@ -29,9 +29,9 @@ const RESULTS: &str = "results/reproduction";
 const SESSIONS: [&str; 5] = ["2012-01-08", "2012-01-22", "2012-08-04", "2012-11-16", "2013-02-23"];
 const CHANCE: &str = "METHODS=none pcm pcm-chance pcm+gc pcm-chance+gc";
 
-/// How a section is made.
+/// How to make a section.
 enum Section {
-    /// `make table` on real sessions, with more variables.
+    /// `make table` on real sessions, with additional variables.
     Real(&'static [&'static str]),
     /// The same on simulated sessions.
     Simulated(&'static [&'static str]),
@@ -44,15 +44,15 @@ enum Section {
 const SECTIONS: [(&str, Section); 11] = [
     ("simulated", Section::Simulated(&[])),
     ("real", Section::Real(&[])),
-    // The paper's solver, and the difference that it makes.
+    // The paper's solver, and how much it changes the results.
     ("isam2", Section::Real(&["OPTIMIZE=target/release/posecut-isam"])),
     ("isam2-difference", Section::Difference("real", "isam2")),
-    // The pseudo ground truth after PCM.
+    // The pseudo ground truth is computed after PCM.
     ("after-pcm", Section::Real(&["PIPELINES=paper-after-pcm calibrated-after-pcm"])),
     ("nees", Section::Odometry),
     ("chance-simulated", Section::Simulated(&[CHANCE])),
     ("chance", Section::Real(&[CHANCE])),
-    // 2012-11-16 is not in this table: only edges across the cut join its halves.
+    // The table omits 2012-11-16: only edges across the cut join its halves.
     (
         "seam",
         Section::Real(&[
@@ -116,7 +116,7 @@ fn text(name: &str, section: &Section, nclt: &Path) -> anyhow::Result<String> {
     };
     let mut make = Command::new("make");
     make.args(["--silent", "-j2", "table"]).args(given);
-    // The last value of a variable counts.
+    // make uses the last value of a repeated variable.
     make.args(*more).current_dir(root()).stdout(Stdio::null());
     visibly(&mut make)?;
     let path = root().join(folder).join(file);

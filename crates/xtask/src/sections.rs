@@ -6,7 +6,7 @@ use anyhow::Context as _;
 
 use crate::splice::splice;
 
-/// Replaces a section of a document, and writes the document if that changes it.
+/// Replaces a section of a document, and writes the document only if it changes.
 ///
 /// # Errors
 /// If the document has no such section, or cannot be read or written.
@@ -20,7 +20,7 @@ pub fn replace(document: &Path, name: &str, text: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The cells of the tables in a section whose rows other measurements may leave as they are.
+/// The cells of the tables in a section, for measurements that keep some of the rows.
 ///
 /// # Errors
 /// If the document has no such section, or cannot be read.

@@ -1,4 +1,4 @@
-//! `cargo xtask splice`: a section of a document, from standard input.
+//! `cargo xtask splice`: replaces a section of a document by standard input.
 
 use std::path::PathBuf;
 

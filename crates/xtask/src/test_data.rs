@@ -1,4 +1,4 @@
-//! `cargo xtask test-data`: a small simulated graph, and the expected output of the stages for it.
+//! `cargo xtask test-data`: regenerates a small simulated graph, and the expected output of the stages for it.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -1,4 +1,4 @@
-//! `cargo xtask time-experiment`: the time of the paper's experiment, in docs/experiments.md.
+//! `cargo xtask time-experiment`: measures the time of the paper's experiment, for docs/experiments.md.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -32,7 +32,7 @@ const DOCUMENT: &str = "docs/experiments.md";
 struct Statistics {
     run: u64,
     seconds: f64,
-    /// In the order in which the runner met them.
+    /// Stages in the order in which the runner reached them.
     stages: Map<String, serde_json::Value>,
 }
 
@@ -63,7 +63,7 @@ impl TimeExperiment {
     }
 }
 
-/// How many results there are below a folder.
+/// The number of results below a folder.
 fn results(folder: &Path) -> anyhow::Result<usize> {
     let pattern = folder.join("**/*.result.json");
     Ok(glob::glob(&pattern.to_string_lossy())?.count())

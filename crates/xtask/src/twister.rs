@@ -1,14 +1,14 @@
-//! Random numbers as Python draws them.
+//! Python's random numbers.
 //!
-//! The measured instances were first drawn by scripts in Python. With its generator they stay the same, and old measurements
-//! comparable with new ones.
+//! The measured instances were first drawn by Python scripts. The same generator keeps the instances the same, so that
+//! old measurements remain comparable with new ones.
 
 use rand_mt::Mt;
 
 /// Python's `random.Random`.
 pub(crate) struct Twister {
     words: Mt,
-    /// Normal deviates come in pairs.
+    /// The second normal deviate of a pair, if it is unused.
     second: Option<f64>,
 }
 
@@ -17,19 +17,20 @@ impl Twister {
         Self { words: Mt::new_with_key([seed]), second: None }
     }
 
-    /// At least 0 and below 1, with 53 random bits.
+    /// A number from 0 to below 1, with 53 random bits.
     pub(crate) fn random(&mut self) -> f64 {
         let (high, low) = (self.words.next_u32() >> 5, self.words.next_u32() >> 6);
         (f64::from(high) * f64::from(1 << 26) + f64::from(low)) / (1_u64 << 53) as f64
     }
 
-    /// Between two numbers.
+    /// A uniform number between two bounds.
     pub(crate) fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.random()
     }
 
-    /// A whole number below a bound that is not 0.
+    /// A whole number below a bound, which must not be 0.
     pub(crate) fn below(&mut self, bound: u32) -> u32 {
+        // Python draws as many bits as the bound has, and rejects values that are too large.
         let spare = bound.leading_zeros();
         loop {
             let value = self.words.next_u32() >> spare;
@@ -39,7 +40,7 @@ impl Twister {
         }
     }
 
-    /// Normal with mean 0 (Box and Muller).
+    /// A normal number with mean 0 (Box and Muller).
     pub(crate) fn normal(&mut self, deviation: f64) -> f64 {
         let value = self.second.take().unwrap_or_else(|| {
             let angle = std::f64::consts::TAU * self.random();

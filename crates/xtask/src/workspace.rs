@@ -1,4 +1,4 @@
-//! Where the workspace, its programs and its data are.
+//! Paths of the workspace, its programs and its data.
 
 use std::path::{Path, PathBuf};
 
@@ -26,7 +26,7 @@ pub fn program(name: &str) -> PathBuf {
     programs_folder().join(format!("posecut-{name}{}", std::env::consts::EXE_SUFFIX))
 }
 
-/// A path given on the command line, as it is from the root, so that what runs there finds it.
+/// A path of the command line as it is from the root, for processes that run there.
 ///
 /// # Errors
 /// If there is no current directory.
@@ -55,7 +55,7 @@ struct Package {
     name: String,
 }
 
-/// The names of all programs without `posecut-`, in order: the crates named `posecut-NAME` with a `src/main.rs`.
+/// The names of all programs without `posecut-`, sorted: the crates named `posecut-NAME` that have a `src/main.rs`.
 ///
 /// # Errors
 /// If a Cargo.toml cannot be read.

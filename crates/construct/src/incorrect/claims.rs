@@ -1,4 +1,4 @@
-//! What a false match claims: "here, within a few metres", as correct matches do.
+//! The relative poses that false matches claim: within a few metres, as correct matches do.
 
 use posecut_geometry::LieGroup;
 use posecut_stage::ChaCha8Rng;
@@ -6,27 +6,27 @@ use rand::RngExt as _;
 
 use crate::Options;
 
-/// Relative poses among which the neighbour of a drawn one is looked for.
+/// Number of random relative poses that are compared with the drawn one to find the most similar.
 const SAMPLE: usize = 64;
 
 /// The distribution of the correct matches' true relative poses.
 ///
-/// A draw must not repeat one of them: an edge whose measurement has a twin among the correct edges gives itself
-/// away. So a draw lies between a random relative pose and a similar one.
+/// A draw must not repeat one of them: an incorrect edge with the same measurement as a correct one could be
+/// recognised. A draw therefore lies between a random relative pose and a similar one.
 pub(crate) struct Claims<'a, G> {
     relative: &'a [G],
-    /// Metres and radians by which relative poses may differ and still be similar.
+    /// Two relative poses are similar if they differ by at most this: metres, radians.
     scale: [f64; 2],
 }
 
 impl<'a, G> Claims<'a, G> {
-    /// From the true relative poses of all spatially similar pairs, at least one.
+    /// Builds the distribution from the true relative poses of all spatially similar pairs, at least one.
     pub(crate) fn of(relative: &'a [G], options: &Options) -> Self {
         Self { relative, scale: [options.radius, options.heading.to_radians()] }
     }
 
-    /// A relative pose without noise: a random point on the geodesic from a random relative pose to the most
-    /// similar of a random sample. Where none is similar, the relative pose itself. O(1).
+    /// Draws a relative pose without noise: a random point on the geodesic from a random relative pose to the most
+    /// similar one of a random sample, or the relative pose itself if none is similar. O(1).
     pub(crate) fn draw<const DOF: usize>(&self, random: &mut ChaCha8Rng) -> G
     where
         G: LieGroup<DOF>,
@@ -46,7 +46,7 @@ impl<'a, G> Claims<'a, G> {
         nearest.map_or(*first, |(_, other)| first.interpolate(&self.relative[other], fraction))
     }
 
-    /// How much two relative poses differ, as a multiple of what similar ones may.
+    /// The difference of two relative poses as a multiple of the limit for similar ones.
     fn difference<const DOF: usize>(&self, first: &G, second: &G) -> f64
     where
         G: LieGroup<DOF>,

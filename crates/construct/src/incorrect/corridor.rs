@@ -1,4 +1,4 @@
-//! Places that repeat at a fixed displacement, like parallel corridors or the doors along one.
+//! Places that repeat at a fixed displacement, such as parallel corridors, or doors along one corridor.
 
 use posecut_stage::ChaCha8Rng;
 use rand::RngExt as _;
@@ -11,11 +11,11 @@ use crate::viewpoint::{Headed, Viewpoint};
 /// The longest displacement, as a multiple of `--incorrect-distance`.
 const LONGEST: f64 = 4.0;
 
-/// Draws a displacement between two viewpoints of like heading, longer than `--incorrect-distance` and at most
-/// four times as long; then every pair of viewpoints that far apart, within `--radius` and `--heading`, is
-/// taken for the same place. The measurement is right but for the displacement, plus noise: all edges of one
-/// displacement claim one and the same wrong alignment of the experiences, so that they are pairwise
-/// consistent wherever they lie. A displacement is used up, from a random pair on, before the next is drawn.
+/// Draws a displacement between two viewpoints of similar heading, longer than `--incorrect-distance` and at most four
+/// times as long. Every pair of viewpoints with that displacement, within `--radius` and `--heading`, is then taken for
+/// the same place. The measurement is the true one moved by the displacement, plus noise. All edges of one displacement
+/// thus claim the same wrong alignment of the experiences, and are pairwise consistent wherever they are. All pairs of
+/// a displacement are used, starting with a random one, before the next displacement is drawn.
 pub(super) fn draw<G: Headed<DOF>, const DOF: usize>(
     scene: &Scene<'_, G>,
     wanted: usize,
@@ -48,7 +48,7 @@ pub(super) fn draw<G: Headed<DOF>, const DOF: usize>(
     matches
 }
 
-/// The displacement between two viewpoints as a rule for mistaking one place for another, if it may be one.
+/// The displacement between two viewpoints as a rule for mistaking places; `None` if they are not eligible.
 fn repeats<G>(scene: &Scene<'_, G>, from: &Viewpoint<G>, to: &Viewpoint<G>) -> Option<Similarity> {
     let displacement = std::array::from_fn(|axis| to.position[axis] - from.position[axis]);
     let rule = Similarity { displacement, ..Similarity::of(scene.options) };
@@ -56,7 +56,7 @@ fn repeats<G>(scene: &Scene<'_, G>, from: &Viewpoint<G>, to: &Viewpoint<G>) -> O
     (near_enough && rule.holds(from, to)).then_some(rule)
 }
 
-/// A pose moved in the world, its heading kept.
+/// A pose translated in the world, with the same heading.
 fn displaced<G: Headed<DOF>, const DOF: usize>(pose: &G, displacement: [f64; 3]) -> G {
     let mut components = pose.components();
     let axes = if DOF == 3 { 2 } else { 3 };

@@ -7,10 +7,10 @@ use super::{DRAWS_PER_PAIR, FalseMatch, Scene, Taken};
 use crate::noise::with_noise;
 use crate::viewpoint::Headed;
 
-/// Stretches of consecutive viewpoints in two experiences, matched place by place: `(i + k, j + k)` for
-/// `k = 0 … length - 1`. All edges of a stretch claim the same relative pose, drawn like those of
-/// correct edges, each with noise of its own. Neighbouring edges of a stretch are support edges of each other, and where the
-/// two stretches have the same shape the edges are pairwise consistent as well.
+/// Draws stretches of consecutive viewpoints in two experiences and matches them viewpoint by viewpoint:
+/// `(i + k, j + k)` for `k = 0 … length - 1`. All edges of a stretch claim the same relative pose, drawn like those of
+/// correct edges, and each has its own noise. Neighbouring edges of a stretch are each other's support edges. If the
+/// two stretches have the same shape, their edges are also pairwise consistent.
 pub(super) fn draw<G: Headed<DOF>, const DOF: usize>(
     scene: &Scene<'_, G>,
     wanted: usize,
@@ -36,7 +36,7 @@ pub(super) fn draw<G: Headed<DOF>, const DOF: usize>(
     matches
 }
 
-/// The stretch that starts at a pair, unless it leaves its experiences, comes near the truth or meets another.
+/// The stretch that starts at a pair; `None` if it leaves its experiences, comes near the truth or overlaps another.
 fn stretch<G>(
     scene: &Scene<'_, G>,
     taken: &Taken,

@@ -1,4 +1,4 @@
-//! The right neighbourhood and the wrong pose.
+//! Matches in the right neighbourhood with a wrong pose.
 
 use posecut_geometry::LieGroup;
 use posecut_stage::ChaCha8Rng;
@@ -9,15 +9,15 @@ use crate::Options;
 use crate::correct::Similarity;
 use crate::noise::with_noise;
 
-/// Headings of a near miss differ by at most this multiple of those of a correct edge.
+/// Headings of a near miss may differ by this many times the limit of a correct edge.
 const HEADINGS: f64 = 3.0;
 
-/// Claims tried on one pair before it is left alone.
+/// Number of claims to try on one pair before it is given up.
 const CLAIMS_PER_PAIR: usize = 100;
 
-/// Pairs that are no correct edge and yet lie within `--incorrect-distance` and three times `--heading`, each
-/// with a claim drawn like those of correct edges, noise included, that is off by more than `--radius` or
-/// `--heading`. Uniform over such pairs. O(viewpoints + pairs).
+/// Draws pairs that are not correct edges but within `--incorrect-distance` and three times `--heading`. The claim of
+/// each is drawn like those of correct edges, noise included, and is off by more than `--radius` or `--heading`. The
+/// draw is uniform over such pairs. O(viewpoints + pairs).
 pub(super) fn draw<G: LieGroup<DOF>, const DOF: usize>(
     scene: &Scene<'_, G>,
     wanted: usize,
@@ -46,7 +46,7 @@ pub(super) fn draw<G: LieGroup<DOF>, const DOF: usize>(
     matches
 }
 
-/// Whether a claim is further from the truth than viewpoints of one place are from each other.
+/// Whether a claim is further from the truth than the viewpoints of one place may be from each other.
 fn is_off<G: LieGroup<DOF>, const DOF: usize>(truth: &G, claim: &G, options: &Options) -> bool {
     let error = truth.between(claim);
     let metres = error.translation().iter().map(|component| component.powi(2)).sum::<f64>().sqrt();

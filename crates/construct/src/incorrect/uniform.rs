@@ -1,4 +1,4 @@
-//! False matches that know nothing of each other.
+//! Independent false matches.
 
 use posecut_stage::ChaCha8Rng;
 use rand::RngExt as _;
@@ -7,8 +7,8 @@ use super::{DRAWS_PER_PAIR, FalseMatch, Scene, Taken};
 use crate::noise::with_noise;
 use crate::viewpoint::Headed;
 
-/// Pairs uniform over those further apart than asked for. Each claims a relative pose drawn like those of correct
-/// edges, with noise of its own.
+/// Draws pairs uniformly among those further apart than `--incorrect-distance`. Each claims a relative pose drawn like
+/// those of correct edges, with its own noise.
 pub(super) fn draw<G: Headed<DOF>, const DOF: usize>(
     scene: &Scene<'_, G>,
     wanted: usize,
@@ -23,7 +23,7 @@ pub(super) fn draw<G: Headed<DOF>, const DOF: usize>(
         let drawn = scene.distant(random.random_range(0..viewpoints), random.random_range(0..viewpoints));
         pairs.extend(drawn.filter(|&pair| taken.insert(pair)));
     }
-    // All pairs first, then all claims: so a higher rate adds edges and keeps those of a lower one.
+    // Draw all pairs before all claims, so that a higher rate keeps the pairs of a lower one and adds others.
     let claim = |(from, to)| {
         let claim = scene.claims.draw(random);
         FalseMatch { from, to, measurement: with_noise(&claim, scene.options, random), group: None }

@@ -1,4 +1,4 @@
-//! What construction promises about edges, ids and random numbers.
+//! Tests what construction guarantees about edges, ids and random numbers.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

@@ -1,4 +1,4 @@
-//! Graphs as users have them: few correct edges or none, interrupted odometry, noise that is not as claimed.
+//! Graphs as users have them: few correct edges or none, interrupted odometry, noise that differs from the stated one.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -82,8 +82,8 @@ fn heavy_tails_are_those_of_students_t() {
         }
         beyond / count
     };
-    // Quantiles of t with 3 degrees of freedom: 3.182 at 0.975, 5.841 at 0.995; of the normal: 1.960 at 0.975. About
-    // 11 000 errors, the three of an edge not independent.
+    // Quantiles of t with 3 degrees of freedom: 3.182 at 0.975, 5.841 at 0.995; of the normal: 1.960 at 0.975. There
+    // are about 11 000 errors, of which the three of an edge are not independent.
     assert!((share(NoiseKind::StudentT, 3.182) - 0.05).abs() < 0.01);
     assert!((share(NoiseKind::StudentT, 5.841) - 0.01).abs() < 0.005);
     assert!((share(NoiseKind::Gaussian, 1.960) - 0.05).abs() < 0.01);
@@ -147,7 +147,7 @@ fn opposite_viewpoints_are_added_to_the_usual_ones() {
 fn chains(graph: &PoseGraph) -> BTreeMap<usize, usize> {
     let mut first: Vec<usize> = (0..graph.nodes.len()).collect();
     for edge in graph.edges_of(EdgeKind::Odometry) {
-        // Odometry goes from a node to the next, so that the first node of a chain is known already.
+        // Odometry joins each node to the next, so the first node of the chain is already known.
         let (from, to) = (graph.node_index(edge.from).unwrap(), graph.node_index(edge.to).unwrap());
         first[to] = first[from];
     }

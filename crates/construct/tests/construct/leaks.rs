@@ -1,4 +1,4 @@
-//! Nothing in an incorrect edge gives it away.
+//! Checks that nothing in an incorrect edge reveals that it is incorrect.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -17,7 +17,7 @@ fn with(kind: IncorrectKind, rate: f64, seed: u64) -> PoseGraph {
     construct(vec![unsteady_rounds("s", 314)], &options).unwrap().0
 }
 
-/// Measurements, each with whether it is correct.
+/// The measurements of landmark edges, each with its truth.
 fn measured(graph: &PoseGraph) -> Vec<([f64; 3], bool)> {
     graph
         .edges_of(EdgeKind::Landmark)
@@ -39,7 +39,7 @@ fn no_two_landmark_edges_have_the_same_measurement() {
     }
 }
 
-/// Distance to the most similar other measurement, metres with 5 m a radian.
+/// For each edge the distance to the most similar other measurement, in metres (a radian counts as 5 m), and its truth.
 fn isolation(edges: &[([f64; 3], bool)]) -> Vec<(f64, bool)> {
     let distance = |a: &[f64; 3], b: &[f64; 3]| {
         (a[0] - b[0]).hypot(a[1] - b[1]).hypot(5.0 * posecut_geometry::wrap_angle(a[2] - b[2]))
@@ -53,7 +53,7 @@ fn isolation(edges: &[([f64; 3], bool)]) -> Vec<(f64, bool)> {
 
 #[test]
 fn a_lookup_of_twins_finds_no_incorrect_edge() {
-    // Probability that an incorrect edge has a nearer twin than a correct one: 1/2 where twins tell nothing.
+    // Probability that an incorrect edge has a nearer twin than a correct one: 1/2 if twins reveal nothing.
     let mut wins = 0.0;
     let mut pairs = 0.0;
     for seed in 1..=10 {
@@ -66,7 +66,7 @@ fn a_lookup_of_twins_finds_no_incorrect_edge() {
         }
     }
     let area = wins / pairs;
-    // About 330 incorrect edges: three standard errors are 0.05.
+    // With about 330 incorrect edges, three standard errors are 0.05.
     assert!((area - 0.5).abs() < 0.06, "{area}");
 }
 
@@ -84,7 +84,7 @@ fn kolmogorov_smirnov(mut first: Vec<f64>, mut second: Vec<f64>) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// A number of a measurement.
+/// Picks a number of a measurement.
 type Value = fn(&[f64; 3]) -> f64;
 
 #[test]
@@ -102,7 +102,7 @@ fn false_claims_are_distributed_as_correct_ones() {
     for (name, value) in values {
         let (right, wrong) = (of(true, value), of(false, value));
         let difference = kolmogorov_smirnov(right.clone(), wrong.clone());
-        // The bound that equal distributions keep with probability 0.99.
+        // Two samples of the same distribution are within this bound with probability 0.99.
         let bound = 1.63 * (1.0 / right.len() as f64 + 1.0 / wrong.len() as f64).sqrt();
         assert!(difference < bound, "{name}: {difference} against {bound} of {} edges", edges.len());
     }

@@ -1,4 +1,4 @@
-//! Lists of matches become candidate edges, or are refused with their line.
+//! Tests that lists of matches become candidate edges, or are refused with an error that names their line.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

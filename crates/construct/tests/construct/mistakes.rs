@@ -1,4 +1,4 @@
-//! What each kind of incorrect edges promises.
+//! Properties of each kind of incorrect edges.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -34,7 +34,7 @@ fn groups(graph: &PoseGraph) -> BTreeMap<u64, Vec<&Edge>> {
     groups
 }
 
-/// Share of incorrect edges with a support edge (delta 1) among the incorrect ones.
+/// Share of incorrect edges that have an incorrect support edge (delta 1).
 fn supported(graph: &PoseGraph) -> f64 {
     let ends: BTreeSet<(u64, u64)> = landmarks(graph, false).into_iter().collect();
     let near = |(from, to): (u64, u64)| {
@@ -75,8 +75,8 @@ fn edges_of_one_corridor_claim_one_alignment() {
     let graph = with(IncorrectKind::Corridor, 0.2, 3);
     let groups = groups(&graph);
     for members in groups.values() {
-        // Where the claim puts the later experience: one place for all edges, up to the noise of the edge,
-        // whose 0.02 rad swing a viewpoint 100 m from the origin by metres.
+        // The position at which the claim puts the later experience: the same for all edges, except for the noise of
+        // the edge. Its 0.02 rad move a viewpoint 100 m from the origin by metres.
         let displacement = |edge: &&Edge| {
             let claimed = truth(&graph, edge.from).compose(&claim(edge));
             truth(&graph, edge.to).translation - claimed.translation
@@ -122,7 +122,7 @@ fn a_group_of_one_is_refused() {
     assert!(error.starts_with("--group-length is 1"), "{error}");
 }
 
-/// A rotation drawn with a deviation of 1e300 was no number any more, and the writer took it for a fault of the stage.
+/// A rotation drawn with a deviation of 1e300 was not a number, and the writer reported it as an error of the stage.
 #[test]
 fn deviations_whose_squares_are_no_numbers_are_refused() {
     for value in [1e300, 1e-300] {

@@ -1,4 +1,4 @@
-//! A session that every test knows: rounds on a ring.
+//! A session that all tests use: rounds on a ring.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(dead_code, unreachable_pub, missing_docs, reason = "each test program uses its part")]
@@ -39,15 +39,15 @@ pub fn construct(
     posecut_construct::construct(graphs, &Landmarks::Truth, options)
 }
 
-/// A session of two rounds on a ring of 50 m, 2 m a step: every place is seen twice, once in each half.
+/// A session of two rounds on a ring of 50 m with steps of 2 m: every place is seen once in each half.
 pub fn rounds(name: &str, steps: usize) -> PoseGraph {
     let pose = |step: usize| on_the_ring(step as f64 * 0.04, 50.0, 0.0);
     session(name, steps, pose)
 }
 
-/// The same, but each viewpoint off the ring by up to 1.5 m and 10 degrees: no two relative poses are alike.
+/// The same session with each viewpoint off the ring by up to 1.5 m and 10 degrees, so that all relative poses differ.
 pub fn unsteady_rounds(name: &str, steps: usize) -> PoseGraph {
-    // Weyl sequences: even and without a period.
+    // Weyl sequences: evenly distributed and without a period.
     let even = |step: usize, irrational: f64| (step as f64 * irrational).fract() * 2.0 - 1.0;
     session(name, steps, |step| {
         let along = step as f64 * 0.04 + 0.01 * even(step, 2_f64.sqrt());
@@ -55,7 +55,7 @@ pub fn unsteady_rounds(name: &str, steps: usize) -> PoseGraph {
     })
 }
 
-/// Out along a line of 2 m steps, and back along it, looking the other way.
+/// A session that follows a line in steps of 2 m, and returns along it with the opposite heading.
 pub fn there_and_back(name: &str, steps: usize) -> PoseGraph {
     session(name, steps, |step| {
         let half = steps / 2;

@@ -14,7 +14,7 @@ use crate::lines::lines;
 use crate::printed_digits::leave_singularity_open;
 use crate::toro;
 
-/// Which of the two formats with vertices and edges a file has.
+/// The two formats that consist of vertices and edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Dialect {
     /// g2o.
@@ -23,14 +23,14 @@ pub(crate) enum Dialect {
     Toro,
 }
 
-/// What may be overlooked or mended.
+/// How to treat imperfect input.
 #[derive(Clone, Debug)]
 pub struct ReadOptions {
-    /// The session of vertices without a robot's letter.
+    /// The session of vertices whose id has no robot's letter.
     pub session: String,
-    /// What is done about information matrices that are not positive semidefinite.
+    /// How to repair information matrices that are not positive semidefinite.
     pub repair: Repair,
-    /// Leave lines out whose tag is unknown, instead of refusing them.
+    /// Skip lines with an unknown tag instead of refusing them.
     pub skip_unknown: bool,
 }
 
@@ -40,27 +40,27 @@ impl Default for ReadOptions {
     }
 }
 
-/// What was met on the way.
+/// What the reader repaired, skipped or added.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ReadSummary {
     /// Information matrices that were repaired.
     pub repaired: usize,
-    /// Information matrices that the rounding of their printed terms does not tell from singular ones.
+    /// Information matrices that are indistinguishable from singular ones, given the rounding of their printed terms.
     pub open: usize,
-    /// Line and ends of the first of them.
+    /// Line and vertices of the first such matrix.
     pub first_open: Option<(u64, u64, u64)>,
-    /// Lines left out, by tag.
+    /// Number of skipped lines, by tag.
     pub skipped: BTreeMap<String, usize>,
-    /// Nodes that only edges name.
+    /// Number of nodes that have no vertex line, only edges.
     pub without_vertex: usize,
 }
 
-/// What earlier files hold.
+/// The vertices and edges of earlier files.
 #[derive(Default)]
 struct Earlier {
     vertices: HashSet<u64>,
     edges: usize,
-    /// Positions in `edges` by the ends of an edge.
+    /// Positions in `edges` by the two vertices of an edge.
     by_ends: HashMap<(u64, u64), Vec<usize>>,
 }
 
@@ -72,13 +72,13 @@ struct Reader<'a> {
     dimension: Option<Dimension>,
     vertices: BTreeMap<u64, Vec<f64>>,
     edges: Vec<Edge>,
-    /// What a comment says of the next edge.
+    /// The kind that a comment gives to the next edge.
     kind: Option<(u64, u64, EdgeKind)>,
-    /// Pairs of successive vertices that have their odometry.
+    /// Vertices whose odometry edge to the next vertex has been read.
     successive: HashSet<u64>,
-    /// Vertices that `FIX` names, and its file and line.
+    /// Vertices fixed by `FIX`, with file and line.
     fixed: BTreeMap<u64, (String, u64)>,
-    /// Vertices and edges of earlier files: what stands in several is read once.
+    /// Vertices and edges of earlier files, so that a repeated one is read once.
     earlier: Earlier,
     summary: ReadSummary,
 }
@@ -92,8 +92,8 @@ pub fn read(
     read_dialect(vec![(file.to_owned(), reader)], options, Dialect::G2o)
 }
 
-/// Reads g2o files, such as one a robot, into one graph. Vertices keep their ids, which must be unique among all files; a
-/// vertex or an edge that several files hold with the same numbers is read once.
+/// Reads several g2o files, such as one a robot, into one graph. Vertices keep their ids, which must be unique among
+/// all files. A vertex or an edge that several files repeat with the same numbers is read once.
 pub fn read_several(
     files: Vec<(String, impl BufRead)>,
     options: &ReadOptions,
@@ -101,7 +101,7 @@ pub fn read_several(
     read_dialect(files, options, Dialect::G2o)
 }
 
-/// Reads files of either format.
+/// Reads files of either dialect.
 pub(crate) fn read_dialect(
     files: Vec<(String, impl BufRead)>,
     options: &ReadOptions,
@@ -138,7 +138,7 @@ pub(crate) fn read_dialect(
 }
 
 impl Reader<'_> {
-    /// Goes on to the next file.
+    /// Starts the next file.
     fn begin(&mut self, file: String) {
         self.file = file;
         self.line = 0;
@@ -150,7 +150,7 @@ impl Reader<'_> {
         self.earlier.edges = self.edges.len();
     }
 
-    /// Whether an earlier file holds this edge with the same numbers.
+    /// Whether an earlier file has this edge with the same numbers.
     fn is_repeated(&self, from: u64, to: u64, measurement: &[f64], information: &[f64]) -> bool {
         self.earlier.by_ends.get(&(from, to)).into_iter().flatten().any(|&index| {
             let known = &self.edges[index];
@@ -246,7 +246,7 @@ impl Reader<'_> {
                     "correct the line; the order is qx qy qz qw",
                 ));
             }
-            // Printed with few digits, quaternions are a little off: bring them back.
+            // Few printed digits leave a quaternion slightly off unit norm: normalise it.
             if (norm - 1.0).abs() > 1e-9 {
                 pose[3..].iter_mut().for_each(|component| *component /= norm);
             }

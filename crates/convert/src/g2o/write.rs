@@ -1,4 +1,4 @@
-//! Writing g2o.
+//! Writes g2o.
 
 use std::collections::HashSet;
 
@@ -7,19 +7,19 @@ use posecut_graph::{Dimension, EdgeKind, PoseGraph};
 use super::{comment_of_kind, inferred_kind};
 use crate::record::line;
 
-/// What could not be written.
+/// What the writer left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WriteSummary {
     /// Edges left out because a stage has rejected them.
     pub rejected: usize,
-    /// Edges left out because they measure nothing.
+    /// Edges left out because they have no measurement.
     pub unmeasured: usize,
-    /// Nodes without a pose: only their edges name them.
+    /// Nodes without a pose: the file has only their edges.
     pub without_pose: usize,
 }
 
-/// Writes a g2o file: vertices, `FIX`, edges in use (or all of them, `keep_rejected`). Numbers read back to
-/// the same bits, and edges as the kind they are.
+/// Writes a g2o file: vertices, `FIX`, and edges in use (all edges with `keep_rejected`). The reader gets back the same
+/// bits of every number, and the same kind of every edge.
 pub fn write(graph: &PoseGraph, keep_rejected: bool) -> (Vec<u8>, WriteSummary) {
     let (vertex, edge_tag) = match graph.header.dimension {
         Dimension::Two => ("VERTEX_SE2", "EDGE_SE2"),
@@ -46,7 +46,8 @@ pub fn write(graph: &PoseGraph, keep_rejected: bool) -> (Vec<u8>, WriteSummary) 
             summary.unmeasured += 1;
             continue;
         };
-        // What the reader will call it: a comment corrects that where it is wrong, and then the rule has not been used.
+        // The kind that the reader would infer. If it is wrong, a comment corrects it, and the reader does not apply
+        // its rule.
         let inferred = inferred_kind(&mut successive, edge.from, edge.to);
         if inferred != edge.kind {
             line(&mut text, &comment_of_kind(edge.from, edge.to, edge.kind), &[], &[]);

@@ -1,4 +1,5 @@
-//! evo's result files hold what evaluation finds. (scripts/check-with-evo.sh reads them by evo itself.)
+//! Tests that evo's result files have the numbers of evaluation. (scripts/check-with-evo.sh reads them with evo
+//! itself.)
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -9,7 +10,7 @@ use posecut_evaluate::alignment::Freedom;
 use posecut_graph::PoseGraph;
 use zip::ZipArchive;
 
-/// A square, and the same one turned, shifted and a little bent; times as far apart as microseconds can tell.
+/// A square, or the same square turned, shifted and slightly bent. Its times are as close as microseconds allow.
 fn square(bend: f64, turn: f64) -> PoseGraph {
     let mut text = "{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":2}\n".to_owned();
     for (id, (x, y)) in [(0.0, 0.0), (1.0, bend), (1.0, 1.0), (0.0, 1.0)].iter().enumerate() {

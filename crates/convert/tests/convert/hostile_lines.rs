@@ -1,4 +1,4 @@
-//! Text that no tool should have written.
+//! Lines that no tool should write.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -12,7 +12,7 @@ fn tum_error(text: &str) -> String {
     tum::read("x.tum", text.as_bytes(), "0").unwrap_err().to_string()
 }
 
-/// Editors on Windows write one; the first tag was unknown, and looked like the right one.
+/// Editors on Windows write a byte order mark. It made the first tag unknown although it looked right.
 #[test]
 fn a_byte_order_mark_is_skipped() {
     let text = "\u{feff}VERTEX_SE2 0 1 2 3\n";
@@ -23,13 +23,13 @@ fn a_byte_order_mark_is_skipped() {
     assert_eq!(tum::read("x", "\u{feff}1 0 0 0 0 0 0 1\n".as_bytes(), "0").unwrap().nodes.len(), 1);
     let text = "\u{feff}1 0 0 0 0 1 0 0 0 0 1 0\n";
     assert_eq!(kitti::read("x", text.as_bytes(), "0").unwrap().nodes.len(), 1);
-    // In the middle it is no mark.
+    // A byte order mark is recognised only at the start of a file.
     assert!(
         g2o_error("VERTEX_SE2 0 1 2 3\n\u{feff}VERTEX_SE2 1 1 2 3\n".as_bytes()).contains("line 2: the tag")
     );
 }
 
-/// These errors named no line.
+/// These errors used to name no line.
 #[test]
 fn lines_that_are_no_text_or_too_long_are_named() {
     let said = g2o_error(b"VERTEX_SE2 0 1 2 3\nVERTEX_SE2 1 1 2 \xff\n");
@@ -41,7 +41,7 @@ fn lines_that_are_no_text_or_too_long_are_named() {
     assert!(said.starts_with("x.tum, line 2: cannot be read"), "{said}");
 }
 
-/// 1e300 s became the last microsecond that 64 bits can count.
+/// 1e300 s used to become the last microsecond that 64 bits can count.
 #[test]
 fn times_beyond_64_bits_are_refused() {
     for time in ["1e300", "-1e300", "9223372036854.775808", "1.3e18"] {
@@ -52,7 +52,7 @@ fn times_beyond_64_bits_are_refused() {
     assert_eq!(tum::read("x", text.as_bytes(), "0").unwrap().nodes.len(), 2);
 }
 
-/// Both passed, though a time names a pose.
+/// Both used to be accepted, although a time must identify a pose.
 #[test]
 fn repeated_and_unordered_times_are_refused() {
     let said = tum_error("1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n\n2.0000001 1 0 0 0 0 0 1\n");

@@ -1,4 +1,4 @@
-//! Graphs survive other formats.
+//! Writes graphs in other formats and reads them back.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -47,7 +47,7 @@ fn what_is_wrong_is_told_with_its_line() {
         ("VERTEX_SE2 0 0 0 0\nVERTEX_SE2 0 0 0 0", &["line 2", "vertex 0 stands twice"]),
         ("VERTEX_SE2 0 0 0 0\nVERTEX_SE3:QUAT 1 0 0 0 0 0 0 1", &["line 2", "dimension 3 after"]),
         ("VERTEX_SE3:QUAT 1 0 0 0 0 0 0 0", &["line 1", "quaternion has norm 0"]),
-        // Its square leaves the range of doubles: dividing by the norm made a quaternion of zeros.
+        // The square of 1e300 exceeds the range of doubles: division by the norm gave a quaternion of zeros.
         ("VERTEX_SE3:QUAT 1 0 0 0 0 0 0 1e300", &["line 1", "quaternion has norm inf"]),
         ("EDGE_SE2 3 3 0 0 0 1 0 0 1 0 1", &["line 1", "itself"]),
         (
@@ -140,7 +140,7 @@ proptest! {
     }
 }
 
-/// Products of such entries are infinite and their differences no numbers: neither is above a tolerance.
+/// Products of such entries are infinite and their differences NaN: comparing these with a tolerance detects nothing.
 #[test]
 fn kitti_matrices_of_huge_entries_are_refused() {
     let text = "1e200 1e200 0 0 1e200 -1e200 0 0 0 0 1 0\n";
@@ -148,7 +148,7 @@ fn kitti_matrices_of_huge_entries_are_refused() {
     assert!(error.contains("line 1") && error.contains("no rotation"), "{error}");
 }
 
-/// Such an edge came back as odometry, which no later stage judges.
+/// Such an edge used to come back as odometry, which no later stage judges.
 #[test]
 fn a_landmark_edge_between_successive_ids_stays_one() {
     let header = "{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":2}";
@@ -172,7 +172,7 @@ fn a_landmark_edge_between_successive_ids_stays_one() {
     let graph = PoseGraph::read("test", text.as_bytes()).unwrap();
     let written = String::from_utf8(g2o::write(&graph, false).0).unwrap();
     assert_eq!(written.matches(" posecut ").count(), 3, "only where the rule is wrong:\n{written}");
-    // gtsam's reader expects two numbers after every tag and loses the next edge without them.
+    // gtsam's reader expects two numbers after every tag; without them it drops the next edge.
     assert!(written.contains("# 1 0 posecut landmark\n"), "{written}");
     assert_eq!(read(&written).unwrap().0.edges, graph.edges);
 }

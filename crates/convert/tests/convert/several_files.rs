@@ -1,11 +1,11 @@
-//! Several g2o files, such as one a robot, in one graph.
+//! Reads several g2o files, such as one a robot, into one graph.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use posecut_convert::g2o::{ReadOptions, read_several};
 use posecut_graph::{EdgeKind, PoseGraph};
 
-/// Robots a and b; gtsam keeps the letter in the top byte.
+/// Robots a and b: gtsam keeps the letter in the top byte of an id.
 const A: u64 = 97 << 56;
 const B: u64 = 98 << 56;
 
@@ -32,7 +32,7 @@ fn robots_become_sessions_and_their_common_edges_are_read_once() {
     assert_eq!(graph.nodes.len(), 4);
     assert_eq!(graph.edges_of(EdgeKind::Odometry).count(), 2);
     assert_eq!(graph.edges_of(EdgeKind::Landmark).count(), 1);
-    // Other numbers are another edge, and in one file the same edge twice is two.
+    // An edge with other numbers is another edge. The same edge twice in one file counts as two.
     let graph = read(&[robot(A, &closure(3.0)), robot(B, &closure(4.0))]).unwrap();
     assert_eq!(graph.edges_of(EdgeKind::Landmark).count(), 2);
     let graph = read(&[robot(A, &closure(3.0).repeat(2)), robot(B, "")]).unwrap();

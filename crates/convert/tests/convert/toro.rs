@@ -1,4 +1,4 @@
-//! TORO graphs, read and written.
+//! Reads and writes TORO graphs.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -72,7 +72,7 @@ proptest! {
                 prop_assert!((number - other).abs() < 1e-8 * (1.0 + information.amax()), "{} {}", line, back);
             }
         }
-        // Through the own format nothing is lost either.
+        // Nothing is lost through JSON Lines either.
         let mut jsonl = Vec::new();
         graph.write(&mut jsonl).unwrap();
         prop_assert_eq!(PoseGraph::read("again", jsonl.as_slice()).unwrap(), graph);

@@ -1,4 +1,4 @@
-//! Odometry that NCLT has computed already: relative poses, or poses integrated from the start.
+//! Reads odometry that NCLT has computed: relative poses, or poses integrated from the start.
 
 use posecut_geometry::{LieGroup, SE3};
 
@@ -8,8 +8,8 @@ use crate::{FileKind, IngestError, Trajectory};
 
 type WithCovariances = (Trajectory, Option<StepCovariances>);
 
-/// `odometry_mu.csv`: each row is the pose relative to the previous image; the first row's own is relative
-/// to nothing in the file.
+/// `odometry_mu.csv`: each row is the pose relative to the previous image. The first row is not used, because its
+/// previous image is not in the file.
 pub(super) fn from_relative(reader: &mut Reader<'_>, longest: i64) -> Result<WithCovariances, IngestError> {
     let table = reader.table(FileKind::RelativeOdometry, 6)?;
     if let Some(line) = table.first_inner_nan.or(table.first_reversal) {
@@ -46,7 +46,7 @@ pub(super) fn from_integrated(reader: &mut Reader<'_>, longest: i64) -> Result<W
     Ok((Trajectory { times: table.times, poses, gaps }, covariances))
 }
 
-/// x, y, z, roll, pitch, yaw to a pose.
+/// The pose of x, y, z, roll, pitch, yaw.
 pub(crate) fn from_row(row: &[f64]) -> SE3 {
     SE3::from_euler(row[0], row[1], row[2], row[3], row[4], row[5])
 }

@@ -1,4 +1,4 @@
-//! Dead reckoning: the wheels' speed along a heading.
+//! Dead reckoning from the wheels' speed and a heading.
 
 use posecut_geometry::{LieGroup, SE3};
 use posecut_stage::info;
@@ -6,7 +6,8 @@ use posecut_stage::info;
 use super::{HeadingSource, Reader};
 use crate::{FileKind, IngestError, SessionFiles, Table, Trajectory};
 
-/// Integrates the mean speed of both wheels along the heading: trapezoids in speed, the middle attitude of each step. Rows that the heading does not cover are left out.
+/// Integrates the mean speed of both wheels along the heading: trapezoidal rule for the speed, and the middle attitude
+/// of each step. Rows outside the heading's times are left out.
 pub(super) fn dead_reckoning(
     reader: &mut Reader<'_>,
     heading: HeadingSource,
@@ -66,7 +67,7 @@ fn choose(files: &SessionFiles, wanted: HeadingSource) -> Result<HeadingSource, 
     Ok(heading)
 }
 
-/// Attitudes over time, at the origin.
+/// Attitudes over time, all at the origin.
 fn attitude(
     reader: &mut Reader<'_>,
     heading: HeadingSource,

@@ -1,4 +1,4 @@
-//! Landmarks: the components that the multicut leaves.
+//! Draws landmarks: the components of the multicut.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use posecut_graph::{EdgeKind, PoseGraph};
 use super::graphs::{Estimate, onto_truth};
 use super::{Axes, Dash, Frame, Marks, Panel, Polyline, Shape, colours};
 
-/// Landmarks of several viewpoints, largest first, as places of nodes; `None` if no node has one.
+/// Node indices of the landmarks of several viewpoints, largest first; `None` if no node belongs to a landmark.
 pub fn landmarks(graph: &PoseGraph) -> Option<Vec<Vec<usize>>> {
     let mut members: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
     for (index, node) in graph.nodes.iter().enumerate() {
@@ -24,8 +24,8 @@ pub fn landmarks(graph: &PoseGraph) -> Option<Vec<Vec<usize>>> {
     Some(landmarks)
 }
 
-/// Two panels: landmark edges by the frames they join, where neighbours support each other; and the landmarks on
-/// the map.
+/// Two panels. The first shows landmark edges by the frames that they join, so that edges which support each other are
+/// neighbours. The second shows the landmarks on the map.
 pub fn panels(title: &str, graph: &PoseGraph, landmarks: &[Vec<usize>], frame: Frame) -> [Panel; 2] {
     let mut label = vec![None; graph.nodes.len()];
     for (landmark, nodes) in landmarks.iter().enumerate() {

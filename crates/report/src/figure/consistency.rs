@@ -1,4 +1,4 @@
-//! Which candidates of PCM agree with each other.
+//! Draws which candidates of PCM agree with each other.
 
 use posecut_graph::PoseGraph;
 
@@ -6,7 +6,7 @@ use super::colours;
 use super::plotting::{self, Drawing};
 use crate::consistency::{Matrix, clique_first};
 
-/// One matrix a graph, the clique first: rows and columns are candidates, cells pairs.
+/// One matrix a graph, the clique first. Rows and columns are candidates, cells are pairs.
 pub fn drawing(graphs: &[(String, PoseGraph, Matrix)]) -> anyhow::Result<Drawing> {
     let shown: Vec<Shown> =
         graphs.iter().map(|(title, graph, matrix)| Shown::new(title, graph, matrix)).collect();
@@ -55,7 +55,7 @@ impl<'a> Shown<'a> {
     fn new(title: &str, graph: &'a PoseGraph, matrix: &'a Matrix) -> Self {
         let kept = matrix.clique.iter().filter(|kept| **kept).count();
         let mut one = Self { title: String::new(), graph, matrix, order: clique_first(matrix) };
-        // Incorrect ones at the end of the clique, where they stand out. Sorting keeps the order of equals.
+        // Put incorrect candidates at the end of the clique, where they are visible. The sort is stable.
         let incorrect = |row: usize| graph.edges[matrix.edges[row]].truth_correct() == Some(false);
         one.order.sort_by_key(|&row| {
             (matrix.group[row], !matrix.clique[row], matrix.clique[row] && incorrect(row))

@@ -1,15 +1,15 @@
-//! The error of every pose along a session.
+//! Draws the error of every pose along a session.
 
 use posecut_graph::PoseGraph;
 
 use super::graphs::{Estimate, usual_freedom};
 use super::{Axes, Dash, Panel, Polyline, colours};
 
-/// Errors below this are drawn at it, metres.
+/// Errors below this are drawn at this value, metres.
 pub const FLOOR: f64 = 0.01;
 
-/// One line an estimate, by the name of its method; the error is the distance from the reference after alignment
-/// of the whole. Over minutes where all nodes have a time and it runs on, else over the number of the pose.
+/// One line an estimate, named by its method. The error is the distance from the reference after one alignment of the
+/// whole. The axis is in minutes if all nodes have times that keep increasing, otherwise it is the number of the pose.
 pub fn panel(title: &str, estimates: &[(String, PoseGraph)], reference: &PoseGraph) -> anyhow::Result<Panel> {
     let time = minutes(reference);
     let mut lines = Vec::new();
@@ -66,7 +66,7 @@ pub fn panel(title: &str, estimates: &[(String, PoseGraph)], reference: &PoseGra
     })
 }
 
-/// Minutes since the first node; `None` if a node has no time, time runs backwards, or half an hour is silent
+/// Minutes since the first node; `None` if a node has no time, if time runs backwards, or after a gap of half an hour
 /// (sessions of different days).
 pub fn minutes(graph: &PoseGraph) -> Option<Vec<f64>> {
     let times: Vec<i64> = graph.nodes.iter().map(|node| node.utime).collect::<Option<_>>()?;
@@ -75,7 +75,7 @@ pub fn minutes(graph: &PoseGraph) -> Option<Vec<f64>> {
     steady.then(|| times.iter().map(|time| (time - first) as f64 / 6e7).collect())
 }
 
-/// The first node of another session than the first node's.
+/// The first node that is in another session than the first node.
 fn second_experience(graph: &PoseGraph) -> Option<usize> {
     let first = &graph.nodes.first()?.session;
     graph.nodes.iter().position(|node| node.session != *first)

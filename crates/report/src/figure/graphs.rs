@@ -1,4 +1,4 @@
-//! Optimised graphs over their reference, with the false edges that survived and those that were found: the
+//! Optimised graphs over their reference, with the false edges that were kept and those that were rejected, as in the
 //! paper's "Examples of pose-graph optimization".
 
 use nalgebra::Vector3;
@@ -14,7 +14,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Aligns an estimate to a reference, matched by node ids; without one the estimate stays as it is.
+    /// Aligns an estimate to a reference, matched by node ids. Without a reference the estimate is unchanged.
     pub fn new(estimate: &PoseGraph, reference: Option<&PoseGraph>, freedom: Freedom) -> Self {
         let own = positions(estimate);
         let Some(reference) = reference else { return Self { places: own, errors: None } };
@@ -29,7 +29,7 @@ impl Estimate {
         Self { errors: errors.collect(), places }
     }
 
-    /// Moves the estimate, and what it was compared with, by one motion: errors stay.
+    /// Moves the estimate and its reference by one motion: errors do not change.
     #[must_use]
     pub fn moved(mut self, motion: &Alignment) -> Self {
         for place in self.places.iter_mut().flatten() {
@@ -38,19 +38,19 @@ impl Estimate {
         self
     }
 
-    /// Where the nodes lie on paper.
+    /// Positions of the nodes on paper.
     pub fn places(&self, frame: Frame) -> Vec<Option<(f64, f64)>> {
         self.places.iter().map(|place| place.map(|place| frame.place(place.x, place.y))).collect()
     }
 
-    /// The distance of each node from the reference, metres; `None` without a reference that has them all.
+    /// The distance of each node from the reference, metres; `None` unless a reference has all nodes.
     pub fn errors(&self) -> Option<Vec<f64>> {
         self.errors.clone()
     }
 }
 
-/// The motion of the plane that brings a graph closest to its ground truth, so that its map lies as the truth
-/// does; none where no truth is known.
+/// The planar motion that brings a graph closest to its ground truth, so that its map has the orientation of the truth;
+/// the identity if no truth is known.
 pub fn onto_truth(graph: &PoseGraph) -> Alignment {
     let height = |pose: &[f64]| if pose.len() == 7 { pose[2] } else { 0.0 };
     let truth = graph.nodes.iter().map(|node| {
@@ -62,7 +62,7 @@ pub fn onto_truth(graph: &PoseGraph) -> Alignment {
     Alignment::best(&from, &to, Freedom::Se2)
 }
 
-/// The motions that evaluation allows unless told otherwise.
+/// The motions that evaluation allows by default.
 pub fn usual_freedom(graph: &PoseGraph) -> Freedom {
     match graph.header.dimension {
         Dimension::Two => Freedom::Se2,
@@ -70,7 +70,7 @@ pub fn usual_freedom(graph: &PoseGraph) -> Freedom {
     }
 }
 
-/// An edge on paper: its ends, whether it is in use, whether it is correct.
+/// An edge on paper: its ends, and whether it is in use and correct.
 struct Drawn {
     ends: [(f64, f64); 2],
     in_use: bool,
@@ -87,7 +87,7 @@ struct Style {
 }
 
 impl Style {
-    /// In the order in which they lie on top of each other: what matters most is on top.
+    /// Styles in drawing order: the most important edges are drawn last, on top.
     const ALL: [Self; 4] = [
         Self {
             wanted: |edge| edge.in_use && edge.correct != Some(false),
@@ -119,7 +119,7 @@ impl Style {
         },
     ];
 
-    /// A line for each edge of this kind; the first names them in the legend.
+    /// One line for each edge of this kind; only the first has a legend entry.
     fn lines(&self, edges: &[Drawn]) -> Vec<Polyline> {
         let chosen: Vec<&Drawn> = edges.iter().filter(|edge| (self.wanted)(edge)).collect();
         let line = |(index, edge): (usize, &&Drawn)| Polyline {
@@ -134,7 +134,7 @@ impl Style {
     }
 }
 
-/// One panel for an estimate: the reference in grey, the experiences over it, landmark edges on top.
+/// One panel for an estimate: the reference in grey, then the experiences, then the landmark edges on top.
 pub fn panel(title: &str, estimate: &PoseGraph, reference: Option<&PoseGraph>, frame: Frame) -> Panel {
     let motion = onto_truth(reference.unwrap_or(estimate));
     let places = Estimate::new(estimate, reference, Freedom::Se2).moved(&motion).places;
@@ -158,7 +158,7 @@ pub fn panel(title: &str, estimate: &PoseGraph, reference: Option<&PoseGraph>, f
     }));
     let edges = drawn_edges(estimate, &places, frame);
     lines.extend(Style::ALL.iter().flat_map(|style| style.lines(&edges)));
-    // The two ends of a false edge in use are pulled together: discs keep it visible.
+    // Optimisation pulls the two ends of a false edge in use together: discs keep it visible.
     let kept = edges.iter().filter(|edge| edge.in_use && edge.correct == Some(false));
     let ends = Marks {
         points: kept.flat_map(|edge| edge.ends).collect(),
@@ -170,7 +170,7 @@ pub fn panel(title: &str, estimate: &PoseGraph, reference: Option<&PoseGraph>, f
     Panel { title: title.to_owned(), axes: frame.axes(), lines, marks: vec![ends] }
 }
 
-/// The number and name of an experience, and the points it passes.
+/// An experience: its number, its name and the points of its trajectory.
 type Way = (usize, String, Vec<(f64, f64)>);
 
 fn positions(graph: &PoseGraph) -> Vec<Option<Vector3<f64>>> {

@@ -1,4 +1,4 @@
-//! The one module that knows the plotting library: scenes of it, written as SVG, PDF or PNG.
+//! Draws scenes with the plotting library and writes them as SVG, PDF or PNG. No other module uses the library.
 
 mod charts;
 mod grids;
@@ -14,14 +14,15 @@ use kuva::PngBackend;
 use kuva::backend::svg::SvgBackend;
 use kuva::render::render::Scene;
 
-/// Pixels of a PNG for each of the figure's.
+/// Pixels of a PNG for each pixel of the figure.
 const PNG_SCALE: f32 = 2.0;
 
-/// A figure that is laid out and not yet written.
+/// A figure that is laid out but not yet written.
 pub struct Drawing(Scene);
 
 impl Drawing {
-    /// Its bytes; the format follows the extension: `svg`, `pdf` (text stays text, in an embedded font) or `png`.
+    /// The figure's bytes. The format follows the extension: `svg`, `pdf` (text stays text, in an embedded font) or
+    /// `png`.
     pub fn write(&self, extension: &str) -> anyhow::Result<Vec<u8>> {
         match extension {
             "svg" => Ok(renumbered(&SvgBackend::default().render_scene(&self.0)).into_bytes()),
@@ -51,8 +52,8 @@ fn pdf(_scene: &Scene) -> anyhow::Result<Vec<u8>> {
     bail!("this program was built without PDF; build it with --features pdf, or name a .svg or .png")
 }
 
-/// The library numbers clip paths through the life of the process; ours count from 0 in every figure, so that
-/// a figure's bytes depend on what it shows alone.
+/// Numbers clip paths from 0 in every figure. The library counts them through the life of the process, but a figure's
+/// bytes must depend only on its content.
 fn renumbered(svg: &str) -> String {
     const MARK: &str = "kuva-clip-";
     let mut parts = svg.split(MARK);

@@ -1,16 +1,17 @@
-//! Colours of numbers.
+//! Colours for numbers.
 
-/// Viridis from light to dark: the larger the darker, told apart in grey and by colour-blind readers.
+/// Viridis from light to dark. Larger values are darker, so that they can be told apart in grey and by colour-blind
+/// readers.
 pub const VIRIDIS: [&str; 10] = [
     "#fde725", "#b5de2b", "#6ece58", "#35b779", "#1f9e89", "#26828e", "#31688e", "#3e4989", "#482878",
     "#440154",
 ];
-/// Blue for better.
+/// Better: blue.
 pub const BETTER: [&str; 4] = ["#f2f2f2", "#a6cbe3", "#4d95c4", "#0b5d99"];
-/// Orange for worse.
+/// Worse: orange.
 pub const WORSE: [&str; 4] = ["#f2f2f2", "#f5c79b", "#e08a3c", "#a84a00"];
 
-/// The colour at a share of a ramp, and whether text on it must be light.
+/// The colour at a position of a ramp, 0 to 1, and whether text on it must be light.
 pub fn along(stops: &[&str], share: f64) -> (String, bool) {
     let place = share.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
     let index = (place.floor() as usize).min(stops.len() - 2);
@@ -29,7 +30,7 @@ pub fn along(stops: &[&str], share: f64) -> (String, bool) {
 mod tests {
     use super::*;
 
-    /// The page and the figures show a number in one colour.
+    /// The page and the figures must show a number in the same colour.
     #[test]
     fn the_page_has_the_same_ramps() {
         let script = include_str!("../../assets/script/theme.js");

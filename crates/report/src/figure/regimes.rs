@@ -7,13 +7,13 @@ use crate::regimes::table::{percent, short, signed};
 use crate::regimes::{Cell, Comparison, Map, Verdict};
 use crate::table::metres;
 
-/// What the columns of a map are: a share that means the same for every session.
+/// The label of the columns: a ratio, so that it means the same for every session.
 const AXIS: &str = "claimed odometry covariance / (0.1 m, 0.0167 rad)^2 a step";
 
-/// RMSE below this is drawn as this, metres.
+/// RMSE below this is drawn at this value, metres.
 pub const FLOOR: f64 = 0.1;
 
-/// What a heat map shows.
+/// The quantity of a heat map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Mean RMSE on a logarithmic scale.
@@ -57,7 +57,7 @@ pub fn heat_maps(map: &Map, session: &str, kind: &str, quantity: Quantity) -> (V
     (grids, ramp(title, colour, ticks))
 }
 
-/// One heat map a comparison, and their ramp: the mean paired difference, dots where a test tells it from zero.
+/// One heat map a comparison, and their ramp: the mean paired difference, with a dot if a test finds it significant.
 pub fn differences(map: &Map, session: &str, kind: &str) -> (Vec<Grid>, Ramp) {
     let widest = map.comparisons.iter().flat_map(|own| own.cells.iter().flatten());
     let limit = round_up(widest.map(|effect| effect.difference.abs()).fold(1.0, f64::max));
@@ -91,7 +91,7 @@ pub fn differences(map: &Map, session: &str, kind: &str) -> (Vec<Grid>, Ramp) {
     (grids, ramp("difference of RMSE (m); dot: told from zero", colour, ticks))
 }
 
-/// Mean RMSE with its interval: over the share of false edges at one scale, and over the scale at one share.
+/// Mean RMSE with its interval: one panel over the share of false edges at one scale, one over the scale at one share.
 pub fn curves(map: &Map, session: &str, kind: &str, scale: usize, rate: usize) -> [Panel; 2] {
     let columns = map.scales.len();
     let panel = |title: String, right: &str, values: &[f64], index: &dyn Fn(usize) -> usize| {
@@ -148,7 +148,7 @@ pub fn curves(map: &Map, session: &str, kind: &str, scale: usize, rate: usize) -
     ]
 }
 
-/// The place of the value nearest to one wanted, by their ratio.
+/// The index of the value nearest to the wanted one, by their ratio.
 pub fn nearest(values: &[f64], wanted: f64) -> usize {
     let distance = |value: f64| (value.max(1e-9) / wanted).ln().abs();
     let places = 0..values.len();
@@ -187,7 +187,7 @@ fn counts(comparison: &Comparison) -> String {
     )
 }
 
-/// Metres, without decimals from 100 on.
+/// A number of metres, without decimals from 100 on.
 fn brief(value: f64) -> String {
     if value < 100.0 { metres(value) } else { format!("{value:.0}") }
 }
@@ -218,7 +218,7 @@ fn powers(top: f64, share: impl Fn(f64) -> f64) -> Vec<(f64, String)> {
     ticks
 }
 
-/// The next of 1, 2 or 5 times a power of ten.
+/// Rounds up to 1, 2 or 5 times a power of ten.
 pub(crate) fn round_up(value: f64) -> f64 {
     let power = 10_f64.powf(value.log10().floor());
     [1.0, 2.0, 5.0]

@@ -10,25 +10,25 @@ use crate::trust::summary::summary;
 use crate::trust::tables::whole;
 use crate::trust::{Benchmark, Half};
 
-/// Metres of regret up to which the axis is nearly linear, so that 0 is on it.
+/// Up to this regret, in metres, the axis is nearly linear, so that 0 is on it.
 pub const LINEAR: f64 = 0.1;
 
-/// Steps of the axis within which dots avoid each other: about a dot's width.
+/// Number of steps of the axis, each about as wide as a dot. Dots in the same step are drawn side by side.
 const STEPS: f64 = 80.0;
 
-/// Dots side by side across a lane; further ones coincide.
+/// The most dots side by side across a lane; further ones coincide.
 const LEVELS: usize = 5;
 
-/// What the page and the figure show: positions on one axis.
+/// The data of the page and the figure, with all positions on one axis.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Regrets {
     /// The half.
     pub half: String,
-    /// Methods, from above.
+    /// Methods, from top to bottom.
     pub methods: Vec<String>,
     /// Metres at the right end of the axis.
     pub top: f64,
-    /// Families with runs.
+    /// Families that have runs.
     pub families: Vec<Family>,
 }
 
@@ -37,24 +37,24 @@ pub struct Regrets {
 pub struct Family {
     /// Its name.
     pub name: String,
-    /// In the order of methods.
+    /// In the order of the methods.
     pub methods: Vec<Method>,
 }
 
 /// One method on a family.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Method {
-    /// Regret of finished runs and false edges in use, in the order of runs, metres.
+    /// For each finished run, in the order of runs, its regret in metres and its number of false edges in use.
     pub regrets: Vec<(f64, usize)>,
     /// The mean regret, metres.
     pub mean: Option<f64>,
     /// Runs within the bound.
     pub within: usize,
-    /// Runs that it did not finish, or that have no record of it.
+    /// Runs that the method did not finish, or that have no record of it.
     pub unfinished: usize,
 }
 
-/// Collects the regrets of a half; methods by their share of runs within the bound.
+/// Collects the regrets of a half, with the methods sorted by their share of runs within the bound.
 pub fn regrets(benchmark: &Benchmark, half: Half) -> Regrets {
     let ranking = benchmark.ranking(half);
     let method = |family: &str, method: usize| {
@@ -87,12 +87,12 @@ pub fn regrets(benchmark: &Benchmark, half: Half) -> Regrets {
     }
 }
 
-/// Where a regret is on the axis, 0 to 1: log(1 + r / 0.1), linear near 0 and logarithmic far above 0.1 m.
+/// The position of a regret on the axis, 0 to 1: log(1 + r / 0.1), linear near 0 and logarithmic far above 0.1 m.
 pub fn position(regret: f64, top: f64) -> f64 {
     (regret / LINEAR).ln_1p() / (top / LINEAR).ln_1p()
 }
 
-/// The figure.
+/// Builds the figure.
 pub fn figure(regrets: &Regrets) -> Lanes {
     let mut ticks = vec![(0.0, "0".to_owned())];
     let mut tick = LINEAR;
@@ -131,11 +131,11 @@ fn lane(method: &Method, top: f64) -> Lane {
     }
 }
 
-/// Dots that would coincide avoid each other across the lane: 0, +, -, ++, --. Beyond five they coincide, and
-/// are drawn once.
+/// Spreads dots that would coincide across the lane: 0, +, -, ++, --. If there are more than five, the others are not
+/// drawn.
 fn spread(method: &Method, top: f64) -> Vec<Dot> {
     let mut taken: BTreeMap<i64, usize> = BTreeMap::new();
-    // Marked ones first, so that they get a level of their own.
+    // Marked dots first, so that each gets a level of its own.
     let mut regrets = method.regrets.clone();
     regrets.sort_by(|one, other| (other.1 > 0).cmp(&(one.1 > 0)).then_with(|| one.0.total_cmp(&other.0)));
     let mut dots: Vec<Dot> = regrets

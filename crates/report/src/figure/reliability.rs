@@ -3,7 +3,7 @@
 use super::{Axes, Dash, Marks, Panel, Polyline, Shape, colours};
 use crate::trust::reliability::{Curve, Group, Reliability};
 
-/// The panels: all families first.
+/// One panel a family, with all families together first.
 pub fn figure(found: &Reliability) -> Vec<Panel> {
     found.groups.iter().map(|group| panel(group, &found.half)).collect()
 }
@@ -59,7 +59,7 @@ fn marks(curve: &Curve, index: usize) -> Vec<Marks> {
     curve.points.iter().map(disc).collect()
 }
 
-/// Pixels; the page has the same.
+/// Radius in pixels, the same as on the page.
 fn radius(edges: u64) -> f64 {
     1.5 + 1.5 * (edges as f64).log10()
 }

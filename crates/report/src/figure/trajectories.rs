@@ -1,4 +1,4 @@
-//! Where the sessions went: the paper's figure of the environment.
+//! Draws the trajectories of sessions: the paper's figure of the environment.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use posecut_graph::PoseGraph;
 
 use super::{Frame, Panel, Polyline, colours};
 
-/// One panel a graph, one line a session in it: the ground truth where known, else the estimate.
+/// One panel a graph, with one line a session: the ground truth if known, otherwise the estimate.
 pub fn panels(graphs: &[(String, PoseGraph)], frame: Frame) -> Vec<Panel> {
     graphs
         .iter()

@@ -1,4 +1,4 @@
-//! Results, and the graphs that lie beside them, as the page's data.
+//! Collects the page's data from results and from the graphs in the same folders.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -19,22 +19,22 @@ use crate::published::Published;
 use crate::results::Located;
 use crate::table::Table;
 
-/// Above this many candidates the consistency matrix is left out of the page: its size grows with the square.
+/// A consistency matrix of more candidates than this is left out of the page: its size grows with the square.
 pub const LARGEST_MATRIX: usize = 1500;
 
-/// The reference that stands beside results, unless another is named.
+/// The name of the reference among the results, unless the user names another.
 pub const REFERENCE: &str = "oracle";
 
-/// What is put into a page.
+/// What the page draws.
 #[derive(Clone, Copy, Debug)]
 pub struct Selection {
     /// Seeds of each session whose graphs are drawn.
     pub seeds: usize,
-    /// How coordinates lie on paper.
+    /// How coordinates map to paper.
     pub frame: Frame,
 }
 
-/// One experiment: the RMSE of every run, and the graphs of some.
+/// One experiment: the RMSE of every run, and the graphs of some runs.
 pub fn experiment(
     table: &Table,
     results: &[Located],
@@ -71,7 +71,7 @@ pub fn experiment(
     Ok(Experiment { name: table.pipeline.clone(), methods, spread, sessions })
 }
 
-/// Seeds by number, others after them by name.
+/// Sort key of seeds: numbers in ascending order, then other seeds by name.
 fn seed_order(seed: &str) -> (bool, u64, String) {
     let number = seed.parse::<u64>();
     (number.is_err(), number.unwrap_or(0), seed.to_owned())
@@ -135,7 +135,7 @@ struct Loader<'a> {
 }
 
 impl Loader<'_> {
-    /// The optimised graph of a method, beside a result: `METHOD.optimized.jsonl`, or the same with `.gz`.
+    /// The optimised graph of a method, in the folder of a result: `METHOD.optimized.jsonl`, or the same with `.gz`.
     fn graph(&mut self, result: &Path, method: &str, role: &str) -> anyhow::Result<Option<PoseGraph>> {
         let candidates: [PathBuf; 2] =
             ["jsonl", "jsonl.gz"].map(|ending| result.with_file_name(format!("{method}.optimized.{ending}")));
@@ -143,7 +143,7 @@ impl Loader<'_> {
         self.context.read_graph(&Source::File(path), role).map(Some)
     }
 
-    /// `None` if a node has no place.
+    /// The positions as a track; `None` if a node has no position.
     fn track(places: &[Option<(f64, f64)>]) -> Option<Track> {
         let places: Vec<(f64, f64)> = places.iter().copied().collect::<Option<_>>()?;
         (!places.is_empty()).then(|| Track {
@@ -190,7 +190,7 @@ impl Loader<'_> {
     }
 }
 
-/// The motions that the evaluation's alignment was allowed.
+/// The motions that the evaluation's alignment could use.
 fn freedom(run: &Located, graph: &PoseGraph) -> Freedom {
     match run.result.alignment.as_ref().map(|used| used.freedom.as_str()) {
         Some("none") => Freedom::None,
@@ -212,8 +212,8 @@ fn truth(graph: &PoseGraph, frame: Frame) -> Vec<Option<(f64, f64)>> {
         .collect()
 }
 
-/// Nodes without a place take that of the last node that has one, at the start that of the first: a session is drawn
-/// although its ground truth has gaps, and nodes keep their numbers.
+/// Gives each node without a position that of the last node with one, or of the first such node at the start. So a
+/// session is drawn although its ground truth has gaps, and nodes keep their indices.
 fn bridged(mut places: Vec<Option<(f64, f64)>>) -> Vec<Option<(f64, f64)>> {
     let mut last = places.iter().copied().flatten().next();
     for place in &mut places {
@@ -227,7 +227,7 @@ fn minutes(graph: &PoseGraph) -> Option<String> {
     error::minutes(graph).map(|minutes| encode::series(minutes, 0.01))
 }
 
-/// Stretches of one session name, in the order of nodes.
+/// Runs of consecutive nodes with the same session name.
 fn experiences(graph: &PoseGraph) -> Vec<Experience> {
     let mut experiences: Vec<Experience> = Vec::new();
     for (index, node) in graph.nodes.iter().enumerate() {
@@ -260,7 +260,7 @@ fn edges(graph: &PoseGraph) -> Edges {
     edges
 }
 
-/// What became of each edge, and the stages that rejected some.
+/// The state of each edge, and the stages that rejected edges.
 fn states(graph: &PoseGraph, edges: &Edges) -> (String, Vec<String>) {
     let mut stages: Vec<String> = Vec::new();
     let found: BTreeMap<u64, Option<&str>> =

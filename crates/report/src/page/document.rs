@@ -1,4 +1,4 @@
-//! The page itself: the template with its sections, styles, scripts and data.
+//! Assembles the page: the template with its sections, styles, scripts and data.
 
 use super::encode::policy_digest;
 use super::markup::{escape, fill, json};
@@ -7,7 +7,7 @@ use super::view::Page;
 const TEMPLATE: &str = include_str!("../../assets/page.html");
 const STYLE: &str = include_str!("../../assets/page.css");
 
-/// The scripts in the order they are run, as one function, so that nothing of them is visible outside.
+/// The scripts in the order in which they run. They are wrapped in one function, so that they define no global names.
 const SCRIPTS: [&str; 17] = [
     include_str!("../../assets/script/decode.js"),
     include_str!("../../assets/script/elements.js"),
@@ -38,20 +38,20 @@ const REGIMES: &str = include_str!("../../assets/section/regimes.html");
 const TRUST: &str = include_str!("../../assets/section/trust.html");
 const RELIABILITY: &str = include_str!("../../assets/section/reliability.html");
 
-/// The parts of the page that are HTML already.
+/// The parts of the page that are text or HTML.
 #[derive(Clone, Debug, Default)]
 pub struct Parts {
-    /// Its title, as text.
+    /// The title, as text.
     pub title: String,
     /// The tables.
     pub tables: String,
-    /// Where the published figures come from, as text; empty without any.
+    /// The source of the published figures, as text; empty if there are none.
     pub published: String,
-    /// Sessions that were asked for and have no data.
+    /// Requested sessions that have no data.
     pub missing: Vec<String>,
     /// The tables of the trust benchmark; empty without its results.
     pub trust: String,
-    /// The history of the numbers.
+    /// Where the numbers come from.
     pub history: String,
     /// The version of the program.
     pub version: String,
@@ -74,7 +74,7 @@ pub fn document(page: &Page, parts: &Parts) -> anyhow::Result<String> {
     }))
 }
 
-/// What is text: the title, the tables and the notes on them.
+/// The parts that are text: the title, the tables and their notes.
 fn text(parts: &Parts, name: &str) -> Option<String> {
     let note = |about: &str, ending: &str| {
         if about.is_empty() { String::new() } else { format!("<p class=\"note\">{ending}</p>") }
@@ -103,7 +103,7 @@ fn text(parts: &Parts, name: &str) -> Option<String> {
     })
 }
 
-/// What the page draws, or why it cannot.
+/// The parts that scripts draw, or the reason why they cannot.
 fn drawing(page: &Page, parts: &Parts, name: &str) -> Option<String> {
     let sessions = || page.experiments.iter().flat_map(|it| &it.sessions);
     let seeds = || sessions().flat_map(|it| &it.seeds);
@@ -152,7 +152,7 @@ fn drawing(page: &Page, parts: &Parts, name: &str) -> Option<String> {
     })
 }
 
-/// A section's body, or one sentence on why it is not there.
+/// The body of a section, or one sentence that says why it is missing.
 fn section(present: bool, body: &str, absent: &str) -> String {
     if present { body.to_owned() } else { format!("<p class=\"absent-section\">{}</p>", escape(absent)) }
 }

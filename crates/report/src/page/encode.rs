@@ -1,11 +1,11 @@
-//! Series of numbers as short text: rounded to a step, as differences from one to the next, each in as few
-//! bytes as it needs (7 bits a byte, lowest first; signs folded in by zigzag), in base 64.
+//! Encodes series of numbers as short text. Values are rounded to a step, and differences of successive values are
+//! stored in as few bytes as possible (7 bits a byte, lowest first; signs by zigzag encoding), in base 64.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
-/// Encodes values rounded to multiples of `step`. Rounding errors do not add up: differences are of rounded
-/// values.
+/// Encodes values rounded to multiples of `step`. Rounding errors do not accumulate, because differences are taken
+/// between rounded values.
 pub fn series(values: impl IntoIterator<Item = f64>, step: f64) -> String {
     differences(values.into_iter().map(|value| (value / step).round() as i64))
 }
@@ -17,6 +17,7 @@ pub fn differences(values: impl IntoIterator<Item = i64>) -> String {
     for value in values {
         let difference = value.wrapping_sub(last);
         last = value;
+        // Zigzag maps 0, -1, 1, -2 to 0, 1, 2, 3, so that small differences of either sign stay small.
         let mut rest = ((difference << 1) ^ (difference >> 63)) as u64;
         while rest >= 0x80 {
             bytes.push((rest & 0x7f) as u8 | 0x80);
@@ -27,7 +28,7 @@ pub fn differences(values: impl IntoIterator<Item = i64>) -> String {
     STANDARD.encode(bytes)
 }
 
-/// Encodes truth values, eight a byte, lowest first.
+/// Encodes truth values, eight a byte, lowest bit first.
 pub fn bits(values: impl IntoIterator<Item = bool>) -> String {
     let mut bytes = Vec::new();
     for (index, value) in values.into_iter().enumerate() {
@@ -41,7 +42,7 @@ pub fn bits(values: impl IntoIterator<Item = bool>) -> String {
     STANDARD.encode(bytes)
 }
 
-/// The SHA-256 of a text as a content security policy writes it.
+/// The SHA-256 of a text in the notation of content security policies.
 pub fn policy_digest(text: &str) -> String {
     let hexadecimal = posecut_stage::digest(text.as_bytes());
     let bytes: Vec<u8> = hexadecimal
@@ -52,7 +53,7 @@ pub fn policy_digest(text: &str) -> String {
     format!("'sha256-{}'", STANDARD.encode(bytes))
 }
 
-/// Reads [`series`] back, as the page's script does.
+/// Decodes [`series`], as the page's script does.
 pub fn decoded(text: &str, step: f64) -> Option<Vec<f64>> {
     let bytes = STANDARD.decode(text).ok()?;
     let mut values = Vec::new();

@@ -1,5 +1,5 @@
-//! Where the page's numbers come from: stages with their versions and arguments, and digests of files. No
-//! paths, no dates: the same inputs give the same bytes.
+//! Where the page's numbers come from: stages with their versions and arguments, and digests of files. It has no paths
+//! or dates, so that the same inputs give the same bytes.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -11,7 +11,7 @@ use serde_json::Value;
 use super::markup::escape;
 use crate::results::Located;
 
-/// The history of all results: stages by experiment, inputs by session, digests of what was read.
+/// The history of all results: stages by experiment, inputs by session, and digests of all files read.
 pub fn history(results: &[Located], inputs: &[InputDigest]) -> String {
     let mut text = String::new();
     let mut experiments: BTreeMap<String, Vec<&Located>> = BTreeMap::new();
@@ -26,8 +26,8 @@ pub fn history(results: &[Located], inputs: &[InputDigest]) -> String {
     text
 }
 
-/// A stage with its arguments but the seed, the methods whose history has it, its seeds, and its latest place in
-/// a history.
+/// A stage with its arguments except the seed, the methods that use it, its seeds, and its last position in any
+/// history.
 #[derive(Default)]
 struct Stage {
     place: usize,
@@ -35,7 +35,7 @@ struct Stage {
     seeds: BTreeSet<u64>,
 }
 
-/// Each stage with each set of arguments once, in the order of work.
+/// Each stage with each set of arguments once, in the order in which they ran.
 fn stages(text: &mut String, experiment: &str, results: &[&Located]) {
     let mut found: BTreeMap<(String, String, String), Stage> = BTreeMap::new();
     for located in results {
@@ -81,8 +81,8 @@ fn stages(text: &mut String, experiment: &str, results: &[&Located]) {
     text.push_str("</tbody></table></div>\n");
 }
 
-/// Arguments as a person reads them: names and values. Those that were not given are left out, and so is the
-/// seed, which stands beside.
+/// Arguments as names and values for a reader. Arguments that were not given are left out. So is the seed, because the
+/// entry lists all seeds.
 fn said(arguments: &Value) -> String {
     let mut shown = Vec::new();
     list("", arguments, &mut shown);
@@ -122,7 +122,7 @@ fn data(text: &mut String, results: &[Located]) {
     );
 }
 
-/// What this page was made of.
+/// The files that this page was made from.
 fn files(text: &mut String, results: &[Located], inputs: &[InputDigest]) {
     let named = |located: &Located| {
         let label = |name: &str| located.result.label(name);

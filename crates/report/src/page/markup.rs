@@ -1,6 +1,6 @@
-//! Text inside markup. Names of sessions and labels come from files that anybody may have written.
+//! Puts text into markup. Names of sessions and labels come from files of unknown origin.
 
-/// Text that cannot end the element or attribute it stands in.
+/// Text that cannot end the element or attribute that contains it.
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
@@ -16,7 +16,7 @@ pub fn escape(text: &str) -> String {
     escaped
 }
 
-/// JSON that cannot end the script element it stands in, nor break a line of a script.
+/// JSON that cannot end the script element that contains it, nor break a line of a script.
 pub fn json(text: &str) -> String {
     text.replace('<', "\\u003c")
         .replace('>', "\\u003e")
@@ -24,10 +24,10 @@ pub fn json(text: &str) -> String {
         .replace('\u{2029}', "\\u2029")
 }
 
-/// Replaces every `{{name}}` of a template in one pass: what is put in is not searched again.
+/// Replaces every `{{name}}` of a template in one pass: inserted text is not searched again.
 ///
 /// # Panics
-/// If the template names what `value` does not know: both are part of this crate.
+/// If `value` does not know a name of the template. Both are part of this crate, so this is a bug.
 pub fn fill(template: &str, value: impl Fn(&str) -> Option<String>) -> String {
     let mut parts = template.split("{{");
     let mut text = parts.next().unwrap_or_default().to_owned();

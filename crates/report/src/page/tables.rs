@@ -1,4 +1,4 @@
-//! The tables of the page, as HTML: they are there without scripts too.
+//! The tables of the page as HTML, so that they are visible without scripts.
 
 use std::fmt::Write as _;
 
@@ -6,8 +6,8 @@ use super::markup::escape;
 use crate::published::Published;
 use crate::table::{Cell, Table, is_silently_disconnected, listed, metres};
 
-/// RMSE of every method on every session, published figures below the rows they belong to, then landmark
-/// edges in use.
+/// A table of RMSE by method and session, with published figures below the rows that they belong to, and a table of the
+/// landmark edges in use.
 pub fn experiment(table: &Table, published: &Published) -> String {
     let seeds =
         table.methods.iter().flat_map(|row| &row.cells).flatten().map(|cell| cell.seeds).max().unwrap_or(0);

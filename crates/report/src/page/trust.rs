@@ -1,11 +1,11 @@
-//! The tables of the trust benchmark, as HTML: they are there without scripts too.
+//! The tables of the trust benchmark as HTML, so that they are visible without scripts.
 
 use std::fmt::Write as _;
 
 use super::markup::escape;
 use crate::trust::tables::Table;
 
-/// The first table open, the others folded.
+/// The tables as HTML: the first open, the others folded.
 pub fn html(tables: &[Table]) -> String {
     let mut text = String::new();
     for (index, table) in tables.iter().enumerate() {
@@ -52,7 +52,7 @@ fn rows(text: &mut String, title: &str, cells: &[Vec<String>]) {
     text.push_str("</tbody></table></div>\n");
 }
 
-/// A note's `*words*`, which Markdown emphasises, as HTML.
+/// A note as HTML: `*words*` are emphasised, as in Markdown.
 fn emphasised(note: &str) -> String {
     let escaped = escape(note);
     let mut parts = escaped.split('*');

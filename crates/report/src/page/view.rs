@@ -1,4 +1,4 @@
-//! The page's data, as its scripts read it. Lengths are metres; series are texts of [`super::encode`].
+//! The page's data, in the form that its scripts read. Lengths are in metres; series are texts of [`super::encode`].
 
 use serde::Serialize;
 
@@ -6,13 +6,13 @@ use crate::figure::regret::Regrets;
 use crate::regimes::Map;
 use crate::trust::reliability::Reliability;
 
-/// Metres to which drawn positions are rounded.
+/// Drawn positions are rounded to this, metres.
 pub const POSITION_STEP: f64 = 0.1;
 
-/// Metres to which drawn errors are rounded.
+/// Drawn errors are rounded to this, metres.
 pub const ERROR_STEP: f64 = 0.01;
 
-/// All of it.
+/// All data of the page.
 #[derive(Clone, Debug, Serialize)]
 pub struct Page {
     /// One entry for each label `pipeline`.
@@ -21,13 +21,13 @@ pub struct Page {
     pub regimes: Option<Map>,
     /// The regret of every run of the trust benchmark, if there are results of it.
     pub trust: Option<Regrets>,
-    /// How well its probabilities are calibrated, if a method writes any.
+    /// How well the benchmark's probabilities are calibrated, if a method writes any.
     pub reliability: Option<Reliability>,
-    /// Metres a step of positions.
+    /// The step of positions, metres.
     pub position_step: f64,
-    /// Metres a step of errors.
+    /// The step of errors, metres.
     pub error_step: f64,
-    /// What the axes of drawn coordinates are called: to the right, upwards.
+    /// The names of the axes of drawn coordinates: to the right, upwards.
     pub axes: [&'static str; 2],
 }
 
@@ -51,7 +51,7 @@ pub struct Spread {
     pub session: String,
     /// The method.
     pub method: String,
-    /// RMSE by seed, metres, unrounded.
+    /// Pairs of seed and RMSE, metres, unrounded.
     pub rmse: Vec<(String, f64)>,
     /// The published value, metres.
     pub published: Option<f64>,
@@ -62,11 +62,11 @@ pub struct Spread {
 pub struct Session {
     /// Its name.
     pub name: String,
-    /// Where it went by ground truth.
+    /// The trajectory by ground truth.
     pub truth: Option<Track>,
-    /// Minutes since its first node, in steps of a hundredth; absent where time does not run on steadily.
+    /// Minutes since the session's first node, in steps of a hundredth; absent unless time increases steadily.
     pub minutes: Option<String>,
-    /// The runs that are drawn.
+    /// The drawn runs.
     pub seeds: Vec<Seed>,
 }
 
@@ -79,18 +79,18 @@ pub struct Track {
     pub up: String,
 }
 
-/// One constructed graph and what became of it.
+/// One constructed graph, and the result of each method on it.
 #[derive(Clone, Debug, Serialize)]
 pub struct Seed {
     /// The seed.
     pub name: String,
     /// Stretches of nodes that belong to one experience.
     pub experiences: Vec<Experience>,
-    /// What estimates are compared with.
+    /// The trajectory that estimates are compared with.
     pub reference: Option<Track>,
     /// The landmark edges.
     pub edges: Edges,
-    /// Which of them agree with each other.
+    /// Which landmark edges agree with each other.
     pub consistency: Option<Consistency>,
     /// One entry a method.
     pub methods: Vec<Method>,
@@ -112,9 +112,9 @@ pub struct Experience {
 pub struct Edges {
     /// Ids.
     pub id: Vec<u64>,
-    /// Places of nodes in the graph.
+    /// Indices of the nodes in the graph.
     pub from: Vec<usize>,
-    /// Places of nodes in the graph.
+    /// Indices of the nodes in the graph.
     pub to: Vec<usize>,
     /// Frames of the nodes.
     pub frames: Vec<(i64, i64)>,
@@ -125,17 +125,18 @@ pub struct Edges {
 /// The consistency matrix of PCM's candidates.
 #[derive(Clone, Debug, Serialize)]
 pub struct Consistency {
-    /// Places in the list of edges.
+    /// Indices into the list of edges.
     pub edges: Vec<usize>,
-    /// The pair of chains each candidate joins; pairs of different groups are not compared.
+    /// The group of each candidate, that is, the pair of chains that it joins. Candidates of different groups are not
+    /// compared.
     pub group: Vec<usize>,
-    /// Whether each is in the clique.
+    /// Whether each candidate is in the clique.
     pub clique: String,
-    /// The upper triangle row by row, without the diagonal, as bits.
+    /// The upper triangle without the diagonal, row by row, as bits.
     pub pairs: String,
-    /// When a pair is consistent, in words.
+    /// The condition for a consistent pair, in words.
     pub gate: String,
-    /// The method whose PCM it is.
+    /// The method that ran this PCM.
     pub method: String,
 }
 
@@ -146,16 +147,17 @@ pub struct Method {
     pub name: String,
     /// RMSE of the result, metres, unrounded.
     pub rmse: f64,
-    /// Parts that no edge in use joins.
+    /// Components of the graph of edges in use.
     pub components: usize,
-    /// Where it put the nodes, aligned to the reference.
+    /// The estimated trajectory, aligned to the reference.
     pub track: Option<Track>,
     /// Distance of each node from the reference.
     pub error: Option<String>,
-    /// For each edge: `+` in use, `-` dropped, or a letter: `a` for the first of `stages`.
+    /// For each edge: `+` in use, `-` dropped, or the letter of the stage that rejected it: `a` for the first of
+    /// `stages`.
     pub state: String,
     /// Stages that rejected edges.
     pub stages: Vec<String>,
-    /// Places of the nodes of each landmark of several viewpoints, largest first.
+    /// Node indices of each landmark of several viewpoints, largest first.
     pub landmarks: Option<Vec<Vec<usize>>>,
 }

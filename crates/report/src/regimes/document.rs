@@ -7,7 +7,7 @@ use super::table::{percent, short, signed};
 use super::{Cell, Comparison, Effect, Map, Verdict};
 use crate::table::{grid, metres};
 
-/// The tables with the names of their markers, Markdown.
+/// The tables as Markdown, each with the name of its marker.
 pub fn sections(map: &Map) -> Vec<(&'static str, String)> {
     vec![("verdict", verdict(map)), ("uniform", uniform(map)), ("kinds", kinds(map)), ("edges", edges(map))]
 }
@@ -29,7 +29,7 @@ fn verdict(map: &Map) -> String {
         for comparison in map.compared(session, UNIFORM).filter(made) {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{session}, {} against {}:\n", comparison.with, comparison.without);
-            // A comparison may have been made at some scales only.
+            // A comparison may exist at some scales only.
             let known = |column: &usize| {
                 (0..map.rates.len()).any(|row| comparison.cells[map.index(row, *column)].is_some())
             };
@@ -88,7 +88,7 @@ fn kinds(map: &Map) -> String {
     text
 }
 
-/// For sessions together where there are several, else for the one there is.
+/// The edges, for several sessions together if there are such maps, otherwise for the only session.
 fn edges(map: &Map) -> String {
     let mut text = "Precision / recall of landmark edges in use, means over seeds: edges in use that are correct / correct edges in \
                     use.\n\n"
@@ -122,7 +122,7 @@ fn table(text: &mut String, map: &Map, head: &[&str], rows: Vec<Vec<String>>) {
     grid(text, &all);
 }
 
-/// A row for each scale and rate where a method has results.
+/// A row for each scale and rate at which a method has results.
 fn points(map: &Map, cells: impl Fn(usize, usize) -> Option<Vec<String>>) -> Vec<Vec<String>> {
     let mut rows = Vec::new();
     for (column, scale) in map.scales.iter().enumerate() {
@@ -135,7 +135,7 @@ fn points(map: &Map, cells: impl Fn(usize, usize) -> Option<Vec<String>>) -> Vec
     rows
 }
 
-/// A row for each kind at the points where another kind than uniform was swept.
+/// A row for each kind, at the points where kinds other than the uniform one were swept.
 fn each_kind(map: &Map, session: &str, cell: impl Fn(Cell) -> String + Copy) -> Vec<Vec<String>> {
     let others: Vec<&String> = map.kinds.iter().filter(|kind| *kind != UNIFORM).collect();
     let mut rows = Vec::new();
@@ -162,7 +162,7 @@ fn each_kind(map: &Map, session: &str, cell: impl Fn(Cell) -> String + Copy) -> 
     rows
 }
 
-/// A cell for each method, `None` if none has results there.
+/// A cell for each method; `None` if no method has results there.
 fn row_of_methods(
     map: &Map,
     session: &str,

@@ -1,4 +1,4 @@
-//! Cells of the map.
+//! The map of regimes: the results of methods by covariance scale and rate of false edges.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,27 +10,27 @@ use super::runs::{Place, Run, SIMULATED, Seeds, UNIFORM, having, kind, number, s
 use super::statistics::{adjusted, bootstrap_interval, mean_of_means, sign_flip_p};
 use crate::results::RunResult;
 
-/// Below this adjusted p-value an effect is told from none.
+/// An effect with an adjusted p-value below this is significant.
 pub const SIGNIFICANCE: f64 = 0.05;
 
-/// The name of the map over all sessions, where all are real or all are simulated.
+/// The name of the map over all sessions if all are real or all are simulated.
 pub const ALL_SESSIONS: &str = "all sessions";
 
-/// The names of the maps over sessions where there are both: real, simulated.
+/// The names of the two maps over sessions if some are real and some are simulated.
 pub const BY_SOURCE: [&str; 2] = ["real sessions", "simulated sessions"];
 
-/// Seed of resampling; fixed, so that the same results give the same intervals.
+/// The seed of resampling. It is fixed, so that the same results give the same intervals.
 const SEED: u64 = 1;
 
 /// All cells of an experiment over regimes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Map {
-    /// Sessions, sorted; before them, where there are several, [`ALL_SESSIONS`] or [`BY_SOURCE`]: over those of them
-    /// that the kind of false edges was drawn for, in the cells that all these have.
+    /// Sessions, sorted. If there are several, [`ALL_SESSIONS`] or [`BY_SOURCE`] come first: they cover the sessions
+    /// that have results for the kind of false edges, in the cells that all of these have.
     pub sessions: Vec<String>,
-    /// Kinds of false edges: the uniform one first, then sorted.
+    /// Kinds of false edges: first the uniform one, then the others, sorted.
     pub kinds: Vec<String>,
-    /// Methods in the order asked for.
+    /// Methods in the requested order.
     pub methods: Vec<String>,
     /// Scales of the covariance, ascending.
     pub scales: Vec<f64>,
@@ -38,7 +38,7 @@ pub struct Map {
     pub rates: Vec<f64>,
     /// One entry for each session, kind and method.
     pub maps: Vec<MethodMap>,
-    /// What the graph cut changes, for each session, kind and method that has a counterpart without it.
+    /// The effect of the graph cut, for each session, kind and method that has a counterpart without it.
     pub comparisons: Vec<Comparison>,
 }
 
@@ -51,7 +51,7 @@ pub struct MethodMap {
     pub kind: String,
     /// The method.
     pub method: String,
-    /// Row by row of rates, one cell a scale; `None` where there is no result.
+    /// Cells row by row, one row a rate, one column a scale; `None` without a result.
     pub cells: Vec<Option<Cell>>,
 }
 
@@ -64,7 +64,7 @@ pub struct Cell {
     pub low: f64,
     /// The upper end.
     pub high: f64,
-    /// Runs.
+    /// Number of runs.
     pub seeds: usize,
     /// Mean share of correct edges among those in use.
     pub precision: Option<f64>,
@@ -72,7 +72,7 @@ pub struct Cell {
     pub recall: Option<f64>,
 }
 
-/// A method against the same without the graph cut.
+/// A method compared with the same method without the graph cut.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// The session.
@@ -81,16 +81,16 @@ pub struct Comparison {
     pub kind: String,
     /// The method with the graph cut.
     pub with: String,
-    /// The method without.
+    /// The method without the graph cut.
     pub without: String,
-    /// As in [`MethodMap`].
+    /// Cells in the order of [`MethodMap`].
     pub cells: Vec<Option<Effect>>,
 }
 
 /// The paired difference over seeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Effect {
-    /// Mean of RMSE with less RMSE without, metres: negative is better.
+    /// Mean of the RMSE with the graph cut minus the RMSE without it, metres: negative is better.
     pub difference: f64,
     /// The lower end of its 95 % interval, metres.
     pub low: f64,
@@ -98,9 +98,9 @@ pub struct Effect {
     pub high: f64,
     /// The sign-flip test's p-value, adjusted over the cells of this comparison.
     pub p: f64,
-    /// What follows.
+    /// The conclusion.
     pub verdict: Verdict,
-    /// Pairs.
+    /// Number of pairs.
     pub seeds: usize,
 }
 
@@ -110,14 +110,14 @@ pub struct Effect {
 pub enum Verdict {
     /// It lowers the error.
     Helps,
-    /// No effect can be told from the seeds at hand.
+    /// The available seeds show no significant effect.
     Neutral,
     /// It raises the error.
     Hurts,
 }
 
 impl Verdict {
-    /// As tables say it.
+    /// The word in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Helps => "helps",
@@ -128,9 +128,9 @@ impl Verdict {
 }
 
 impl Map {
-    /// The map of results labelled `covariance_scale`, `incorrect_rate`, `session`, `method` and `seed` (and
-    /// `incorrect_kind`, else `uniform`). `order` names methods first in the order of rows; others follow: none, those
-    /// without the graph cut, the graph cut alone, those with it.
+    /// Builds the map from results with the labels `covariance_scale`, `incorrect_rate`, `session`, `method` and `seed`
+    /// (and `incorrect_kind`, by default `uniform`). The methods of `order` come first. The others follow: none,
+    /// methods without the graph cut, the graph cut alone, methods with it.
     pub fn new(results: &[RunResult], order: &[String]) -> anyhow::Result<Self> {
         let axis = |name: &str| -> anyhow::Result<Vec<f64>> {
             let mut values =
@@ -201,7 +201,7 @@ impl Map {
         Ok(map)
     }
 
-    /// The place of a cell in a map's list.
+    /// The index of a cell in a map's list.
     pub fn index(&self, rate: usize, scale: usize) -> usize {
         rate * self.scales.len() + scale
     }
@@ -211,7 +211,7 @@ impl Map {
         self.maps.iter().find(|map| map.session == session && map.kind == kind && map.method == method)
     }
 
-    /// The places of rates and of scales that have any result of a session with a kind of false edges: other kinds
+    /// The indices of the rates and scales with at least one result of a session and kind of false edges. Kinds other
     /// than the uniform one are swept at fewer points.
     pub fn swept(&self, session: &str, kind: &str) -> (Vec<usize>, Vec<usize>) {
         let own: Vec<&MethodMap> =
@@ -230,7 +230,7 @@ impl Map {
         !self.swept(session, kind).0.is_empty()
     }
 
-    /// Sessions by themselves, without those taken together.
+    /// Single sessions, without the maps over several.
     pub fn singles(&self) -> impl Iterator<Item = &String> {
         let together = |name: &str| name == ALL_SESSIONS || BY_SOURCE.contains(&name);
         self.sessions.iter().filter(move |name| !together(name))
@@ -288,7 +288,7 @@ impl Map {
     }
 }
 
-/// The maps to be made, by name, with their sessions.
+/// The maps to build: each one's name and sessions.
 fn groups(singles: &[String]) -> Vec<(String, Vec<String>)> {
     let (simulated, real): (Vec<String>, Vec<String>) =
         singles.iter().cloned().partition(|session| session.ends_with(SIMULATED));
@@ -298,7 +298,7 @@ fn groups(singles: &[String]) -> Vec<(String, Vec<String>)> {
     together.map(|(name, members)| (name.to_owned(), members)).chain(each).collect()
 }
 
-/// Where a method stands among others: what it is compared with comes before it.
+/// The rank of a method in the order of rows: a method follows those that it is compared with.
 fn rank(method: &str) -> u8 {
     match method {
         "none" => 0,
@@ -338,7 +338,7 @@ impl Cell {
 }
 
 impl Effect {
-    /// Of the seeds that both have; the p-value is not adjusted yet.
+    /// Uses the seeds that both have. The p-value is not yet adjusted.
     fn of(with: &[&Seeds], without: &[&Seeds]) -> Option<Self> {
         let differences: Vec<Vec<f64>> = with
             .iter()

@@ -1,4 +1,4 @@
-//! Runs by their places in the map, as their labels tell them.
+//! Assigns runs to the cells of the map by their labels.
 
 use std::collections::BTreeMap;
 
@@ -6,13 +6,13 @@ use anyhow::Context as _;
 
 use crate::results::RunResult;
 
-/// What the names of simulated sessions end with: a real one may have the same date.
+/// The end of the names of simulated sessions: a real session may have the same date.
 pub(super) const SIMULATED: &str = " (simulated)";
 
-/// The kind of false edges that the whole grid is swept for.
+/// The kind of false edges for which the whole grid is swept.
 pub(super) const UNIFORM: &str = "uniform";
 
-/// One run in its place.
+/// The figures of a run.
 pub(super) struct Run {
     pub rmse: f64,
     pub precision: Option<f64>,
@@ -22,16 +22,16 @@ pub(super) struct Run {
 /// Runs by seed.
 pub(super) type Seeds = BTreeMap<String, Run>;
 
-/// Place in the map: session, kind, method, rate, scale.
+/// The cell of a run: session, kind, method, rate, scale.
 pub(super) type Place = (String, String, String, usize, usize);
 
-/// The sessions that a kind of false edges was drawn for at all: not every session has a place for each.
+/// The sessions that have runs with a kind of false edges.
 pub(super) fn having(runs: &BTreeMap<Place, Seeds>, sessions: &[String], kind: &str) -> Vec<String> {
     let has = |session: &String| runs.keys().any(|place| place.0 == *session && place.1 == kind);
     sessions.iter().filter(|session| has(session)).cloned().collect()
 }
 
-/// One stratum a session; `None` unless there are sessions and every one has runs there.
+/// One stratum a session; `None` if there are no sessions, or one has no runs in the cell.
 pub(super) fn strata<'a>(
     runs: &'a BTreeMap<Place, Seeds>,
     sessions: &[String],
@@ -47,7 +47,7 @@ pub(super) fn strata<'a>(
     strata.filter(|strata| !strata.is_empty())
 }
 
-/// A simulated session is told by its pipeline.
+/// The session's name; the pipeline tells whether it is simulated.
 pub(super) fn session(result: &RunResult) -> String {
     let suffix = if result.label("pipeline").ends_with("-simulated") { SIMULATED } else { "" };
     format!("{}{suffix}", result.label("session"))

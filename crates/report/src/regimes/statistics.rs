@@ -1,5 +1,5 @@
-//! Confidence intervals and tests over seeds. RMSE over seeds is skewed and often has two modes (no false edge
-//! got through, or one did), so nothing here assumes a normal distribution.
+//! Confidence intervals and tests over seeds. RMSE over seeds is skewed and often bimodal (a false edge was kept, or
+//! none was), so nothing here assumes a normal distribution.
 
 use posecut_stage::ChaCha8Rng;
 use posecut_stage::rand::Rng as _;
@@ -10,15 +10,15 @@ pub const CONFIDENCE: f64 = 0.95;
 /// Resamples of a bootstrap.
 pub const RESAMPLES: usize = 2000;
 
-/// Largest number of differences whose signs are flipped in all ways; above, [`FLIPS`] random ways are taken.
+/// The largest number of differences for which all sign patterns are tried. Above it, [`FLIPS`] random ones are.
 const ALL_FLIPS: usize = 12;
 
-/// Random ways of flipping signs.
+/// Number of random sign patterns.
 const FLIPS: usize = 9999;
 
-/// The 95 % interval of the mean by the percentile bootstrap (Efron and Tibshirani 1993, chapter 13), with
-/// 2000 resamples. Values come in strata (sessions), each resampled by itself and weighed alike: the mean is
-/// the mean over the strata's means. `None` if a stratum is empty, or there is none.
+/// The 95 % interval of the mean by the percentile bootstrap (Efron and Tibshirani 1993, chapter 13), with 2000
+/// resamples. Values come in strata (sessions). Each stratum is resampled separately, and all have equal weight: the
+/// mean is the mean of the strata's means. `None` if there is no stratum or one is empty.
 pub fn bootstrap_interval(strata: &[Vec<f64>], random: &mut ChaCha8Rng) -> Option<(f64, f64)> {
     mean_of_means(strata)?;
     if strata.iter().all(|values| values.iter().all(|value| *value == values[0])) {
@@ -43,7 +43,7 @@ pub fn bootstrap_interval(strata: &[Vec<f64>], random: &mut ChaCha8Rng) -> Optio
     Some((at(tail), at(1.0 - tail)))
 }
 
-/// The mean over the strata's means.
+/// The mean of the strata's means.
 pub fn mean_of_means(strata: &[Vec<f64>]) -> Option<f64> {
     if strata.is_empty() || strata.iter().any(Vec::is_empty) {
         return None;
@@ -52,10 +52,10 @@ pub fn mean_of_means(strata: &[Vec<f64>]) -> Option<f64> {
     Some(sum / strata.len() as f64)
 }
 
-/// The two-sided p-value of paired differences under the hypothesis that each is as likely with the other
-/// sign (Fisher's randomisation test on the mean): the share of sign patterns whose mean is at least as far
-/// from zero. All patterns up to 12 differences; above, 9999 random ones and the observed one. Strata are
-/// weighed alike, as in [`bootstrap_interval`]. 1 without differences.
+/// The two-sided p-value of paired differences under the hypothesis that each is as likely with the opposite sign
+/// (Fisher's randomisation test of the mean): the share of sign patterns whose mean is at least as far from zero as the
+/// observed one. Uses all patterns for up to 12 differences, otherwise 9999 random ones and the observed one. Strata
+/// have equal weight, as in [`bootstrap_interval`]. The p-value is 1 without differences.
 pub fn sign_flip_p(strata: &[Vec<f64>], random: &mut ChaCha8Rng) -> f64 {
     let weighed: Vec<f64> = strata
         .iter()
@@ -65,7 +65,7 @@ pub fn sign_flip_p(strata: &[Vec<f64>], random: &mut ChaCha8Rng) -> f64 {
     if weighed.is_empty() {
         return 1.0;
     }
-    // A pattern that reaches the observed mean by rounding alone counts as reaching it.
+    // A pattern whose mean differs from the observed one only by rounding counts as reaching it.
     let scale: f64 = weighed.iter().map(|value| value.abs()).sum();
     let observed = weighed.iter().sum::<f64>().abs() - 1e-12 * scale;
     let reaches = |signs: &dyn Fn(usize) -> bool| {
@@ -87,11 +87,12 @@ pub fn sign_flip_p(strata: &[Vec<f64>], random: &mut ChaCha8Rng) -> f64 {
             reaches(&|index| bits[index / 64] >> (index % 64) & 1 == 1)
         })
         .count();
+    // The observed pattern counts too, so the p-value is never 0.
     (reached + 1) as f64 / (FLIPS + 1) as f64
 }
 
-/// P-values adjusted so that, of those below a level, at most that share is expected to be false discoveries
-/// (Benjamini and Hochberg 1995). O(n log n).
+/// P-values adjusted for the false discovery rate (Benjamini and Hochberg 1995): among the adjusted values below a
+/// level, the expected share of false discoveries is at most that level. O(n log n).
 pub fn adjusted(values: &[f64]) -> Vec<f64> {
     let count = values.len();
     let mut order: Vec<usize> = (0..count).collect();
@@ -105,7 +106,7 @@ pub fn adjusted(values: &[f64]) -> Vec<f64> {
     result
 }
 
-/// A number below `count`, by multiplication: off uniform by less than count / 2^64.
+/// A random number below `count`, by multiplication. It deviates from uniform by less than count / 2^64.
 fn below(count: usize, random: &mut ChaCha8Rng) -> usize {
     ((u128::from(random.next_u64()) * count as u128) >> 64) as usize
 }

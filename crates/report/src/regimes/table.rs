@@ -1,4 +1,4 @@
-//! The map as tables.
+//! Writes the map as tables.
 
 use std::fmt::Write as _;
 
@@ -7,18 +7,18 @@ use anyhow::Context as _;
 use super::{Map, Verdict};
 use crate::table::{cell_text, grid, inline, metres};
 
-/// How a false-edge rate is written: `5 %`.
+/// A false-edge rate as text: `5 %`.
 pub fn percent(rate: f64) -> String {
     format!("{} %", short(rate * 100.0))
 }
 
-/// A number without digits that mean nothing.
+/// A number without insignificant digits.
 pub fn short(value: f64) -> String {
     format!("{}", (value * 1e6).round() / 1e6)
 }
 
-/// Each method as a table of false-edge rates (rows) and covariance scales (columns), then what the graph cut
-/// changes, with its verdicts counted.
+/// A table of false-edge rates (rows) and covariance scales (columns) for each method, then the effects of the graph
+/// cut, with counts of the verdicts.
 pub fn markdown(map: &Map, sessions: &[String], kinds: &[String]) -> String {
     let mut text = String::from(
         "Mean RMSE in metres over seeds, with the 95 % interval of the mean (percentile bootstrap, 2000 resamples). \
@@ -87,7 +87,7 @@ fn rows(text: &mut String, map: &Map, cell: impl Fn(usize) -> Option<String>) {
     grid(text, &rows);
 }
 
-/// Metres with their sign, and a true minus.
+/// Metres with their sign, with a true minus sign.
 pub fn signed(value: f64) -> String {
     let text = metres(value.abs());
     match value {
@@ -97,8 +97,8 @@ pub fn signed(value: f64) -> String {
     }
 }
 
-/// One row for each session, kind, method, rate and scale; effects in columns of their own, empty where a
-/// method has no counterpart.
+/// One row for each session, kind, method, rate and scale. Effects have columns of their own, which are empty for a
+/// method without a counterpart.
 pub fn csv(map: &Map, sessions: &[String], kinds: &[String]) -> anyhow::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record([

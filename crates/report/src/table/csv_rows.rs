@@ -1,4 +1,4 @@
-//! One row a run, for spreadsheets and data frames.
+//! Writes one row a run, for spreadsheets and data frames.
 
 use anyhow::Context as _;
 use posecut_graph::StageDoubt;
@@ -6,10 +6,10 @@ use posecut_graph::StageDoubt;
 use super::hostile_text::cell_text;
 use crate::results::RunResult;
 
-/// All runs, one a row.
+/// Writes all runs, one a row.
 pub fn write_csv(results: &[RunResult]) -> anyhow::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    // Without doubts there is no such column.
+    // Without any doubts the column is omitted.
     let doubtful = results.iter().any(|result| !result.doubts.is_empty());
     let mut head = vec![
         "pipeline",

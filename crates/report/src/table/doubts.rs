@@ -8,13 +8,13 @@ use posecut_stage::counted;
 use super::Table;
 use crate::results::RunResult;
 
-/// What follows a value with doubts.
+/// The mark after a value with doubts.
 pub(crate) const MARK: &str = " †";
 
-/// How many runs there are of each doubt, by stage and doubt.
+/// The number of runs with each doubt, by stage and doubt.
 pub(crate) type Doubts = BTreeMap<StageDoubt, usize>;
 
-/// The doubts of some runs; one that a run has twice counts once.
+/// The doubts of some runs. A doubt that a run has twice counts once.
 pub(crate) fn doubts<'a>(runs: impl IntoIterator<Item = &'a RunResult>) -> Doubts {
     let mut found = Doubts::new();
     for run in runs {
@@ -25,7 +25,7 @@ pub(crate) fn doubts<'a>(runs: impl IntoIterator<Item = &'a RunResult>) -> Doubt
     found
 }
 
-/// What of a table's results the note below it says: `pcm: nothing-kept (3 runs), …`; `None` without doubts.
+/// The doubts for the note below a table: `pcm: nothing-kept (3 runs), …`; `None` without doubts.
 pub(crate) fn listed(table: &Table) -> Option<String> {
     let mut all = Doubts::new();
     for (doubt, runs) in
@@ -39,7 +39,8 @@ pub(crate) fn listed(table: &Table) -> Option<String> {
     (!all.is_empty()).then(|| all.iter().map(each).collect::<Vec<_>>().join(", "))
 }
 
-/// Whether a run of the table fell into components without a doubt that says so, as in results of older programs.
+/// Whether some run of the table has several components without a doubt that reports it, as in results of older
+/// programs.
 pub(crate) fn is_silently_disconnected(table: &Table) -> bool {
     table.methods.iter().flat_map(|row| &row.cells).flatten().any(|cell| cell.silently_disconnected > 0)
 }

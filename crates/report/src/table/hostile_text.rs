@@ -1,6 +1,6 @@
-//! Names in tables. They come from files that anybody may have written.
+//! Makes names safe in tables. They come from files of unknown origin.
 
-/// Text in one line of Markdown, which can neither end a cell nor begin an HTML element.
+/// Text in one line of Markdown that can neither end a cell nor start an HTML element.
 pub(crate) fn inline(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     let mut characters = text.chars().peekable();
@@ -20,8 +20,8 @@ pub(crate) fn inline(text: &str) -> String {
     escaped
 }
 
-/// Text in a cell of a spreadsheet, which takes what starts with one of these signs for a formula. An apostrophe before it
-/// makes it text; numbers stay numbers.
+/// Text in a cell of a spreadsheet. A spreadsheet reads text that starts with one of these signs as a formula; an
+/// apostrophe before it prevents that. Numbers do not change.
 pub(crate) fn cell_text(text: String) -> String {
     let formula = text.starts_with(['=', '+', '-', '@', '\t', '\r', '\n']) && text.parse::<f64>().is_err();
     if formula { format!("'{text}") } else { text }

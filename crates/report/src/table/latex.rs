@@ -1,4 +1,4 @@
-//! Tables for papers.
+//! Tables in LaTeX, for papers.
 
 use std::fmt::Write as _;
 
@@ -64,7 +64,7 @@ fn value(cell: &Cell) -> String {
     }
 }
 
-/// What the daggers mean.
+/// The meaning of the daggers.
 fn note(text: &mut String, table: &Table) {
     if let Some(doubts) = listed(table) {
         // Writing to a string cannot fail.
@@ -72,7 +72,7 @@ fn note(text: &mut String, table: &Table) {
     }
 }
 
-/// Characters that mean something to LaTeX.
+/// Escapes characters that are special in LaTeX.
 fn escape(text: &str) -> String {
     text.chars()
         .map(|character| match character {
@@ -80,7 +80,7 @@ fn escape(text: &str) -> String {
             '\\' => "\\textbackslash{}".to_owned(),
             '~' => "\\textasciitilde{}".to_owned(),
             '^' => "\\textasciicircum{}".to_owned(),
-            // The end of a line would end a comment.
+            // A line break would end a comment.
             other if other.is_control() => " ".to_owned(),
             other => other.to_string(),
         })

@@ -1,4 +1,4 @@
-//! Tables for people and README files.
+//! Tables in Markdown, for people and README files.
 
 use std::fmt::Write as _;
 
@@ -7,7 +7,7 @@ use posecut_stage::counted;
 
 use crate::published::Published;
 
-/// One section an experiment: RMSE with the published figures between the rows, then the landmark edges kept.
+/// One section an experiment: RMSE with the published figures between the rows, then the landmark edges in use.
 pub fn markdown(tables: &[Table], published: &Published) -> String {
     let mut text = String::new();
     for table in tables {
@@ -88,7 +88,7 @@ fn edges(cell: &Cell) -> String {
     format!("{:.1}/{:.1}, {:.1}/{:.1}", cell.false_kept, cell.false_all, cell.true_kept, cell.true_all)
 }
 
-/// A Markdown table whose columns line up in a terminal too.
+/// Writes a Markdown table whose columns are aligned in plain text too.
 pub(crate) fn grid(text: &mut String, rows: &[Vec<String>]) {
     let rows: Vec<Vec<String>> =
         rows.iter().map(|row| row.iter().map(|cell| inline(cell)).collect()).collect();

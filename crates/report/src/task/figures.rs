@@ -150,7 +150,7 @@ fn titled<'a>(named: &'a str, context: &mut Context) -> anyhow::Result<(&'a str,
     Ok((title, context.read_graph(&Source::File(file.into()), "graph")?))
 }
 
-/// The format of a figure, by the name of its file.
+/// The format of a figure, by its file name.
 pub(crate) fn extension(common: &CommonArguments) -> anyhow::Result<String> {
     let path = common
         .output

@@ -132,7 +132,7 @@ impl Html {
         digests.dedup();
         context.inputs.extend(digests);
         let plain: Vec<RunResult> = located.into_iter().map(|located| located.result).collect();
-        // The table's order of methods is of the table's methods; the map has an order of its own.
+        // The requested order applies to the table's methods only; the map has its own order.
         Map::new(&plain, &[]).map(Some)
     }
 }

@@ -119,7 +119,7 @@ impl Regimes {
 }
 
 impl Regimes {
-    /// Nothing is left to be written elsewhere.
+    /// Writes all tables into the document, and returns no bytes because no other output remains.
     fn splice(document: &Path, map: &Map) -> anyhow::Result<Vec<u8>> {
         let place = || format!("{}: cannot be used", document.display());
         let mut text = std::fs::read_to_string(document).with_context(place)?;
@@ -131,7 +131,7 @@ impl Regimes {
     }
 }
 
-/// Those asked for, or all.
+/// The requested names, or all if none is requested.
 fn chosen(asked: &[String], known: &[String], what: &str) -> anyhow::Result<Vec<String>> {
     if let Some(name) = asked.iter().find(|name| !known.contains(name)) {
         bail!("there is no {what} named {name} in the results; there is {}", known.join(", "));

@@ -17,7 +17,7 @@ use posecut_report::trust::tables::{Table, tables};
 use posecut_report::trust::{Benchmark, Half};
 use posecut_stage::{Context, warn, write_atomically};
 
-/// Panels of a figure in a row.
+/// Number of panels in a row of a figure.
 const COLUMNS: usize = 3;
 
 /// Options of `trust`.
@@ -95,7 +95,7 @@ impl Trust {
     }
 }
 
-/// Puts sections between their markers in a document.
+/// Replaces sections of a document between their markers.
 fn fill(document: &Path, sections: &[(&str, String)]) -> anyhow::Result<()> {
     let place = || format!("{}: cannot be used", document.display());
     let mut text = std::fs::read_to_string(document).with_context(place)?;
@@ -105,7 +105,7 @@ fn fill(document: &Path, sections: &[(&str, String)]) -> anyhow::Result<()> {
     write_atomically(document, |writer| Ok(writer.write_all(text.as_bytes())?))
 }
 
-/// Reads results and times; the context remembers their digests.
+/// Reads results and times, and records their digests in the context.
 pub(crate) fn benchmark(
     results: &[PathBuf],
     times: &[PathBuf],

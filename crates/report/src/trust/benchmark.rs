@@ -7,24 +7,24 @@ use posecut_graph::StageDoubt;
 
 use super::records::{Bins, Half, Outcome, Record, RunKey, Time};
 
-/// The reference method: it knows the truth, so that it is compared with nobody.
+/// The reference method: it knows the truth, so no method is compared with it.
 pub const ORACLE: &str = "oracle";
 
 /// A run is within the bound at `BOUND_FACTOR` times the best RMSE plus [`BOUND_MARGIN`].
 pub const BOUND_FACTOR: f64 = 1.1;
 
-/// Metres.
+/// In metres.
 pub const BOUND_MARGIN: f64 = 0.1;
 
-/// How the bound is written.
+/// The bound in words.
 pub const BOUND: &str = "1.1 × the best + 0.1 m";
 
-/// What became of a method on a run.
+/// The status of a method on a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Status {
     /// It finished.
     Done(Outcome),
-    /// It did not, and why.
+    /// It did not finish, for this reason.
     Failed(String),
     /// There is no record of it.
     Missing,
@@ -33,28 +33,28 @@ pub enum Status {
 /// One graph with one seed and one set of parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
-    /// What identifies it.
+    /// The run's key.
     pub key: RunKey,
-    /// The family of graphs.
+    /// The family of the graph.
     pub family: String,
-    /// The half of the family.
+    /// The half of the family that the run belongs to.
     pub half: Half,
-    /// Pipeline and cluster: runs of one cluster are not independent of each other.
+    /// Pipeline and cluster. Runs of one cluster are not independent of each other.
     pub cluster: String,
-    /// The smallest RMSE of all methods but the oracle, metres; `None` if all failed.
+    /// The smallest RMSE of all methods except the oracle, metres; `None` if all failed.
     pub best: Option<f64>,
-    /// Outcomes, in the order of [`Benchmark::methods`].
+    /// One status a method, in the order of [`Benchmark::methods`].
     pub outcomes: Vec<Status>,
-    /// CPU seconds, in the same order, where they are known.
+    /// CPU seconds in the same order, where known.
     pub seconds: Vec<Option<f64>>,
-    /// Landmark edges by their probability, in the same order, where there are probabilities.
+    /// Landmark edges by their probability in the same order, for methods that write probabilities.
     pub probabilities: Vec<Option<Bins>>,
-    /// Doubts of the stages, in the same order.
+    /// Doubts of the stages in the same order.
     pub doubts: Vec<BTreeSet<StageDoubt>>,
 }
 
 impl Run {
-    /// What a method made of it.
+    /// The outcome of a method, if it finished.
     pub fn outcome(&self, method: usize) -> Option<Outcome> {
         match self.outcomes[method] {
             Status::Done(outcome) => Some(outcome),
@@ -62,7 +62,7 @@ impl Run {
         }
     }
 
-    /// RMSE of a method above that of the best one, metres; `None` where it failed or is missing.
+    /// RMSE of a method minus that of the best one, metres; `None` if it failed or is missing.
     pub fn regret(&self, method: usize) -> Option<f64> {
         Some(self.outcome(method)?.rmse - self.best?)
     }
@@ -79,7 +79,7 @@ impl Run {
 pub struct Benchmark {
     /// Families, by name.
     pub families: Vec<String>,
-    /// Methods but the oracle, by name.
+    /// Methods except the oracle, by name.
     pub methods: Vec<String>,
     /// Runs, by key.
     pub runs: Vec<Run>,
@@ -88,11 +88,11 @@ pub struct Benchmark {
 }
 
 impl Benchmark {
-    /// Puts records together. Their order does not matter.
+    /// Builds the benchmark from records in any order.
     ///
     /// # Errors
-    /// If a method has two results on one run, if a run is in two families, halves or clusters, if a time
-    /// belongs to no result, or if there is no result of a method.
+    /// If a method has two results on one run, if a run is in two families, halves or clusters, if a time belongs to no
+    /// result, or if a method has no result.
     pub fn new(records: &[Record], times: Option<&[Time]>) -> anyhow::Result<Self> {
         let mut found: BTreeMap<&RunKey, BTreeMap<&str, &Record>> = BTreeMap::new();
         for record in records {
@@ -122,7 +122,7 @@ impl Benchmark {
         let mut runs = Vec::new();
         for (key, own) in found {
             same_grouping(&own)?;
-            // A run of the oracle alone is no comparison.
+            // Without any other method there is nothing to compare.
             let Some(first) = own.values().find(|record| record.method != ORACLE) else { continue };
             let outcomes: Vec<Status> =
                 methods.iter().map(|method| status(own.get(method.as_str()))).collect();
@@ -134,7 +134,7 @@ impl Benchmark {
                 key: key.clone(),
                 family: first.family.clone(),
                 half: first.half,
-                // A real and a simulated session may have one date.
+                // A real and a simulated session may have the same date.
                 cluster: format!("{}/{}", key.pipeline(), first.cluster),
                 best: rmse.min_by(f64::total_cmp),
                 seconds: methods.iter().map(|method| seconds.get(&(key, method.as_str())).copied()).collect(),
@@ -153,7 +153,7 @@ impl Benchmark {
         Ok(Self { families: distinct(|record| &record.family), methods, runs, timed: times.is_some() })
     }
 
-    /// The runs of a half, and of one family if it is named.
+    /// The runs of a half, of all families or of the named one.
     pub fn of<'a>(&'a self, half: Half, family: Option<&'a str>) -> impl Iterator<Item = &'a Run> {
         let wanted = move |run: &&Run| run.half == half && family.is_none_or(|family| run.family == family);
         self.runs.iter().filter(wanted)
@@ -182,7 +182,7 @@ fn status(record: Option<&&Record>) -> Status {
     }
 }
 
-/// A run in both halves would be tuned on and tested on.
+/// Refuses a run in both halves: constants chosen on it would be tested on it too.
 fn same_grouping(own: &BTreeMap<&str, &Record>) -> anyhow::Result<()> {
     let grouping = |record: &Record| {
         [

@@ -1,22 +1,22 @@
-//! Intervals from clusters. Seeds and grid points of one session share its odometry and its correct edges, so
-//! that clusters are resampled whole, within each family (Davison and Hinkley 1997, section 3.8).
+//! Confidence intervals from clusters. The seeds and grid points of one session share its odometry and its correct
+//! edges. Clusters are therefore resampled as a whole, within each family (Davison and Hinkley 1997, section 3.8).
 
 use posecut_stage::ChaCha8Rng;
 use posecut_stage::rand::Rng as _;
 
 use crate::regimes::statistics::{CONFIDENCE, RESAMPLES};
 
-/// What a cluster adds to a pooled ratio: a mean is a sum over a number of runs, a recall the edges kept over
-/// the correct edges.
+/// The contribution of a cluster to a pooled ratio. For a mean it is a sum and a number of runs, for a recall the
+/// number of kept edges and of correct edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Part {
-    /// The sum above.
+    /// The numerator.
     pub above: f64,
-    /// The sum below.
+    /// The denominator.
     pub below: f64,
 }
 
-/// The pooled ratio over all clusters; `None` where nothing is below.
+/// The pooled ratio over all clusters; `None` if its denominator is zero.
 pub fn ratio<'a>(parts: impl Iterator<Item = &'a Part>) -> Option<f64> {
     let sum = parts.fold(Part::default(), |sum, part| Part {
         above: sum.above + part.above,
@@ -25,13 +25,13 @@ pub fn ratio<'a>(parts: impl Iterator<Item = &'a Part>) -> Option<f64> {
     (sum.below > 0.0).then(|| sum.above / sum.below)
 }
 
-/// The 95 % percentile interval of the pooled ratio: 2000 resamples of the clusters of each stratum (family).
-/// `None` if no stratum has two clusters, since nothing then tells how much clusters differ.
+/// The 95 % percentile interval of the pooled ratio, from 2000 resamples of the clusters of each stratum (family).
+/// `None` if no stratum has two clusters, because the variation between clusters is then unknown.
 pub fn interval(strata: &[Vec<Part>], random: &mut ChaCha8Rng) -> Option<(f64, f64)> {
     if strata.iter().all(|clusters| clusters.len() < 2) {
         return None;
     }
-    // A resample may draw only clusters without a value, and then says nothing.
+    // A resample that has only clusters without a value gives no ratio.
     let mut ratios: Vec<f64> = (0..RESAMPLES)
         .filter_map(|_| {
             let drawn: Vec<&Part> = strata
@@ -49,7 +49,7 @@ pub fn interval(strata: &[Vec<Part>], random: &mut ChaCha8Rng) -> Option<(f64, f
     Some((at(tail), at(1.0 - tail)))
 }
 
-/// A number below `count`, by multiplication: off uniform by less than count / 2^64.
+/// A random number below `count`, by multiplication. It deviates from uniform by less than count / 2^64.
 fn below(count: usize, random: &mut ChaCha8Rng) -> usize {
     ((u128::from(random.next_u64()) * count as u128) >> 64) as usize
 }
@@ -74,7 +74,7 @@ mod tests {
 
     #[test]
     fn seeds_of_one_session_do_not_narrow_an_interval() {
-        // Four sessions, each with one value on ten seeds: four independent values, not forty.
+        // Four sessions, each with the same value on ten seeds: four independent values, not forty.
         let few = runs(&[1.0, 2.0, 3.0, 4.0]);
         let many: Vec<Part> = few.iter().map(|part| Part { above: 10.0 * part.above, below: 10.0 }).collect();
         assert_eq!(interval(&[few], &mut random(1, "test")), interval(&[many], &mut random(1, "test")));

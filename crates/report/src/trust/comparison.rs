@@ -1,4 +1,4 @@
-//! The recommended method beside the best of all others, family by family.
+//! Compares the recommended method with the best other one, family by family.
 
 use super::benchmark::Benchmark;
 use super::records::Half;
@@ -6,13 +6,13 @@ use super::summary::{Estimate, Summary, summary};
 use super::tables::{NONE, Table, recall, with_head};
 use crate::table::{grid, metres};
 
-/// A row a family: the chosen method, the other one with the smallest mean RMSE, and the mean of the smallest RMSE of all methods, run
-/// by run, which nobody can reach without knowing the answer.
+/// A table with a row for each family: the chosen method, the other method with the smallest mean RMSE, and the mean
+/// over runs of the smallest RMSE of all methods. No method can reach the last without knowing the truth.
 pub fn comparison(benchmark: &Benchmark, half: Half, chosen: usize) -> Table {
     let rows = benchmark.families_of(half).map(Some).chain([None]).map(|family| {
         let own = summary(benchmark, half, family, chosen);
         let others = (0..benchmark.methods.len()).filter(|&method| method != chosen);
-        // A mean over the runs that a method happened to finish is no comparison.
+        // The mean over only those runs that a method finished would not be comparable.
         let best = others
             .map(|method| (method, summary(benchmark, half, family, method)))
             .filter(|(_, other)| other.done() == other.runs)
@@ -53,7 +53,7 @@ pub fn comparison(benchmark: &Benchmark, half: Half, chosen: usize) -> Table {
     }
 }
 
-/// The columns of the comparison that a first page needs, with how to read them. Markdown.
+/// The columns of the comparison for a first page, with a note on how to read them. Markdown.
 pub fn brief(benchmark: &Benchmark, half: Half, chosen: usize) -> String {
     let table = comparison(benchmark, half, chosen);
     let name = &benchmark.methods[chosen];

@@ -7,7 +7,7 @@ use super::records::Half;
 use super::reliability::{reliability, sentence};
 use super::tables::{self, Table};
 
-/// The sections with the names of their markers, Markdown.
+/// The sections as Markdown, each with the name of its marker.
 ///
 /// # Errors
 /// If no method can be recommended.
@@ -38,7 +38,7 @@ pub fn sections(benchmark: &Benchmark) -> anyhow::Result<Vec<(&'static str, Stri
     ])
 }
 
-/// How well probabilities are calibrated: the answer, the figure and the tables.
+/// The calibration of probabilities: the answer, the figure and the tables.
 fn calibration(benchmark: &Benchmark, half: Half) -> String {
     let found = reliability(benchmark, half);
     let mut text = sentence(found.as_ref(), half);

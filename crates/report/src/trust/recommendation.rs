@@ -1,5 +1,5 @@
-//! Which method to use, and what can go wrong with it, in sentences. A rule decides, and it looks at the tuning
-//! half alone: the test half then says what the choice is worth.
+//! Recommends a method, and says in sentences what can go wrong with it. A rule chooses the method on the tuning half
+//! alone; the test half then shows how good the choice is.
 
 use std::fmt::Write as _;
 
@@ -12,9 +12,9 @@ use super::summary::{LARGE_REGRET, Summary, summary};
 use super::tables::{finished, percent, whole};
 use crate::table::{inline, metres};
 
-/// The method with the most runs within the bound on the tuning half, of those that have a record for each of
-/// its runs; of equals the one with the smaller worst regret, then the first by name. A method with a failed
-/// run has no worst regret and comes last among equals.
+/// The method with the most runs within the bound on the tuning half, among those that have a record for each of its
+/// runs. A tie is decided by the smaller worst regret, then by name. A method with a failed run has no worst regret and
+/// loses every tie.
 ///
 /// # Errors
 /// If the tuning half has no runs, or no method has a record for all of them.
@@ -41,7 +41,7 @@ pub fn recommended(benchmark: &Benchmark) -> anyhow::Result<usize> {
         )
 }
 
-/// The answer: the method, its figures on the test half, and the families where it goes wrong. Markdown.
+/// The recommended method, its figures on the test half, and the families where it goes wrong. Markdown.
 ///
 /// # Errors
 /// As [`recommended`], or if the test half has no runs.
@@ -74,7 +74,7 @@ pub fn answer(benchmark: &Benchmark) -> anyhow::Result<String> {
     Ok(text)
 }
 
-/// Methods that the test half likes better than the one chosen.
+/// Methods that are better than the chosen one on the test half.
 fn others(benchmark: &Benchmark, chosen: usize) -> String {
     let share = |method: usize| {
         let own = summary(benchmark, Half::Test, None, method);
@@ -89,7 +89,7 @@ fn others(benchmark: &Benchmark, chosen: usize) -> String {
     }
 }
 
-/// One line for each family where the method keeps a false edge, has a large regret, or does not finish.
+/// One line for each family in which the method keeps a false edge, has a large regret, or does not finish.
 fn wrong(text: &mut String, benchmark: &Benchmark, chosen: usize) {
     let name = &benchmark.methods[chosen];
     let lines: Vec<String> = benchmark

@@ -1,5 +1,5 @@
-//! Results and CPU times of runs, one JSON object a line. Reading is strict: a result that is left out, or
-//! counted twice, changes a comparison of methods without a trace.
+//! Results and CPU times of runs, one JSON object a line. Reading is strict, because a result that is left out or
+//! counted twice would change the comparison of methods unnoticed.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -28,15 +28,15 @@ impl fmt::Display for Half {
     }
 }
 
-/// Labels that say what a run is for. All other labels but the method identify it.
+/// Labels that do not identify a run but group it. All other labels except the method identify it.
 const GROUPING: [&str; 3] = ["family", "half", "cluster"];
 
-/// A run: every label but the method and those that group runs, by name.
+/// The key of a run: names and values of all labels except the method and those that group runs.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RunKey(BTreeMap<String, String>);
 
 impl RunKey {
-    /// The experiment that the run is of.
+    /// The experiment that the run belongs to.
     pub fn pipeline(&self) -> &str {
         self.0.get("pipeline").map_or("", String::as_str)
     }
@@ -51,12 +51,12 @@ impl fmt::Display for RunKey {
     }
 }
 
-/// What a method made of a run that it finished.
+/// The outcome of a method on a run that it finished.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
-    /// Against the optimum of the correct edges, metres.
+    /// RMSE against the optimum of the correct edges, metres.
     pub rmse: f64,
-    /// Components of the graph that edges in use form.
+    /// Components of the graph of edges in use.
     pub components: usize,
     /// Incorrect edges in use.
     pub false_kept: usize,
@@ -76,7 +76,7 @@ pub struct Bins {
     pub edges: [u64; BINS],
     /// The sum of their probabilities.
     pub probability: [f64; BINS],
-    /// Correct ones among them.
+    /// Number of correct edges among them.
     pub correct: [u64; BINS],
 }
 
@@ -95,11 +95,11 @@ pub struct Record {
     pub half: Half,
     /// Runs of one cluster are not independent of each other.
     pub cluster: String,
-    /// What came out, or why nothing did.
+    /// The outcome, or the reason why there is none.
     pub outcome: Result<Outcome, String>,
-    /// Landmark edges by their probability; `None` where they have none, or where the run failed.
+    /// Landmark edges by their probability; `None` if they have none or the run failed.
     pub probabilities: Option<Bins>,
-    /// Doubts of the stages that the run went through.
+    /// Doubts of the run's stages.
     pub doubts: Vec<StageDoubt>,
 }
 
@@ -116,7 +116,7 @@ pub struct Time {
     pub cpu_seconds: f64,
 }
 
-/// Reads results, and the digest of their file.
+/// Reads results, and returns the digest of their file too.
 pub fn read_results(path: &Path) -> anyhow::Result<(Vec<Record>, InputDigest)> {
     read(path, |place, object| {
         let format = object.get("format").and_then(Value::as_str).unwrap_or("nothing");
@@ -148,7 +148,7 @@ pub fn read_results(path: &Path) -> anyhow::Result<(Vec<Record>, InputDigest)> {
     })
 }
 
-/// Reads CPU times, and the digest of their file.
+/// Reads CPU times, and returns the digest of their file too.
 pub fn read_times(path: &Path) -> anyhow::Result<(Vec<Time>, InputDigest)> {
     read(path, |place, object| {
         let (run, method) = key(&labels(object)?)?;
@@ -253,7 +253,7 @@ fn bins(object: &Map<String, Value>) -> anyhow::Result<Option<Bins>> {
             correct: ten(own, "correct", Value::as_u64)?,
         };
         for bin in 0..BINS {
-            // Sums of six decimals are exact to much less than that.
+            // A sum of probabilities with six decimals is exact to much less than this tolerance.
             let count = found.edges[bin] as f64;
             let (low, high) = (bin as f64 / BINS as f64, (bin + 1) as f64 / BINS as f64);
             if !(low * count - 1e-6..=high * count + 1e-6).contains(&found.probability[bin]) {

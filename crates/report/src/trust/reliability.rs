@@ -8,7 +8,7 @@ use super::bootstrap::{Part, interval, ratio};
 use super::records::{BINS, Bins, Half};
 use super::summary::{SEED, clusters};
 
-/// What a group of all families is called.
+/// The name of the group of all families.
 pub const ALL: &str = "all families";
 
 impl Bins {
@@ -26,8 +26,8 @@ impl Bins {
         self.edges.iter().sum()
     }
 
-    /// The expected calibration error (Guo et al., ICML 2017, equation 3): the distance between mean probability
-    /// and share of correct edges, over bins weighted by their edges. `None` without edges.
+    /// The expected calibration error (Guo et al., ICML 2017, equation 3): the mean distance between mean probability
+    /// and share of correct edges, over bins weighted by their number of edges. `None` without edges.
     pub fn error(&self) -> Option<f64> {
         // n_b / n |correct_b / n_b - probability_b / n_b| is |correct_b - probability_b| / n.
         let distances =
@@ -36,12 +36,12 @@ impl Bins {
     }
 }
 
-/// How well probabilities are calibrated: tables, figure and page have this data.
+/// How well probabilities are calibrated. Tables, figure and page share this data.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Reliability {
-    /// The half.
+    /// The half of the benchmark.
     pub half: String,
-    /// All families together, then each one that has probabilities.
+    /// First all families together, then each family that has probabilities.
     pub groups: Vec<Group>,
 }
 
@@ -54,7 +54,7 @@ pub struct Group {
     pub curves: Vec<Curve>,
 }
 
-/// One method on one group, bins pooled over runs.
+/// One method on one group, with the bins pooled over runs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Curve {
     /// The method.
@@ -71,7 +71,7 @@ pub struct Curve {
     pub correct: f64,
     /// Expected calibration error.
     pub error: f64,
-    /// Bins that have edges.
+    /// The bins that have edges.
     pub points: Vec<Point>,
 }
 
@@ -80,13 +80,13 @@ pub struct Curve {
 pub struct Point {
     /// Its number: bin k has probabilities from k/10 to (k+1)/10.
     pub bin: usize,
-    /// Edges.
+    /// Number of edges.
     pub edges: u64,
     /// Their mean probability.
     pub probability: f64,
-    /// The share of correct ones.
+    /// Their share of correct edges.
     pub correct: f64,
-    /// The 95 % interval of that share, which needs two clusters in a family.
+    /// The 95 % interval of that share; it needs two clusters in a family.
     pub interval: Option<(f64, f64)>,
 }
 
@@ -123,7 +123,7 @@ fn curve(benchmark: &Benchmark, half: Half, family: Option<&str>, method: usize)
             let own = run.probabilities[method].as_ref()?;
             Some(Part { above: own.correct[bin] as f64, below: own.edges[bin] as f64 })
         });
-        // The stream of a value depends on what it is of, and not on what else is in the results.
+        // The random stream of a value depends only on what the value measures, not on what else is in the results.
         let purpose = format!("trust: correct in bin {bin}, {half}, {}, {name}", family.unwrap_or(ALL));
         Some(Point {
             bin,
@@ -145,7 +145,7 @@ fn curve(benchmark: &Benchmark, half: Half, family: Option<&str>, method: usize)
     })
 }
 
-/// The answer in a sentence for each method. Markdown.
+/// The calibration of each method in one sentence. Markdown.
 pub fn sentence(found: Option<&Reliability>, half: Half) -> String {
     let Some(found) = found else {
         return format!(

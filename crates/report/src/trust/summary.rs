@@ -1,4 +1,4 @@
-//! What a method does on a family, or on all of them.
+//! A method's results on one family, or on all of them.
 
 use std::collections::BTreeMap;
 
@@ -8,10 +8,10 @@ use super::benchmark::{Benchmark, Run, Status};
 use super::bootstrap::{Part, interval, ratio};
 use super::records::{Half, Outcome};
 
-/// The seed of all resampling: the same results give the same intervals.
+/// The seed of all resampling. It is fixed, so that the same results give the same intervals.
 pub(super) const SEED: u64 = 14;
 
-/// A value with its 95 % interval, which needs two clusters.
+/// A value with its 95 % interval; the interval needs two clusters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// The value.
@@ -20,15 +20,15 @@ pub struct Estimate {
     pub interval: Option<(f64, f64)>,
 }
 
-/// A method on the runs of a half, of one family or of all. Means, medians and worst values are over the runs
-/// that it finished.
+/// A method on the runs of a half, of one family or of all. Means, medians and worst values are over the runs that the
+/// method finished.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
-    /// All runs, the failed and the missing ones too.
+    /// Number of runs, including failed and missing ones.
     pub runs: usize,
-    /// Runs that it did not finish.
+    /// Runs that the method did not finish.
     pub failed: usize,
-    /// Runs without a record of it.
+    /// Runs without a record of the method.
     pub missing: usize,
     /// Mean RMSE, metres.
     pub mean: Option<Estimate>,
@@ -38,7 +38,7 @@ pub struct Summary {
     pub worst: Option<f64>,
     /// Runs with a false edge in use.
     pub with_false: usize,
-    /// Correct edges in use of all correct edges, pooled over runs; `None` without correct edges.
+    /// Share of correct edges in use among all correct edges, pooled over runs; `None` without correct edges.
     pub recall: Option<Estimate>,
     /// Mean regret, metres.
     pub regret: Option<Estimate>,
@@ -48,13 +48,13 @@ pub struct Summary {
     pub large_regrets: usize,
     /// Runs within 1.1 x the best + 0.1 m.
     pub within: usize,
-    /// Their share of all runs: a failed or missing run is not within.
+    /// Share of these among all runs; failed and missing runs are not within the bound.
     pub share: Option<Estimate>,
     /// CPU seconds of the runs that have a time, sorted.
     pub seconds: Vec<f64>,
 }
 
-/// Metres of regret that a page names.
+/// Regrets above this are reported by family, metres.
 pub const LARGE_REGRET: f64 = 5.0;
 
 impl Summary {
@@ -70,7 +70,7 @@ pub fn summary(benchmark: &Benchmark, half: Half, family: Option<&str>, method: 
     let name = &benchmark.methods[method];
     let estimate = |what: &str, part: &dyn Fn(&Run) -> Option<Part>| {
         let strata = clusters(&runs, part);
-        // The stream of a value depends on what it is of, and not on what else is in the results.
+        // The random stream of a value depends only on what the value measures, not on what else is in the results.
         let purpose = format!("trust: {what}, {half}, {}, {name}", family.unwrap_or("all families"));
         let value = ratio(strata.iter().flatten())?;
         Some(Estimate { value, interval: interval(&strata, &mut random(SEED, &purpose)) })
@@ -105,13 +105,13 @@ pub fn summary(benchmark: &Benchmark, half: Half, family: Option<&str>, method: 
     }
 }
 
-/// The middle of sorted values, or the mean of the two in the middle.
+/// The median of sorted values.
 pub fn median(sorted: &[f64]) -> Option<f64> {
     let upper = *sorted.get(sorted.len() / 2)?;
     Some(if sorted.len() % 2 == 1 { upper } else { f64::midpoint(sorted[sorted.len() / 2 - 1], upper) })
 }
 
-/// The sums of each cluster, by family. A cluster without a value stays, with nothing below.
+/// The sums of each cluster, by family. A cluster without a value remains, with a denominator of zero.
 pub(super) fn clusters(runs: &[&Run], part: &dyn Fn(&Run) -> Option<Part>) -> Vec<Vec<Part>> {
     let mut families: BTreeMap<&str, BTreeMap<&str, Part>> = BTreeMap::new();
     for run in runs {

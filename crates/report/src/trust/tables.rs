@@ -1,4 +1,4 @@
-//! Tables of the benchmark, for Markdown and for the page alike.
+//! Tables of the benchmark, for both Markdown and the page.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,9 +13,9 @@ use crate::table::{grid, inline, metres};
 /// A table with a heading and a sentence on how to read it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// Above it.
+    /// The heading.
     pub title: String,
-    /// Below the title; empty without any.
+    /// The text below the title; may be empty.
     pub note: String,
     /// Rows of cells; the first is the head.
     pub cells: Vec<Vec<String>>,
@@ -33,10 +33,10 @@ impl Table {
     }
 }
 
-/// What replaces a value that does not exist.
+/// The cell of a value that does not exist.
 pub(super) const NONE: &str = "–";
 
-/// All tables of a half, in the order of the page.
+/// All tables of a half, in the order of the document.
 pub fn tables(benchmark: &Benchmark, half: Half) -> Vec<Table> {
     let mut tables = vec![overall(benchmark, half), matrix(benchmark, half)];
     tables.extend(families(benchmark, half));
@@ -48,7 +48,7 @@ pub fn tables(benchmark: &Benchmark, half: Half) -> Vec<Table> {
     tables
 }
 
-/// Every method over all families, the largest share of runs within the bound first.
+/// All methods over all families, sorted by the share of runs within the bound, largest first.
 pub fn overall(benchmark: &Benchmark, half: Half) -> Table {
     let head =
         ["method", "runs", "within the bound", "with a false edge", "regret above 5 m", "worst regret, m"];
@@ -178,7 +178,7 @@ pub fn calibration(found: &Reliability) -> [Table; 2] {
     [errors, bins]
 }
 
-/// Failed and missing runs, by what happened.
+/// Failed and missing runs, by reason.
 pub fn failures(benchmark: &Benchmark, half: Half) -> Table {
     let mut found: BTreeMap<(&str, &str, &str), usize> = BTreeMap::new();
     for run in benchmark.of(half, None) {
@@ -202,8 +202,8 @@ pub fn failures(benchmark: &Benchmark, half: Half) -> Table {
     }
 }
 
-/// Runs with each doubt, by method; `None` where no result has doubts, as in those of older programs. One table takes the place
-/// of daggers all over the others, whose cells are of many runs.
+/// Number of runs with each doubt, by method; `None` if no result has doubts, as in results of older programs. It
+/// replaces daggers in the other tables, whose cells combine many runs.
 pub fn doubts(benchmark: &Benchmark, half: Half) -> Option<Table> {
     let mut found: BTreeMap<(&str, &StageDoubt), usize> = BTreeMap::new();
     let mut runs: BTreeMap<&str, usize> = BTreeMap::new();
@@ -231,7 +231,7 @@ pub fn doubts(benchmark: &Benchmark, half: Half) -> Option<Table> {
     })
 }
 
-/// CPU time by method; `None` where no times were given.
+/// CPU time by method; `None` if no times were given.
 pub fn time(benchmark: &Benchmark, half: Half) -> Option<Table> {
     let rows = benchmark.ranking(half).into_iter().map(|method| {
         let own = summary(benchmark, half, None, method);
@@ -249,7 +249,7 @@ pub fn time(benchmark: &Benchmark, half: Half) -> Option<Table> {
     })
 }
 
-/// How many runs and clusters each family has.
+/// The number of runs and clusters of each family.
 pub fn counts(benchmark: &Benchmark) -> Table {
     let rows = benchmark.families.iter().map(|family| {
         let count = |half: Half| {
@@ -287,7 +287,7 @@ pub fn finished(own: &Summary) -> String {
     }
 }
 
-/// A share in whole percent; below 100 and above 0 it is never rounded to them.
+/// A share in whole percent. A share between 0 and 1 is never rounded to 0 or 100.
 pub fn whole(share: f64) -> String {
     let percent = match share {
         _ if share <= 0.0 => 0.0,
@@ -306,7 +306,7 @@ pub fn percent(share: Estimate) -> String {
     }
 }
 
-/// Three decimals; 1.000 means that nothing was lost, and 0.000 that nothing was kept.
+/// A recall with three decimals. It is 1.000 only if nothing was lost, and 0.000 only if nothing was kept.
 pub(super) fn recall(own: Estimate) -> String {
     let brief = |value: f64| {
         let inside = value > 0.0 && value < 1.0;
@@ -318,7 +318,7 @@ pub(super) fn recall(own: Estimate) -> String {
     }
 }
 
-/// A share without an interval, three decimals.
+/// A share without an interval, with three decimals.
 fn share(value: f64) -> String {
     recall(Estimate { value, interval: None })
 }

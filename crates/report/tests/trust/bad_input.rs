@@ -1,4 +1,4 @@
-//! Records that are refused, and records that look alike.
+//! Records that are refused, and different records that look similar.
 
 use posecut_report::trust::records::{read_results, read_times};
 use posecut_report::trust::summary::summary;
@@ -59,7 +59,7 @@ fn bad_input_is_refused_with_file_line_and_field() {
             ],
         ),
     ] {
-        // The first line is another method's, a blank line stands between where the place is line 3.
+        // The first line belongs to another method. A blank line precedes the record where line 3 is expected.
         let first = done(place, "zero", 1.0, [1, 0, 0]);
         let said = if bad == good {
             refused(&format!("{first}{good}{bad}"))
@@ -94,7 +94,7 @@ fn times_belong_to_results() {
         read_results(&path).unwrap().0
     };
     let time = |method: &str, seconds: &str| {
-        // Families and halves are not needed to tell runs apart; a seed may be text.
+        // Families and halves are not needed to tell runs apart, and a seed may be text.
         let labels =
             labels(place, method).replace("\"family\":\"f\",\"half\":\"test\",\"cluster\":\"a\",", "");
         format!(

@@ -1,4 +1,4 @@
-//! Probabilities against shares of correct edges.
+//! Compares probabilities with shares of correct edges.
 
 use posecut_report::figure::plotting::charts;
 use posecut_report::figure::reliability::figure as diagram;
@@ -19,7 +19,7 @@ fn the_calibration_error_of_an_example_by_hand() {
         [(all.runs, all.of, all.edges), (f.runs, f.of, f.edges), (g.runs, g.of, g.edges)],
         [(3, 4, 200), (2, 2, 120), (1, 2, 80)]
     );
-    // Bins are pooled before they are compared: 16 of 20 at 16.6, and 172 of 180 at 178.
+    // Bins are pooled before the comparison: 16 of 20 are correct at a sum of 16.6, and 172 of 180 at 178.
     assert!((all.error - (0.6 + 6.0) / 200.0).abs() < 1e-12, "{}", all.error);
     assert!((f.error - (0.6 + 2.0) / 120.0).abs() < 1e-12, "{}", f.error);
     assert!((g.error - 8.0 / 80.0).abs() < 1e-12, "{}", g.error);
@@ -28,7 +28,7 @@ fn the_calibration_error_of_an_example_by_hand() {
     close(all.points[0].correct, 0.8);
     close(all.points[1].correct, 172.0 / 180.0);
     assert_eq!((all.points[0].bin, all.points[1].bin, all.points[0].edges), (8, 9, 20));
-    // Family f has two clusters with edges in bin 8, 7 of 10 and 9 of 10 correct.
+    // Family f has two clusters with edges in bin 8: 7 of 10 and 9 of 10 are correct.
     assert_eq!(all.points[0].interval, Some((0.7, 0.9)));
 
     let text: String = calibration(&found).iter().map(Table::markdown).collect();
@@ -57,7 +57,7 @@ fn without_records_of_calibration_there_is_nothing_to_report() {
     assert_eq!(reliability(&benchmark, Half::Test), None);
     let text: String = tables(&benchmark, Half::Test).iter().map(Table::markdown).collect();
     assert!(!text.contains("Calibration"), "{text}");
-    // The record of another half says nothing of this one, nor does one without an edge.
+    // Neither a record of the other half nor one without edges counts for this half.
     let tuning = read(&probabilities().replace("\"half\":\"test\"", "\"half\":\"tuning\"")).unwrap();
     assert_eq!(reliability(&tuning, Half::Test), None);
     assert!(reliability(&tuning, Half::Tuning).is_some());

@@ -1,4 +1,4 @@
-//! Doubts of stages in the benchmark.
+//! Tests doubts of stages in the benchmark.
 
 use posecut_report::trust::Half;
 use posecut_report::trust::tables::{doubts, tables};

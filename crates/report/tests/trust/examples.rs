@@ -1,4 +1,4 @@
-//! Examples worked out by hand, and what the document says.
+//! Examples calculated by hand, and the text of the document.
 
 use posecut_report::figure::plotting::lanes;
 use posecut_report::figure::regret::{figure, position, regrets};
@@ -73,7 +73,7 @@ fn the_tuning_half_chooses_and_the_test_half_reports() {
         done(tuning("a"), "careful", 0.0, [1, 0, 0]) + &done(tuning("a"), "bold", 9.0, [1, 0, 1]),
         done(tuning("b"), "careful", 0.0, [1, 0, 0]) + &done(tuning("b"), "bold", 9.0, [1, 0, 1]),
         done(tuning("c"), "careful", 9.0, [1, 0, 0]) + &done(tuning("c"), "bold", 0.0, [1, 0, 0]),
-        // On the test half it is the other way round.
+        // On the test half `bold` is the best.
         done(test("f", 1), "careful", 7.0, [1, 0, 0]) + &done(test("f", 1), "bold", 0.0, [1, 0, 0]),
         done(test("f", 2), "careful", 2.0, [1, 0, 0]) + &done(test("f", 2), "bold", 0.0, [1, 0, 0]),
         done(test("g", 1), "careful", 1.0, [1, 0, 2]) + &done(test("g", 1), "bold", 1.0, [1, 0, 0]),
@@ -94,7 +94,7 @@ fn the_tuning_half_chooses_and_the_test_half_reports() {
     ] {
         assert!(said.contains(part), "{part}\n{said}");
     }
-    // Of the others only one that finished every run can be the best.
+    // Among the other methods, only one that finished every run can be called the best.
     let some = text.clone() + &done(test("f", 1), "lucky", 0.0, [1, 0, 0]);
     let benchmark = read(&some).unwrap();
     let table = comparison(&benchmark, Half::Test, 0);
@@ -109,14 +109,14 @@ fn the_tuning_half_chooses_and_the_test_half_reports() {
     assert!(said.contains("of `careful` and of the best of 2 other methods"), "{said}");
     let row = said.lines().find(|line| line.starts_with("| all")).unwrap();
     assert_eq!(row.split_whitespace().collect::<String>(), "|all|3|3.33|1|bold|0.33|0|", "{said}");
-    // A method with a gap in the tuning half cannot be chosen, however good it is on the rest.
+    // A method without a record of some tuning run cannot be recommended, however good it is on the others.
     let gap = text.clone() + &done(tuning("a"), "lucky", 0.0, [1, 0, 0]);
     assert_eq!(benchmark.methods[recommended(&read(&gap).unwrap()).unwrap()], "careful");
     let said = answer(&read(&sample("test")).unwrap()).unwrap_err().to_string();
     assert!(said.contains("no run of the tuning half"), "{said}");
     let said = answer(&read(&sample("tuning")).unwrap()).unwrap_err().to_string();
     assert!(said.contains("no run of the test half"), "{said}");
-    // `two` has no record of one run, and now `one` has none of another.
+    // `two` has no record of one run; now `one` has none of another.
     let gaps = sample("tuning").replace(&failed(("tuning", "f", "b", 1), "one"), "");
     let said = answer(&read(&gaps).unwrap()).unwrap_err().to_string();
     assert!(said.contains("no method has a record for every run"), "{said}");

@@ -1,4 +1,4 @@
-//! The trust benchmark against hand-made results.
+//! Tests the trust benchmark with hand-made results.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -22,7 +22,7 @@ fn labels((half, family, cluster, seed): Place, method: &str) -> String {
     )
 }
 
-/// Correct edges kept and lost, false edges kept.
+/// A result: correct edges kept and lost, and false edges kept.
 fn done(place: Place, method: &str, rmse: f64, [kept, lost, wrong]: [u32; 3]) -> String {
     format!(
         r#"{{"format":"posecut-result","version":1,"labels":{},"rmse":{rmse},"components":1,"poses":10,"poses_unmatched":0,"edges":{{"true_positive":{kept},"false_positive":{wrong},"false_negative":{lost},"true_negative":0,"precision":null,"recall":null}}}}"#,
@@ -44,7 +44,7 @@ fn read(lines: &str) -> anyhow::Result<Benchmark> {
     Benchmark::new(&read_results(&path)?.0, None)
 }
 
-/// What is wrong with the lines, in one sentence, without the folder.
+/// The error message for these lines, without the folder.
 fn refused(lines: &str) -> String {
     let said = format!("{:#}", read(lines).unwrap_err());
     said.split_once("results.jsonl").map_or(said.clone(), |(_, rest)| format!("results.jsonl{rest}"))
@@ -63,18 +63,19 @@ fn sample(half: &str) -> String {
         done(place("b", 2), "one", 1.15, [10, 0, 0]),
         done(place("b", 2), "two", 1.0, [10, 0, 0]),
         done(place("c", 1), "one", 0.3, [1, 0, 0]),
-        // The oracle is the best everywhere, and compared with nobody.
+        // The oracle is the best everywhere, but no method is compared with it.
         done(place("a", 1), "oracle", 0.0, [10, 0, 0]),
     ]
     .concat()
 }
 
-/// `two` where the sample lacks it in the tuning half.
+/// The record of `two` that the sample lacks in the tuning half.
 fn filled() -> String {
     done(("tuning", "f", "c", 1), "two", 0.3, [1, 0, 0]).replace("\"f c\"", "\"tuned c\"")
 }
 
-/// A result with a calibration record: edges, sum of probability and correct edges of the last two bins.
+/// A result with a calibration record: for each of the last two bins the edges, the sum of probabilities and the
+/// correct edges.
 fn judged(place: Place, method: &str, bins: [(u32, f64, u32); 2]) -> String {
     let [(few, low, right), (many, high, correct)] = bins;
     let zeros = "0,0,0,0,0,0,0,0";
@@ -86,7 +87,8 @@ fn judged(place: Place, method: &str, bins: [(u32, f64, u32); 2]) -> String {
     )
 }
 
-/// Three runs of two families with a record, and two without: one of another method, one without probabilities.
+/// Three runs of two families with a calibration record, and two runs without: one of another method, one without
+/// probabilities.
 fn probabilities() -> String {
     [
         judged(("test", "f", "a", 1), "judge", [(10, 8.5, 7), (100, 98.0, 100)]),

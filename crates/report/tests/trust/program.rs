@@ -1,4 +1,4 @@
-//! The program, its files and the page.
+//! Tests the program with its files and the page.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -21,7 +21,7 @@ fn the_program_draws_the_diagram_and_the_page_has_it() {
     assert!(good, "{said}");
     assert!(page.contains("id=\"trust-reliability\"") && page.contains("\"reliability\":{\"half\":\"test\""));
 
-    // Nothing to draw is no error, since a benchmark of other methods has no probabilities.
+    // An empty figure is not an error, because a benchmark of other methods has no probabilities.
     fs::write(path("none.jsonl"), sample("test")).unwrap();
     let (good, _, said) = run(&["trust", &path("none.jsonl"), "--reliability", &path("none.svg")]);
     assert!(good && said.contains("none.svg is not written"), "{said}");

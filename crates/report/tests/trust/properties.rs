@@ -1,4 +1,4 @@
-//! Laws of the tables, on any records.
+//! Properties of the tables for random records.
 
 use posecut_report::figure::plotting::lanes;
 use posecut_report::figure::regret::{figure, regrets};
@@ -9,7 +9,7 @@ use proptest::prelude::*;
 
 use crate::{done, failed, read};
 
-/// Two methods and a third that may fail, on up to three families, clusters and seeds.
+/// Records of two methods, and of a third that may fail, on up to three families, clusters and seeds.
 fn any_lines() -> impl Strategy<Value = Vec<String>> {
     let run =
         (0..3_usize, 0..3_usize, prop::bool::ANY, prop::array::uniform3(0.0..100.0_f64), prop::bool::ANY);

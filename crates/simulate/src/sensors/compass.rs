@@ -9,7 +9,7 @@ use crate::drive::Instant;
 use crate::noise::{Wander, normal};
 use crate::session::time;
 
-/// Roll, pitch and a heading that iron near the way bends by tenths of a radian, at places by more.
+/// Roll, pitch and a heading. Iron near the path disturbs the heading by tenths of a radian, in some places by more.
 pub fn euler(campus: &Campus, drive: &[Instant], start: i64, period: f64, draw: &mut ChaCha8Rng) -> Vec<Row> {
     let mut filter = Wander::new(draw, 0.03, 30.0);
     drive
@@ -26,8 +26,8 @@ pub fn euler(campus: &Campus, drive: &[Instant], start: i64, period: f64, draw: 
         .collect()
 }
 
-/// The integrated rate of the fibre-optic gyro, from an arbitrary start, in [0, 2 pi): it drifts by some
-/// degrees an hour.
+/// The integrated rate of the fibre-optic gyro, from an arbitrary start, in [0, 2 pi). It drifts by some degrees an
+/// hour.
 pub fn fibre_optic_gyro(drive: &[Instant], start: i64, period: f64, draw: &mut ChaCha8Rng) -> Vec<Row> {
     let bias = normal(draw, 1.0e-5);
     let mut error = normal(draw, 1.0);

@@ -12,8 +12,8 @@ const ORIGIN: [f64; 3] = [0.738_2, -1.461_0, 270.0];
 /// Metres per radian of latitude and (at the equator) of longitude.
 const EARTH_RADIUS: f64 = 6_371_000.0;
 
-/// Rows of mode, satellites, latitude, longitude (rad), altitude, track, speed, five a second at most. The
-/// error wanders by metres; between buildings the receiver loses its fix, and the rows say mode 0.
+/// Rows of mode, satellites, latitude, longitude (rad), altitude, track, speed, at most five a second. The error varies
+/// by metres. Between buildings the receiver loses its fix, and the rows have mode 0.
 pub fn gps(drive: &[Instant], start: i64, period: f64, draw: &mut ChaCha8Rng) -> Vec<Row> {
     let every = ((0.2 / period).round() as usize).max(1);
     let step = every as f64 * period;

@@ -9,11 +9,11 @@ use crate::drive::Instant;
 use crate::noise::{Wander, normal};
 use crate::session::time;
 
-/// The field in Ann Arbor's latitude: 0.18 Gauss north, 0.50 Gauss down.
+/// The magnetic field at Ann Arbor's latitude: 0.18 Gauss north, 0.50 Gauss down.
 const FIELD: [f64; 3] = [0.18, 0.0, 0.50];
 const GRAVITY: f64 = 9.805;
 
-/// Rows of mag xyz (Gauss), accel xyz (m/s^2), rates roll pitch yaw (rad/s). The gyro's bias wanders.
+/// Rows of mag xyz (Gauss), accel xyz (m/s^2), rates roll pitch yaw (rad/s). The gyro's bias varies.
 pub fn imu(campus: &Campus, drive: &[Instant], start: i64, period: f64, draw: &mut ChaCha8Rng) -> Vec<Row> {
     let mut bias = Wander::new(draw, 0.000_5, 600.0);
     let mut last_speed = 0.0;

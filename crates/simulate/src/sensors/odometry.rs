@@ -16,9 +16,9 @@ const STEP_SIGMA: [f64; 6] = [0.022, 0.0003, 0.0037, 0.0165, 0.0165, 0.000_66];
 const STEP_SECONDS: f64 = 0.2;
 /// The images' period, seconds.
 const IMAGE_PERIOD: f64 = 0.2;
-/// Roll and pitch are held by gravity: their error stays, and does not add up.
+/// Gravity limits the error of roll and pitch: it does not accumulate.
 const TILT: f64 = 0.01;
-/// Times a session when the wheels lose their hold for some seconds.
+/// Number of times in a session that the wheels lose grip for some seconds.
 const GROSS_SLIPS: f64 = 3.0;
 
 /// The rows of the three files.
@@ -27,13 +27,14 @@ pub struct Odometry {
     pub integrated: Vec<Row>,
     /// `odometry_mu.csv`: poses relative to the previous image.
     pub relative: Vec<Row>,
-    /// `odometry_cov.csv`: their covariances, as NCLT states them.
+    /// `odometry_cov.csv`: covariances of the relative poses, as NCLT states them.
     pub covariance: Vec<Row>,
 }
 
-/// Integrates the true motion with noise of NCLT's stated size, a scale error, a slowly wandering turn, and a
-/// few gross slips, as the real sessions show them.
+/// Integrates the true motion with noise of NCLT's stated size, a scale error, a slowly varying turn error, and a few
+/// gross slips, all as in real sessions.
 pub fn odometry(drive: &[Instant], start: i64, period: f64, draw: &mut ChaCha8Rng) -> Odometry {
+    // The standard deviation of independent errors grows with the square root of time.
     let share = (period / STEP_SECONDS).sqrt();
     let scale = 1.0 + normal(draw, 0.004);
     let mut turn = Wander::new(draw, 1.0e-4, 300.0);
@@ -90,7 +91,7 @@ pub fn odometry(drive: &[Instant], start: i64, period: f64, draw: &mut ChaCha8Rn
     Odometry { integrated, relative, covariance }
 }
 
-/// The upper triangle of NCLT's covariance of a step.
+/// The upper triangle of the covariance that NCLT states for a step.
 fn stated_covariance() -> Vec<f64> {
     (0..6)
         .flat_map(|row| (row..6).map(move |column| if row == column { STEP_SIGMA[row].powi(2) } else { 0.0 }))

@@ -8,13 +8,13 @@ use crate::drive::Instant;
 use crate::noise::Wander;
 use crate::session::time;
 
-/// NCLT's ground truth is itself a SLAM solution: over two seconds it disagrees with the odometry by a few
-/// centimetres and about a hundredth of a radian. The disagreement changes within about a second.
+/// NCLT's ground truth is itself a SLAM solution: over two seconds it differs from the odometry by a few centimetres
+/// and about a hundredth of a radian. The difference changes within about a second.
 const POSITION: f64 = 0.035;
 const HEADING: f64 = 0.010;
 const SECONDS: f64 = 1.0;
 
-/// Rows of NaN that NCLT's files start with.
+/// Number of rows of NaN at the start of NCLT's files.
 const LEADING_NAN: usize = 3;
 
 /// Poses at every instant, after some rows of NaN.

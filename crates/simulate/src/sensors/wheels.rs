@@ -1,4 +1,4 @@
-//! `wheels.csv`: speed of the left and the right wheel.
+//! `wheels.csv`: speed of the left and of the right wheel.
 
 use posecut_stage::ChaCha8Rng;
 use rand::RngExt as _;
@@ -13,7 +13,7 @@ const TRACK: f64 = 0.56;
 /// The encoder's smallest step, m/s.
 const RESOLUTION: f64 = 0.006;
 
-/// The wheels over-read by 6 to 8 %, more in some sessions than in others, and slip now and then.
+/// The wheels over-read by 6 to 8 %, depending on the session, and slip now and then.
 pub fn wheels(drive: &[Instant], start: i64, period: f64, draw: &mut ChaCha8Rng) -> Vec<Row> {
     let over_read = draw.random_range(1.06..1.09);
     let mut slip = Wander::new(draw, 0.02, 20.0);

@@ -1,4 +1,4 @@
-//! The incremental solver beside gtsam's ISAM2, for docs/results/incremental.md.
+//! Times the incremental solver beside gtsam's ISAM2, for docs/results/incremental.md.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -35,7 +35,7 @@ pub(crate) struct Incremental {
 }
 
 const PAGE: &str = "docs/results/incremental.md";
-/// Names, lowest known costs, dimensions.
+/// Name, lowest known cost and dimension of each graph.
 const GRAPHS: [(&str, f64, &str); 3] = [
     ("M3500", 137.914_878_247, "2"),
     ("sphere2500", 1_351.401_925_85, "3"),
@@ -63,7 +63,7 @@ const HEAD: [&str; 10] = [
     "gap after one full relinearisation",
 ];
 
-/// What the peer prints.
+/// The output of the peer.
 #[derive(Deserialize)]
 struct Theirs {
     total_s: f64,
@@ -72,7 +72,7 @@ struct Theirs {
     version: String,
 }
 
-/// What the bench prints.
+/// The output of the bench program.
 #[derive(Deserialize)]
 struct Ours {
     newest_s: f64,
@@ -176,7 +176,7 @@ fn table(measured: &[(&str, f64, Theirs, Ours, Ours)], machine: &Machine, date: 
 mod tests {
     use super::*;
 
-    /// The rows of M3500 as docs/results/incremental.md had them on 2026-11-21.
+    /// The expected rows of M3500 are those of docs/results/incremental.md on 2026-11-21.
     #[test]
     fn recorded_measurements_make_the_rows_of_the_page() {
         let theirs = r#"{"total_s": 2.612, "quantiles_ms": [0.1371, 3.221, 6.913, 43.55], "cost": 137.9466, "version": "4.3.0"}"#;

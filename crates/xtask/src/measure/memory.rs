@@ -1,4 +1,4 @@
-//! Peak memory and seconds of every program, for docs/results/memory.md and READMEs.
+//! Measures peak memory and time of every program, for docs/results/memory.md and READMEs.
 
 pub(super) mod graph;
 mod inputs;
@@ -36,10 +36,10 @@ pub(crate) struct Memory {
 const PAGE: &str = "docs/results/memory.md";
 const SECTION: &str = "memory";
 const MEBIBYTE: f64 = (1 << 20) as f64;
-/// What a process takes before it reads anything, with its threads and buffers.
+/// Memory of a process before it reads any input, with its threads and buffers.
 const BASE: f64 = 16.0 * MEBIBYTE;
 const MARGIN: f64 = 2.0;
-/// After which a program has run away; no measurement of time.
+/// A program that runs longer than this has run away; no measurement takes as long.
 const LIMIT: Duration = Duration::from_mins(10);
 
 struct Case {
@@ -53,7 +53,7 @@ const fn case(program: &'static str, options: &'static [&'static str], kind: Kin
     Case { program, options, kind, size }
 }
 
-/// The million is the largest graph that is sensible; where a method takes minutes on it, the size is less.
+/// The largest sensible graph has a million nodes. Methods that take minutes on it get a smaller one.
 const CASES: [Case; 19] = [
     case("simulate", &["--rate", "40", "--overwrite"], Kind::Metres, 100_000),
     case("ingest", &[], Kind::Session, 100_000),
@@ -88,7 +88,7 @@ impl Memory {
     }
 }
 
-/// A process that must end with status 0 or 1, within the limit.
+/// Runs a process that must end with status 0 or 1 within the limit.
 fn run(command: &mut Command) -> anyhow::Result<Measured> {
     match measure_accepting(command, LIMIT, &[0, 1])? {
         Ended::Done(measured) => Ok(measured),
@@ -99,7 +99,7 @@ fn run(command: &mut Command) -> anyhow::Result<Measured> {
     }
 }
 
-/// A case on a share of its input, and the bytes that it reads.
+/// Measures a case on a share of its input, and returns the number of bytes read too.
 fn measured(case: &Case, inputs: &Inputs, share: usize) -> anyhow::Result<(Measured, u64)> {
     let (given, read) = inputs.arguments(case.kind, (case.size / share).max(1))?;
     let mut command = Command::new(program(case.program));
@@ -109,13 +109,13 @@ fn measured(case: &Case, inputs: &Inputs, share: usize) -> anyhow::Result<(Measu
     Ok((run(command.args(case.options).args(given))?, read))
 }
 
-/// The rows of the page, each with the name of its program.
+/// The rows of the document, each with the name of its program.
 fn known(page: &Path) -> anyhow::Result<Vec<(String, Vec<String>)>> {
     let named = |cells: Vec<String>| Some((cells.first()?.strip_prefix("posecut-")?.to_owned(), cells));
     Ok(rows(page, SECTION)?.into_iter().filter_map(named).collect())
 }
 
-/// Whether memory on a tenth of the input is within the bound that the page states.
+/// Checks that memory on a tenth of the input is within the bound stated in the document.
 fn check(inputs: &Inputs) -> anyhow::Result<Verdict> {
     let known = known(&root().join(PAGE))?;
     let mut wrong = Vec::new();
@@ -175,7 +175,7 @@ fn record(only: &[String], inputs: &Inputs) -> anyhow::Result<()> {
     write(&found, &page, &Machine::here())
 }
 
-/// The table of the page, and the line of each program's README.
+/// Writes the table of the document, and the line in each program's README.
 fn write(found: &[(String, Vec<String>)], page: &Path, machine: &Machine) -> anyhow::Result<()> {
     let cores = machine.cores;
     let head = ["program", "options", "input", "input, MB", "bytes for each", "peak, MB", "seconds", "date"];

@@ -1,4 +1,5 @@
-//! posecut-partition, the multicut solver, as a whole process on generated and published instances, for docs/results/multicut.md.
+//! Measures posecut-partition, the multicut solver, as a whole process on generated and published instances, for
+//! docs/results/multicut.md.
 
 mod instances;
 mod running;
@@ -96,7 +97,7 @@ impl Multicut {
         Ok(Verdict::Holds)
     }
 
-    /// What is known from before and what is measured now, in the order of the instances.
+    /// Measurements, old and new, in the order of the instances.
     fn found(&self, instances: &[Instance], folder: &Path) -> anyhow::Result<Vec<Found>> {
         let began = Instant::now();
         let mut known = self.known()?;
@@ -140,7 +141,7 @@ impl Multicut {
         Ok(found)
     }
 
-    /// When, on what and how it was measured, and what is missing.
+    /// The date, machine and limits of the measurement, and what is missing.
     fn conditions(&self, machine: &Machine, date: &str, missing: &[&str]) -> String {
         let options = [
             ("--largest", self.largest),

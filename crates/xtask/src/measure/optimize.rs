@@ -1,4 +1,4 @@
-//! posecut-optimize, beside other optimisers too, for docs/results/optimize.md.
+//! Measures posecut-optimize, and other optimisers for comparison, for docs/results/optimize.md.
 
 mod growth;
 mod peers;
@@ -56,7 +56,7 @@ enum Part {
 
 const PAGE: &str = "docs/results/optimize.md";
 
-/// What was measured, in target/comparison.json.
+/// The measurements so far, stored in target/comparison.json.
 struct Results {
     path: PathBuf,
     parts: Map<String, Value>,
@@ -74,7 +74,7 @@ impl Results {
         Ok(Self { path, parts })
     }
 
-    /// Keeps what was measured under these names.
+    /// Stores a measurement under these names.
     fn keep(&mut self, names: &[&str], found: impl serde::Serialize) -> anyhow::Result<()> {
         let Some((last, outer)) = names.split_last() else { return Ok(()) };
         let mut map = &mut self.parts;
@@ -87,7 +87,7 @@ impl Results {
             .with_context(|| format!("{}: cannot be written", self.path.display()))
     }
 
-    /// What was measured under a name, nothing if it was not.
+    /// The measurement with this name, if there is one.
     fn part<T: serde::de::DeserializeOwned>(&self, name: &str) -> anyhow::Result<Option<T>> {
         let found = self.parts.get(name).cloned().map(serde_json::from_value).transpose();
         found.with_context(|| format!("comparison.json: {name} lacks what its table shows"))
@@ -147,7 +147,7 @@ impl Optimize {
     }
 }
 
-/// The tables of what was measured, by their sections.
+/// The tables of the measurements, each with its section.
 fn tables(results: &Results, graphs: &[(String, f64)]) -> anyhow::Result<Vec<(&'static str, String)>> {
     let mut all = Vec::new();
     if let Some(found) = results.part("peers")? {
@@ -175,7 +175,7 @@ fn best(graphs: &[(String, f64)], name: &str) -> anyhow::Result<f64> {
     known.map(|(_, cost)| *cost).with_context(|| format!("the lowest cost of {name} is not known"))
 }
 
-/// An ordered map from JSON.
+/// A JSON object as a list in the order of the file.
 type Named<T> = Vec<(String, T)>;
 
 /// The entries of a JSON object in their order.
@@ -193,7 +193,7 @@ mod tests {
 
     use super::*;
 
-    /// What the tables were when a script in Python made them of the same measurements.
+    /// The expected tables come from an earlier Python script, which made them of the same measurements.
     #[test]
     fn recorded_measurements_make_the_tables() {
         let entry = |seconds: f64, cost: Option<f64>| json!({"seconds": seconds, "iterations": 4, "megabytes": 12.4, "cost": cost});

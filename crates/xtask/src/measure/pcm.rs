@@ -1,4 +1,4 @@
-//! posecut-pcm on drawn scenarios: seconds, memory, precision and recall, for docs/results/pcm.md.
+//! Measures posecut-pcm on drawn scenarios: time, memory, precision and recall, for docs/results/pcm.md.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -50,12 +50,12 @@ const HEAD: [&str; 16] = [
     "recall",
 ];
 
-/// What is drawn.
+/// A scenario to draw.
 struct Scenario {
     size: u64,
     /// Share of false edges.
     outliers: &'static str,
-    /// Their kind.
+    /// The kind of false edges.
     falsehood: &'static str,
     dimension: &'static str,
 }
@@ -78,7 +78,7 @@ impl Scenario {
         if self.size > 20_000 { "cells" } else { "exact" }
     }
 
-    /// What the example prints, and its peak memory in MB.
+    /// The output of the example, and its peak memory in MB.
     fn measured(&self, threads: &str) -> anyhow::Result<(Value, f64)> {
         let mut command = Command::new(programs_folder().join("examples/measure"));
         command.args([
@@ -142,7 +142,7 @@ impl Scenario {
     }
 }
 
-/// What the example prints.
+/// The output of the example.
 #[derive(Deserialize)]
 struct Found {
     seconds_pairs: f64,
@@ -168,7 +168,7 @@ impl Pcm {
                 eprintln!("{}", table.last().map(|row| markdown::row(row)).unwrap_or_default());
             }
         }
-        // Stable: rows of a size keep their order.
+        // The sort is stable: rows of the same size keep their order.
         table.sort_by_key(|cells| size(cells));
         let machine = Machine::here();
         let intro = format!(

@@ -1,4 +1,4 @@
-//! Other people's libraries, which small Python scripts call.
+//! Calls other libraries through small Python scripts.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -6,10 +6,10 @@ use std::process::Command;
 use anyhow::{Context as _, bail};
 use xtask::workspace::root;
 
-/// The Python of an environment with these packages, installed where they are missing.
+/// The Python of an environment with these packages, which are installed if missing.
 ///
 /// # Errors
-/// If they cannot be installed.
+/// If the packages cannot be installed.
 pub(super) fn python(packages: &[&str]) -> anyhow::Result<PathBuf> {
     let script = root().join("scripts/python-environment.sh");
     let output =

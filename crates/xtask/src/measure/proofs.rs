@@ -1,4 +1,4 @@
-//! What the proofs of posecut-partition are made of, for crates/multicut/docs/method.md.
+//! Counts the ingredients of the proofs of posecut-partition, for crates/multicut/docs/method.md.
 
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
@@ -34,10 +34,10 @@ pub(crate) struct Proofs {
     write: Option<PathBuf>,
 }
 
-/// Lines of the largest instance that is small.
+/// An instance with more lines than this is not small.
 const LARGEST: usize = 25_000;
 
-/// What `--stats` says.
+/// The statistics of `--stats`.
 #[derive(Deserialize)]
 struct Statistics {
     lower_bound: f64,
@@ -45,10 +45,10 @@ struct Statistics {
     work: f64,
 }
 
-/// What one program did with one instance.
+/// The result of one program on one instance.
 #[derive(PartialEq)]
 struct Proof {
-    /// Branchings, fixings, wheels, bound.
+    /// Numbers of branchings, fixings and wheels, and the bound.
     kinds: String,
     open: bool,
     work: f64,
@@ -154,7 +154,7 @@ fn instances(folder: &Path) -> anyhow::Result<Vec<(String, PathBuf)>> {
     Ok(all)
 }
 
-/// The small ones among the published instances.
+/// The small instances among the published ones.
 fn published() -> anyhow::Result<Vec<(String, PathBuf)>> {
     let Some(data) = std::env::var_os("POSECUT_SHARED_DATA") else {
         eprintln!("skipped: no data: multicut (set POSECUT_SHARED_DATA)");
@@ -172,7 +172,7 @@ fn published() -> anyhow::Result<Vec<(String, PathBuf)>> {
     Ok(found)
 }
 
-/// A random graph: each pair of nodes is an edge with a chance, its cost drawn evenly from -1 to 1.
+/// A random graph: each pair of nodes has an edge with probability `share`, with a cost drawn uniformly from -1 to 1.
 fn draw(path: &Path, nodes: u32, share: f64, seed: u32) -> anyhow::Result<()> {
     let mut chance = Twister::new(seed);
     let mut file = std::io::BufWriter::new(std::fs::File::create(path)?);

@@ -47,10 +47,10 @@ pub(crate) struct Simulation {
     write: bool,
 }
 
-/// What the table says of one session, by rows.
+/// The statistics of one session: pairs of row name and value.
 type Statistics = Vec<(String, String)>;
 
-/// The last rows, by the first words of their names.
+/// The rows that come last, by the first words of their names.
 const GROUPS: [&str; 4] = ["odometry_mu_100hz", "wheels", "wheels'", "ms25_euler"];
 
 impl Simulation {
@@ -96,7 +96,7 @@ fn sessions(directory: &Path) -> anyhow::Result<Vec<(String, Statistics)>> {
     Ok(found)
 }
 
-/// A real session may lack what the first one has and the reverse: rows are grouped by their first word.
+/// Rows are grouped by their first word, because some sessions lack rows that others have.
 fn table(columns: &[(String, Statistics)]) -> String {
     let mut names: Vec<&str> = Vec::new();
     for (name, _) in columns.iter().flat_map(|(_, values)| values) {
@@ -120,7 +120,7 @@ fn table(columns: &[(String, Statistics)]) -> String {
     aligned(head, &names.iter().map(row).collect::<Vec<_>>())
 }
 
-/// A table whose columns are as wide as their widest cell, the first on the left, all others on the right.
+/// A table whose columns are as wide as their widest cell: the first aligned left, all others aligned right.
 fn aligned(head: Vec<&str>, rows: &[Vec<String>]) -> String {
     let head: Vec<String> = head.into_iter().map(str::to_owned).collect();
     let all = || std::iter::once(&head).chain(rows);

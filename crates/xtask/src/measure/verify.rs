@@ -1,4 +1,4 @@
-//! posecut-verify beside posecut-pcm: seconds and memory of whole processes, for docs/results/verify-speed.md.
+//! Measures posecut-verify beside posecut-pcm: time and memory of whole processes, for docs/results/verify-speed.md.
 
 mod graphs;
 
@@ -42,9 +42,9 @@ pub(crate) struct Verify {
 }
 
 const SECTION: &str = "speed";
-/// Wall seconds of posecut-verify that were promised.
+/// The goals: wall seconds of posecut-verify by number of candidates.
 const GOALS: [(u64, f64); 4] = [(1000, 0.05), (5000, 0.5), (FIVE_SESSIONS, 8.0), (100_000, 15.0)];
-/// The first is compared with the others.
+/// The first method is compared with the others.
 const METHODS: [(&str, &str, &[&str]); 3] = [
     ("verify", "posecut-verify", &[]),
     ("pcm", "posecut-pcm", &[]),
@@ -77,7 +77,7 @@ impl Verify {
                 table.push(row);
             }
         }
-        // Stable: rows of a size keep their order.
+        // The sort is stable: rows of the same size keep their order.
         table.sort_by_key(|cells| size(cells));
         let machine = Machine::here();
         let intro =
@@ -87,11 +87,11 @@ impl Verify {
         Ok(Verdict::Holds)
     }
 
-    /// Every method on a graph; none where one run was stopped.
+    /// Measures every method on a graph; `None` for a method if one of its runs was stopped.
     fn measured(&self, graph: &Path) -> anyhow::Result<Vec<Option<Medians>>> {
         let limit = Duration::try_from_secs_f64(self.limit)?;
         let mut found = METHODS.map(|_| Some(Vec::new()));
-        // By turns, so that a busy machine meets all of them.
+        // Methods take turns, so that other load on the machine affects all of them alike.
         for _ in 0..self.repeats {
             for ((_, program, options), found) in METHODS.iter().zip(&mut found) {
                 let Some(runs) = found else { continue };
@@ -157,7 +157,7 @@ fn head() -> Vec<String> {
     head
 }
 
-/// Processes that want to run, mean of the last minute.
+/// The load of the machine: runnable processes, mean over the last minute.
 fn load() -> String {
     let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
     let first = text.split(' ').next().and_then(|word| word.parse::<f64>().ok());

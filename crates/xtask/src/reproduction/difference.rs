@@ -1,4 +1,4 @@
-//! RMSE of one table less that of another, run by run.
+//! RMSE of one table minus that of another, run by run.
 
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! NEES of the odometry, by length of window.
+//! NEES of the odometry by window length.
 
 use std::path::Path;
 use std::process::Command;
@@ -10,7 +10,7 @@ use xtask::workspace::program;
 use crate::markdown;
 use crate::process::must;
 
-/// The covariance that axes of maps refer to: metres and radians a keyframe step.
+/// The reference covariance of the maps' axes: metres and radians a keyframe step.
 const SIGMAS: [&str; 4] = ["--sigma-translation", "0.1", "--sigma-rotation", "0.016666666666666666"];
 
 #[derive(Deserialize)]

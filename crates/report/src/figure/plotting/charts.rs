@@ -16,12 +16,12 @@ use crate::figure::{Dash, Marks, Panel, Polyline, Shape};
 
 /// Width of a panel, pixels.
 const WIDTH: f64 = 640.0;
-/// Height of a panel whose axes need no equal scale, pixels.
+/// Height of a panel whose axes need not have equal scales, pixels.
 const HEIGHT: f64 = 440.0;
-/// What of a panel the axes do not fill: labels beside, title and legend above and below, pixels.
+/// Width and height of a panel outside its axes, for labels, title and legend, pixels.
 const MARGINS: (f64, f64) = (110.0, 150.0);
 
-/// Panels side by side, rows of at most `columns`.
+/// Draws panels side by side, at most `columns` in a row.
 pub fn charts(panels: &[Panel], columns: usize) -> anyhow::Result<Drawing> {
     if panels.is_empty() {
         bail!("there is nothing to draw; name at least one graph");
@@ -37,7 +37,7 @@ pub fn charts(panels: &[Panel], columns: usize) -> anyhow::Result<Drawing> {
     Ok(Drawing(scene))
 }
 
-/// The height at which the most upright map fills its axes, within reason.
+/// The height at which the tallest map fills its axes, within limits.
 fn height(panels: &[Panel]) -> f64 {
     let shape = |panel: &Panel| {
         let points = || {

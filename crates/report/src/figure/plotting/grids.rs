@@ -1,4 +1,4 @@
-//! Panels of cells: heat maps with numbers in them, and matrices.
+//! Panels of cells: heat maps with numbers in their cells, and matrices.
 
 use anyhow::bail;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
@@ -12,45 +12,45 @@ use crate::figure::colours::INK;
 pub struct GridCell {
     /// A CSS colour.
     pub colour: String,
-    /// Whether text on it must be light.
+    /// Whether the colour is so dark that text on it must be light.
     pub dark: bool,
-    /// What stands in it.
+    /// The text in the cell.
     pub text: String,
-    /// Whether it carries a dot.
+    /// Whether the cell has a dot.
     pub dot: bool,
 }
 
 /// A heat map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
-    /// Above it.
+    /// The text above the map.
     pub title: String,
-    /// Below it; empty without any.
+    /// The text below the map; may be empty.
     pub note: String,
     /// Labels of columns, from left to right.
     pub columns: Vec<String>,
     /// Labels of rows, from below upwards.
     pub rows: Vec<String>,
-    /// What the columns are.
+    /// The quantity of the columns.
     pub right: String,
-    /// What the rows are.
+    /// The quantity of the rows.
     pub up: String,
-    /// Row by row from below.
+    /// Cells row by row, from the bottom.
     pub cells: Vec<Option<GridCell>>,
 }
 
-/// What colours mean.
+/// The meaning of the colours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ramp {
-    /// What is measured, with its unit.
+    /// The quantity, with its unit.
     pub title: String,
     /// Colours at equal steps.
     pub colours: Vec<String>,
-    /// Shares of the ramp with their labels.
+    /// Positions on the ramp, from 0 to 1, with their labels.
     pub ticks: Vec<(f64, String)>,
 }
 
-/// A coloured square and what it means.
+/// A colour and its meaning.
 pub type LegendEntry = (&'static str, &'static str);
 
 const CELL: (f64, f64) = (64.0, 30.0);
@@ -61,7 +61,7 @@ const GAP: f64 = 26.0;
 const RAMP: f64 = 62.0;
 const SOFT: &str = "#56616f";
 
-/// Heat maps side by side, rows of at most `columns`, their ramp above.
+/// Draws heat maps side by side, at most `columns` in a row, with their ramp above.
 pub fn grids(title: &str, grids: &[Grid], ramp: &Ramp, columns: usize) -> anyhow::Result<Drawing> {
     let Some(first) = grids.first() else { bail!("there is nothing to draw for {title}") };
     let columns = columns.clamp(1, grids.len());
@@ -80,22 +80,22 @@ pub fn grids(title: &str, grids: &[Grid], ramp: &Ramp, columns: usize) -> anyhow
     Ok(Drawing(pen.0))
 }
 
-/// A square matrix: its title, its size, the colour of each cell by row and column, and strips along the edges.
+/// A square matrix with coloured cells, and strips along its edges.
 pub struct Matrix<'a> {
-    /// Above it.
+    /// The text above the matrix.
     pub title: &'a str,
-    /// Rows and columns.
+    /// Number of rows, and of columns.
     pub count: usize,
-    /// The colour of a cell.
+    /// The colour of a cell, by row and column.
     pub colour: &'a dyn Fn(usize, usize) -> &'static str,
     /// Colours of rows (and columns) in strips beside the matrix, outermost first.
     pub strips: &'a [&'a dyn Fn(usize) -> Option<&'static str>],
 }
 
-/// Matrices side by side with one legend.
+/// Draws matrices side by side with one legend.
 pub fn matrices(all: &[Matrix], legend: &[LegendEntry]) -> anyhow::Result<Drawing> {
     const STRIP: f64 = 9.0;
-    // At least half a pixel a cell: above 920 candidates the figure grows.
+    // A cell has at least half a pixel: above 920 candidates the figure grows.
     let side = all.iter().map(|matrix| matrix.count as f64 / 2.0).fold(460.0, f64::max);
     if all.is_empty() {
         bail!("there is nothing to draw; name at least one graph that went through PCM");
@@ -108,7 +108,7 @@ pub fn matrices(all: &[Matrix], legend: &[LegendEntry]) -> anyhow::Result<Drawin
         let (left, top) = (GAP + width * index as f64, ABOVE);
         pen.text(left, top - 12.0, matrix.title, 14, TextAnchor::Start, true, INK);
         let (left, top) = (left + edge, top + edge);
-        // Whole half pixels, so that neighbours meet without a seam.
+        // A cell is a multiple of half a pixel wide, so that there is no seam between neighbours.
         let cell = (2.0 * side / matrix.count.max(1) as f64).floor().max(1.0) / 2.0;
         for row in 0..matrix.count {
             for (start, end, colour) in runs(matrix.count, |column| Some((matrix.colour)(row, column))) {
@@ -133,7 +133,7 @@ pub fn matrices(all: &[Matrix], legend: &[LegendEntry]) -> anyhow::Result<Drawin
     Ok(Drawing(pen.0))
 }
 
-/// Stretches of one colour: a row of thousands of cells is a few rectangles.
+/// Runs of cells of the same colour, so that a row of thousands of cells needs only a few rectangles.
 fn runs(count: usize, colour: impl Fn(usize) -> Option<&'static str>) -> Vec<(usize, usize, &'static str)> {
     let mut runs: Vec<(usize, usize, &'static str)> = Vec::new();
     for place in 0..count {

@@ -1,4 +1,4 @@
-//! Panels of lanes: one row a method, one dot a run, on an axis that all panels share.
+//! Panels of lanes: one lane a method, one dot a run, with one axis for all panels.
 
 use anyhow::bail;
 use kuva::render::render::{Scene, TextAnchor};
@@ -10,48 +10,48 @@ use crate::figure::colours::{INCORRECT, INK, experience};
 /// One run in a lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dot {
-    /// Along the axis, 0 to 1.
+    /// The position along the axis, 0 to 1.
     pub along: f64,
-    /// Across the lane, -1 to 1.
+    /// The position across the lane, -1 to 1.
     pub across: f64,
-    /// Drawn as a ring in a colour of its own.
+    /// Whether it is drawn as a ring in a colour of its own.
     pub marked: bool,
 }
 
 /// One row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lane {
-    /// Above one another: the later ones are on top.
+    /// Dots in drawing order: later ones are on top.
     pub dots: Vec<Dot>,
-    /// A bar, 0 to 1.
+    /// The position of a bar, 0 to 1.
     pub bar: Option<f64>,
-    /// At the right of the axis.
+    /// The text at the right of the axis.
     pub text: String,
-    /// Runs that have no dot: a cross with their number.
+    /// Number of runs without a dot, drawn as a cross with this number.
     pub crossed: usize,
 }
 
 /// Lanes with a title.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LanePanel {
-    /// Above it.
+    /// The text above the panel.
     pub title: String,
-    /// From above, one for each label of the figure.
+    /// From top to bottom, one for each label of the figure.
     pub lanes: Vec<Lane>,
 }
 
 /// The whole figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lanes {
-    /// Above everything.
+    /// The text above the figure.
     pub title: String,
-    /// What the axis measures.
+    /// The quantity on the axis.
     pub axis: String,
-    /// Labels of lanes, from above.
+    /// Labels of lanes, from top to bottom.
     pub labels: Vec<String>,
     /// Positions on the axis with their labels.
     pub ticks: Vec<(f64, String)>,
-    /// What a dot, a ring, the bar, the text and the cross mean.
+    /// The meanings of dot, ring, bar, text and cross.
     pub legend: [String; 5],
     /// Panels.
     pub panels: Vec<LanePanel>,
@@ -59,7 +59,7 @@ pub struct Lanes {
 
 const LANE: f64 = 16.0;
 const AXIS: f64 = 206.0;
-/// Room for the text and the crosses at the right of an axis.
+/// Room for the text and the crosses, at the right of an axis.
 const BESIDE: f64 = 88.0;
 const GAP: f64 = 14.0;
 const HEAD: f64 = 32.0;
@@ -104,7 +104,7 @@ pub fn lanes(figure: &Lanes, columns: usize) -> anyhow::Result<Drawing> {
 impl Pen {
     fn legend(&mut self, legend: &[String; 5]) {
         for (index, text) in legend.iter().enumerate() {
-            // Two columns: the marks of runs, then what summarises them.
+            // Two columns: first the marks of runs, then their summaries.
             let (column, row) = (index / 3, index % 3);
             let (x, y) = (GAP + 6.0 + 360.0 * column as f64, 44.0 + 18.0 * row as f64);
             match index {

@@ -1,4 +1,4 @@
-//! Marks on a scene.
+//! Draws marks on a scene.
 
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 

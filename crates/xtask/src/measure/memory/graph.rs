@@ -1,5 +1,5 @@
-//! A graph of any size: two sessions of half the nodes each, on one route, with a landmark edge for every tenth node, a fifth
-//! of them incorrect.
+//! Draws a graph of any size: two sessions with half of the nodes each, on the same route, with a landmark edge for
+//! every tenth node, a fifth of them incorrect.
 
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
@@ -19,7 +19,7 @@ pub(crate) struct Graph {
 
 const HEADER: &str = r#"{"kind":"header","format":"posecut","version":1,"dimension":2,"noise_models":{"odometry":{"information":[400,0,0,400,0,40000]},"landmark":{"information":[100,0,0,100,0,2500]}}}"#;
 
-/// x, y and heading.
+/// A pose: x, y and heading.
 type Pose = [f64; 3];
 
 impl Graph {
@@ -31,7 +31,7 @@ impl Graph {
     }
 }
 
-/// The pose b seen from a.
+/// The pose `b` in the frame of `a`.
 fn between(a: Pose, b: Pose) -> Pose {
     let (sine, cosine) = (a[2].sin(), a[2].cos());
     let (x, y) = (b[0] - a[0], b[1] - a[1]);

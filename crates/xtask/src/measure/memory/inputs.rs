@@ -1,4 +1,4 @@
-//! Inputs of programs by kind and size, each made once.
+//! Makes the inputs of programs by kind and size, each once.
 
 use std::ffi::OsString;
 use std::io::Write as _;
@@ -10,14 +10,14 @@ use xtask::workspace::{program, root};
 
 use super::run;
 
-/// What a program reads.
+/// The kind of a program's input.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Metres,
     Session,
     SessionGraph,
     Graph,
-    /// A least-squares solver is for graphs whose incorrect edges are gone.
+    /// A graph without incorrect edges, for least-squares solvers.
     CleanGraph,
     Results,
     Seeds,
@@ -38,7 +38,7 @@ impl Kind {
         }
     }
 
-    /// What its size counts.
+    /// The unit of the size.
     pub(super) fn unit(self) -> &'static str {
         match self {
             Self::Metres | Self::Session | Self::SessionGraph => "m of driving",
@@ -51,7 +51,7 @@ impl Kind {
     }
 }
 
-/// A folder of inputs.
+/// A folder with inputs.
 pub(super) struct Inputs<'a> {
     folder: &'a Path,
 }
@@ -91,7 +91,7 @@ impl<'a> Inputs<'a> {
         Ok(path)
     }
 
-    /// One result under many seeds.
+    /// Writes one result under many seeds.
     fn results(&self, size: usize, path: &Path) -> anyhow::Result<()> {
         let (small, result) = (self.folder.join("small.jsonl"), self.folder.join("one.result.json"));
         drawn_apart(200, &small)?;
@@ -118,7 +118,7 @@ impl<'a> Inputs<'a> {
         Ok(file.flush()?)
     }
 
-    /// What a program is given, and the bytes that it reads.
+    /// The arguments of a program, and the number of bytes that it reads.
     pub(super) fn arguments(&self, kind: Kind, size: usize) -> anyhow::Result<(Vec<OsString>, u64)> {
         let output = self.folder.join("output");
         let words = |words: &[&dyn AsRef<std::ffi::OsStr>]| -> Vec<OsString> {
@@ -153,7 +153,8 @@ impl<'a> Inputs<'a> {
     }
 }
 
-/// In a process of its own: a program's peak includes what this process held when it started the program.
+/// Draws the graph in a separate process. Otherwise its memory would count towards the peak of the programs that this
+/// process starts.
 fn drawn_apart(nodes: usize, path: &Path) -> anyhow::Result<()> {
     let own = std::env::current_exe().context("this program's own path is not known")?;
     run(Command::new(own).args(["measure", "graph", &nodes.to_string()]).arg(path))?;

@@ -1,4 +1,4 @@
-//! The instances: published ones, and those drawn by the example `generate_mc`.
+//! The instances: published ones, and those that the example `generate_mc` draws.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -12,7 +12,7 @@ pub(super) const FAMILIES: [&str; 4] = ["F", "S", "A", "D"];
 pub(super) const RATES: [&str; 3] = ["0.1", "0.5", "0.9"];
 const SEED: &str = "1";
 
-/// How a generated instance is drawn.
+/// The parameters of a generated instance.
 #[derive(Clone, Copy)]
 pub(super) struct Drawn {
     family: &'static str,
@@ -36,7 +36,7 @@ impl Instance {
     }
 }
 
-/// All instances; the generated ones share one file in the folder.
+/// All instances. The generated ones share one file in the folder.
 pub(super) fn instances(largest: u64, folder: &Path) -> anyhow::Result<Vec<Instance>> {
     let mut all = Vec::new();
     match std::env::var_os("POSECUT_SHARED_DATA") {

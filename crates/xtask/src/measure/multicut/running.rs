@@ -1,4 +1,4 @@
-//! One instance, solved by posecut-partition and by the peer.
+//! Solves one instance with posecut-partition and with the peer.
 
 use std::path::Path;
 use std::process::Command;
@@ -12,19 +12,19 @@ use xtask::workspace::program;
 use super::Instance;
 use crate::measure::peers::script;
 
-/// Seconds.
+/// Time limits, seconds.
 #[derive(Clone, Copy)]
 pub(super) struct Limits {
     pub(super) own: u64,
     pub(super) peer: u64,
 }
 
-/// All that the tables say about one instance. `None` where a process failed or outlasted its limit.
+/// The measurements of one instance. `None` for a process that failed or exceeded its limit.
 #[derive(Deserialize, Serialize)]
 pub(super) struct Found {
     pub(super) name: String,
     pub(super) exact: Option<Solved>,
-    /// By the peer's solver.
+    /// Results of the peer's solver.
     #[serde(default)]
     pub(super) peer: Peers,
 }
@@ -38,7 +38,7 @@ pub(super) struct Peers {
 }
 
 impl Peers {
-    /// The peer's solvers with what both found.
+    /// The peer's solvers with the results of both programs.
     pub(super) fn all(&self) -> impl Iterator<Item = (&'static str, &(Option<Solved>, Option<Peer>))> {
         [("gaec", &self.gaec), ("klj", &self.klj)]
             .into_iter()
@@ -62,7 +62,7 @@ pub(super) struct Solved {
     others: Map<String, Value>,
 }
 
-/// A process of the peer, and what it prints.
+/// A process of the peer, and its output.
 #[derive(Clone, Deserialize, Serialize)]
 pub(super) struct Peer {
     pub(super) cpu: f64,
@@ -72,7 +72,8 @@ pub(super) struct Peer {
     version: String,
 }
 
-/// The JSON object of a process with its CPU seconds and memory; `None` if it fails or outlasts the limit.
+/// Runs a process, and returns its JSON object with its CPU seconds and memory; `None` if it fails or exceeds the
+/// limit.
 fn measured(
     command: &mut Command,
     limit: u64,

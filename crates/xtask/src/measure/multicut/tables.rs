@@ -22,7 +22,7 @@ const HEURISTICS: [&str; 9] = [
 /// Whether posecut's value is better than, equal to or worse than the peer's.
 fn compared(ours: &Solved, theirs: &Peer) -> &'static str {
     let difference = ours.objective - theirs.objective;
-    // Sums in another order differ in the last digits.
+    // Sums in a different order differ in the last digits.
     if difference.abs() <= 1e-9 * theirs.objective.abs().max(1.0) {
         "equal"
     } else if difference < 0.0 {
@@ -32,13 +32,13 @@ fn compared(ours: &Solved, theirs: &Peer) -> &'static str {
     }
 }
 
-/// The runs that both finished.
+/// The runs that both solvers finished.
 fn pairs(found: &[Found]) -> Vec<(&Solved, &Peer)> {
     let both = found.iter().flat_map(|found| found.peer.all());
     both.filter_map(|(_, (ours, theirs))| Some((ours.as_ref()?, theirs.as_ref()?))).collect()
 }
 
-/// The answer in a sentence or two.
+/// Summarises the result in a sentence or two.
 pub(super) fn summary(found: &[Found]) -> String {
     let proved = found.iter().filter(|found| found.exact.as_ref().is_some_and(|exact| exact.optimal)).count();
     let mut text = format!("The solver proves {proved} of {} instances optimal.", found.len());
@@ -67,7 +67,7 @@ fn surviving(solved: &Solved) -> f64 {
     solved.kernel_edges as f64 / solved.edges.max(1) as f64
 }
 
-/// CPU seconds, memory, share of surviving edges and gap of the generated instances, a column a size.
+/// CPU seconds, memory, share of surviving edges and gap of the generated instances, with one column a size.
 pub(super) fn growth(found: &[Found]) -> String {
     let drawn: Vec<([&str; 3], Option<&Solved>)> = found
         .iter()
@@ -103,7 +103,7 @@ fn grown(solved: &Solved) -> String {
     format!("{:.2} s, {:.0} MB, {}, {end}", solved.cpu, solved.memory, percent(surviving(solved)))
 }
 
-/// A row for each instance.
+/// A table with a row for each instance.
 pub(super) fn exact(found: &[Found]) -> String {
     let row = |found: &Found| {
         let mut cells = vec![found.name.clone()];
@@ -126,7 +126,7 @@ pub(super) fn exact(found: &[Found]) -> String {
     narrow(&markdown::table(&markdown::cells(&EXACT), EXACT.len(), &rows))
 }
 
-/// A row for each run of the peer.
+/// A table with a row for each run of the peer.
 pub(super) fn heuristics(found: &[Found], limit: u64) -> String {
     let mut rows = Vec::new();
     for one in found {
@@ -143,7 +143,7 @@ pub(super) fn heuristics(found: &[Found], limit: u64) -> String {
     narrow(&markdown::table(&markdown::cells(&HEURISTICS), HEURISTICS.len(), &rows))
 }
 
-/// A table whose empty cells have one space.
+/// A table whose empty cells have a single space.
 fn narrow(lines: &[String]) -> String {
     lines.join("\n").replace("  |", " |")
 }
@@ -177,7 +177,7 @@ fn beside(ours: Option<&Solved>, theirs: Option<&Peer>, limit: u64) -> Vec<Strin
 mod tests {
     use super::*;
 
-    /// What the tables were when a script in Python made them of the same measurements.
+    /// The expected tables come from an earlier Python script, which made them of the same measurements.
     #[test]
     fn recorded_measurements_make_the_tables() {
         let lines = [

@@ -1,4 +1,4 @@
-//! Generated graphs of growing size.
+//! Measures generated graphs of growing size.
 
 use std::path::PathBuf;
 
@@ -32,7 +32,7 @@ enum Entry {
     Run(Run),
 }
 
-/// What the bench `growth` prints.
+/// The output of the bench `growth`.
 #[derive(Deserialize)]
 struct Run {
     poses: u64,
@@ -78,7 +78,7 @@ pub(super) fn measure(only: &[u64], results: &mut Results) -> anyhow::Result<()>
             };
             println!("{kind} {size} {entry}");
             results.keep(&["growth", kind, &number], entry)?;
-            // A larger graph would fail too.
+            // Larger graphs would fail too.
             if failed {
                 break;
             }

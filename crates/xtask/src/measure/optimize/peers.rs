@@ -1,4 +1,4 @@
-//! All optimisers on the same graphs, one after the other, from every start.
+//! Runs all optimisers on the same graphs, one after the other, from every start.
 
 mod starts;
 
@@ -17,22 +17,23 @@ use crate::numbers::{general, scientific};
 use starts::starts;
 
 const SOLVERS: [&str; 6] = ["posecut", "arael", "factrs", "apex", "tiny", "gtsam"];
-/// Share above the best known cost at which a solver has found that minimum: of its own cost, which is not quite ours.
+/// A solver has found the minimum if its cost is at most this share above the best known one. This allows for its own
+/// definition of the cost, which is not quite ours.
 const FOUND: f64 = 1e-2;
 
-/// What one solver did from one start.
+/// The result of one solver from one start.
 #[derive(Deserialize, Serialize)]
 pub(super) struct Entry {
     failed: Option<String>,
     seconds: Option<f64>,
     iterations: Option<u64>,
     megabytes: Option<f64>,
-    /// In the log convention, as posecut-optimize computes it; none if the poses are not finite.
+    /// The cost in the log convention, as posecut-optimize computes it; `None` if the poses are not finite.
     cost: Option<f64>,
 }
 
 impl Entry {
-    /// The cost above the best known, as a share of that; infinite without a cost.
+    /// The cost minus the best known one, as a share of the latter; infinite without a cost.
     fn gap(&self, best: f64) -> f64 {
         self.cost.filter(|cost| cost.is_finite()).map_or(f64::INFINITY, |cost| (cost - best) / best)
     }
@@ -57,7 +58,7 @@ impl Solvers {
     }
 }
 
-/// The program that has most of the other optimisers.
+/// The program that contains most of the other optimisers.
 fn peers_program() -> anyhow::Result<PathBuf> {
     let folder = std::env::var_os("PEERS").map_or_else(|| target().join("peers"), PathBuf::from);
     let program = root().join(folder).join("release/posecut-optimize-peers");
@@ -76,7 +77,7 @@ pub(super) fn measure(name: &str, results: &mut Results) -> anyhow::Result<()> {
         for solver in SOLVERS {
             let target = work().join(format!("{name}.{start}.{solver}.g2o"));
             let repeats = if ["posecut", "arael"].contains(&solver) { "10" } else { "3" };
-            // From the relaxation, which the others do not have, posecut starts as they do.
+            // The others lack the relaxation, so posecut too starts from its result as given.
             let word = if (solver, start) == ("posecut", "chordal") { "posecut-given" } else { solver };
             let command = match solver {
                 "gtsam" => Pinned::new(&gtsam, 1).path(script("gtsam")),
@@ -101,7 +102,7 @@ pub(super) fn measure(name: &str, results: &mut Results) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The cost of a g2o graph's poses in the log convention; none if they are not finite.
+/// The cost of a g2o graph's poses in the log convention; `None` if they are not finite.
 fn cost_of(path: &Path) -> anyhow::Result<Option<f64>> {
     let (stats, graph, output) =
         (work().join("cost.json"), work().join("cost.jsonl"), work().join("cost.out.jsonl"));
@@ -117,7 +118,7 @@ fn cost_of(path: &Path) -> anyhow::Result<Option<f64>> {
     Ok(stats["chi_square_given"].as_f64())
 }
 
-/// How many poses a graph has, by the file that the solvers read.
+/// The number of poses of a graph, counted in the file that the solvers read.
 pub(super) fn poses(name: &str) -> anyhow::Result<usize> {
     let path = work().join(format!("{name}.file.g2o"));
     let text = std::fs::read_to_string(&path).with_context(|| {
@@ -137,7 +138,7 @@ fn cell(entry: &Entry, best: f64) -> String {
     if gap < FOUND { text } else { format!("*{text}*") }
 }
 
-/// The table and what it says together; `poses` counts the poses of a graph.
+/// The table and a summary of it; `poses` gives the number of poses of a graph.
 pub(super) fn table(
     found: &Graphs,
     graphs: &[(String, f64)],

@@ -1,4 +1,4 @@
-//! What the processor gives at most, and how much of it the factorisation gets.
+//! Measures the peak performance of the processor, and the share of it that the factorisation reaches.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use crate::measure::peers::{python, script};
 
 const PHASES: [&str; 5] = ["analysis", "start", "linearisation", "factorisation", "substitution"];
 
-/// Gflop/s in large dense products and Gbyte/s in sums of two long vectors, of one core.
+/// Measures Gflop/s of large dense products and Gbyte/s of sums of two long vectors, on one core.
 pub(super) fn measure(results: &mut Results) -> anyhow::Result<()> {
     let output = Pinned::new(&python(&["numpy"])?, 1).path(script("numpy")).must()?.output;
     let peak: BTreeMap<String, f64> = serde_json::from_slice(&output)
@@ -20,7 +20,7 @@ pub(super) fn measure(results: &mut Results) -> anyhow::Result<()> {
     results.keep(&["peak"], peak)
 }
 
-/// The table; none if the flops of a graph are not known.
+/// The table; `None` if the flops of a graph are not known.
 pub(super) fn table(found: &Graphs, peak: &BTreeMap<String, f64>) -> Option<String> {
     let (gigaflops, gigabytes) = (peak.get("gigaflops")?, peak.get("gigabytes")?);
     let mut rows = Vec::new();

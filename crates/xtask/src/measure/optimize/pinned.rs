@@ -1,4 +1,4 @@
-//! Processes held to one processor or two, and where they work.
+//! Runs processes on one or two processors, and prepares their inputs.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -10,12 +10,12 @@ use xtask::workspace::{program, shared_data, target};
 
 use crate::process::{Ended, Measured, measure};
 
-/// The folder of graphs and estimates.
+/// The folder for graphs and estimates.
 pub(super) fn work() -> PathBuf {
     target().join("comparison")
 }
 
-/// A number from the environment.
+/// A number from the environment, or the default.
 pub(super) fn given(name: &str, default: f64) -> anyhow::Result<f64> {
     match std::env::var(name) {
         Err(_) => Ok(default),
@@ -26,7 +26,7 @@ pub(super) fn given(name: &str, default: f64) -> anyhow::Result<f64> {
     }
 }
 
-/// A command on as many processors as it has threads.
+/// A command that runs on as many processors as it has threads.
 pub(super) struct Pinned {
     command: Command,
 }
@@ -39,7 +39,7 @@ impl Pinned {
         Self { command }
     }
 
-    /// A program of posecut, on one processor, quiet.
+    /// A program of posecut on one processor, without messages.
     pub(super) fn posecut(name: &str) -> Self {
         Self::new(&program(name), 1).words(&["-q"])
     }
@@ -54,7 +54,7 @@ impl Pinned {
         self
     }
 
-    /// The measurement, or in a few words why there is none.
+    /// Runs the command and returns the measurement, or the reason for failure in a few words.
     pub(super) fn run(mut self) -> anyhow::Result<Result<Measured, String>> {
         let limit = given("LIMIT", 40.0)?;
         Ok(match measure(&mut self.command, Duration::try_from_secs_f64(limit)?)? {
@@ -64,7 +64,7 @@ impl Pinned {
         })
     }
 
-    /// The measurement; an error if there is none.
+    /// Runs the command and returns the measurement; any failure is an error.
     pub(super) fn must(self) -> anyhow::Result<Measured> {
         let called = crate::process::shown(&self.command);
         match self.run()? {
@@ -82,7 +82,7 @@ pub(super) fn converted(name: &str) -> anyhow::Result<PathBuf> {
     Ok(graph)
 }
 
-/// A start without an optimisation.
+/// Writes the initial poses of a graph, without optimising.
 pub(super) fn started(graph: &Path, initialisation: &str, output: &Path) -> anyhow::Result<()> {
     let optimize =
         Pinned::posecut("optimize").words(&["--initialisation", initialisation, "--max-iterations", "0"]);

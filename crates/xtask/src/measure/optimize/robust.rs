@@ -1,4 +1,4 @@
-//! Robust kernels and GNC on graphs with false closures: distance from the solution without these.
+//! Measures robust kernels and GNC on graphs with false closures: distance from the solution without these closures.
 
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
@@ -48,7 +48,7 @@ pub(super) fn measure(only: &[String], results: &mut Results) -> anyhow::Result<
     Ok(())
 }
 
-/// The graph whose false closures are landmark edges, and the same with these rejected.
+/// The graph with its false closures as landmark edges, and the same graph with them rejected.
 fn labelled(source: &Path) -> anyhow::Result<(PathBuf, PathBuf)> {
     let (graph, clean) = (work().join("corrupted.jsonl"), work().join("clean.jsonl"));
     Pinned::posecut("convert").path(source).words(&["-o"]).path(&graph).must()?;
@@ -87,7 +87,7 @@ fn write(path: &Path, records: &[Value]) -> anyhow::Result<()> {
     Ok(file.flush()?)
 }
 
-/// The positions of all nodes; none if the optimiser fails.
+/// The positions of all nodes; `None` if the optimiser fails.
 fn positions(graph: &Path, options: &[&str]) -> anyhow::Result<Option<Vec<[f64; 2]>>> {
     let output = work().join("robust.jsonl");
     if Pinned::posecut("optimize").words(options).path(graph).words(&["-o"]).path(&output).run()?.is_err() {

@@ -1,4 +1,4 @@
-//! The whole process on benchmark graphs.
+//! Measures the whole process on benchmark graphs.
 
 use std::io::{BufRead as _, BufReader};
 
@@ -24,20 +24,20 @@ pub(super) struct Graph {
     marginals: Run,
 }
 
-/// One process and its `--stats`.
+/// The measurement of one process, with its `--stats`.
 #[derive(Deserialize)]
 pub(super) struct Run {
     seconds: f64,
     megabytes: f64,
     certificate: Option<String>,
     cost: f64,
-    /// Of the factorisation; older measurements lack it.
+    /// Operations of one factorisation; older measurements lack them.
     pub(super) flops: Option<f64>,
     iterations: u64,
     pub(super) factorizations: u64,
     termination: String,
     start: String,
-    /// Among others the seconds of the phases.
+    /// Other fields, such as the seconds of the phases.
     #[serde(flatten)]
     others: Map<String, Value>,
 }

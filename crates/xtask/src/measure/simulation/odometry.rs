@@ -1,4 +1,4 @@
-//! Dead reckoning, and the step errors and drift of an odometry.
+//! Dead reckoning, and step errors and drift of an odometry.
 
 use super::Statistics;
 use super::plane::{Pose, align, between, distance, exp, robust_deviation, wrap};
@@ -7,7 +7,7 @@ use super::session::KEYFRAME_SECONDS;
 
 const START_METRES: f64 = 200.0;
 
-/// Positions from the wheels' mean speed along the heading of the IMU, as posecut-ingest --odometry wheels.
+/// Positions from the wheels' mean speed along the IMU's heading, as in posecut-ingest --odometry wheels.
 pub(super) fn dead_reckoning(wheels: &Series<2>, euler: &Series<2>) -> Option<Series<3>> {
     let (mut rows, mut x, mut y) = (Vec::new(), 0.0, 0.0);
     // Time, speed and heading.

@@ -1,9 +1,9 @@
-//! Motions of the plane, quantiles, and what is counted along a path.
+//! Motions of the plane, quantiles, and statistics along a path.
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-/// x north, y east, heading.
+/// A pose: x north, y east, heading.
 pub(super) type Pose = [f64; 3];
 
 const TURNING_METRES: f64 = 5.0;
@@ -19,7 +19,7 @@ pub(super) fn distance(one: Pose, other: Pose) -> f64 {
     (one[0] - other[0]).hypot(one[1] - other[1])
 }
 
-/// The pose of `other` in the frame of `one`, as SE(2) logarithm.
+/// The pose of `other` in the frame of `one`, as an SE(2) logarithm.
 pub(super) fn between(one: Pose, other: Pose) -> Pose {
     let (sine, cosine) = one[2].sin_cos();
     let (x, y) = (other[0] - one[0], other[1] - one[1]);
@@ -28,11 +28,13 @@ pub(super) fn between(one: Pose, other: Pose) -> Pose {
 
 fn log([x, y, angle]: Pose) -> Pose {
     let half = 0.5 * angle;
+    // The quotient is 0 / 0 at 0: near it, use the first terms of the series.
     let factor = if half.abs() < 1e-6 { 1.0 - half * half / 3.0 } else { half / half.tan() };
     [factor * x + half * y, factor * y - half * x, angle]
 }
 
 pub(super) fn exp([u, v, angle]: Pose) -> Pose {
+    // Both quotients are 0 / 0 at 0: near it, use the first terms of the series.
     let (sine, cosine) = if angle.abs() < 1e-6 {
         (1.0 - angle * angle / 6.0, 0.5 * angle)
     } else {
@@ -41,7 +43,7 @@ pub(super) fn exp([u, v, angle]: Pose) -> Pose {
     [sine * u - cosine * v, cosine * u + sine * v, angle]
 }
 
-/// The rigid motion of the plane that brings `moving` closest to `fixed` (Umeyama 1991, without scale).
+/// The rigid planar motion that brings `moving` closest to `fixed` (Umeyama 1991, without scale).
 pub(super) fn align(moving: &[Pose], fixed: &[Pose]) -> impl Fn(Pose) -> Pose + use<> {
     let mean = |points: &[Pose], axis: usize| {
         points.iter().map(|point| point[axis]).sum::<f64>() / points.len() as f64
@@ -59,7 +61,7 @@ pub(super) fn align(moving: &[Pose], fixed: &[Pose]) -> impl Fn(Pose) -> Pose + 
     move |p| [cosine * p[0] - sine * p[1] + shift[0], sine * p[0] + cosine * p[1] + shift[1], p[2]]
 }
 
-/// The value below which a share of the values lies, between two values by interpolation.
+/// The quantile: a share of the values is below it. Interpolates between two values.
 pub(super) fn quantile(values: &[f64], share: f64) -> f64 {
     let mut ordered = values.to_vec();
     ordered.sort_by(f64::total_cmp);
@@ -78,7 +80,7 @@ pub(super) fn path_length(points: &[Pose]) -> f64 {
     points.windows(2).map(|pair| distance(pair[0], pair[1])).sum()
 }
 
-/// Sum of the absolute changes of direction between points some metres apart, in full turns.
+/// Sum of the absolute changes of direction between points that are some metres apart, in full turns.
 pub(super) fn turning(points: &[Pose]) -> f64 {
     let mut corners: Vec<Pose> = points.iter().take(1).copied().collect();
     for point in points {
@@ -91,7 +93,8 @@ pub(super) fn turning(points: &[Pose]) -> f64 {
     directions.windows(2).map(|pair| wrap(pair[1] - pair[0]).abs()).sum::<f64>() / TAU
 }
 
-/// Pairs of keyframes of the first and the second half that see the same place along the same heading.
+/// The number of pairs of keyframes, one of the first and one of the second half, that see the same place with the same
+/// heading.
 pub(super) fn landmark_edges(keyframes: &[Option<Pose>]) -> usize {
     let cell = |pose: Pose| ((pose[0] / RADIUS).floor() as i64, (pose[1] / RADIUS).floor() as i64);
     let (early, late) = keyframes.split_at(keyframes.len() / 2);

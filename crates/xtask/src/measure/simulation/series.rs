@@ -1,4 +1,4 @@
-//! Numbers over time, read from NCLT's files and interpolated.
+//! Time series, read from NCLT's files and interpolated.
 
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;
@@ -9,7 +9,7 @@ use super::plane::wrap;
 
 const LONGEST_SILENCE: f64 = 5.0;
 
-/// Numbers of N columns over time in seconds. Interpolates columns of angles as angles.
+/// N columns of numbers over time in seconds. Columns of angles are interpolated as angles.
 pub(super) struct Series<const N: usize> {
     pub(super) times: Vec<f64>,
     pub(super) rows: Vec<[f64; N]>,
@@ -18,7 +18,7 @@ pub(super) struct Series<const N: usize> {
 }
 
 impl<const N: usize> Series<N> {
-    /// A series; nothing if it is too short to be one.
+    /// Builds a series; `None` if it is too short.
     pub(super) fn new(rows: Vec<(f64, [f64; N])>, angle: Option<usize>) -> Option<Self> {
         let (times, rows): (Vec<f64>, Vec<[f64; N]>) = rows.into_iter().unzip();
         (times.len() > 1).then_some(Self { times, rows, angle })
@@ -32,7 +32,7 @@ impl<const N: usize> Series<N> {
         self.times[self.times.len() - 1]
     }
 
-    /// The columns at a time; nothing outside of the series and inside of a silence.
+    /// The columns at a time; `None` outside the series and inside a gap.
     pub(super) fn at(&self, time: f64) -> Option<[f64; N]> {
         let after = self.times.partition_point(|own| *own < time);
         let end = self.times.get(after)?;
@@ -52,7 +52,7 @@ impl<const N: usize> Series<N> {
         }))
     }
 
-    /// Neighbouring rows with their times, without those on both sides of a silence.
+    /// Pairs of neighbouring rows with their times, except those on both sides of a gap.
     pub(super) fn steps(&self) -> impl Iterator<Item = (f64, [f64; N], [f64; N])> {
         let pairs = self.times.windows(2).zip(self.rows.windows(2));
         let steps = pairs.map(|(times, rows)| (times[1] - times[0], rows[0], rows[1]));
@@ -60,12 +60,13 @@ impl<const N: usize> Series<N> {
     }
 }
 
-/// Times from the first to the last, a step apart.
+/// Times from the first to the last with a constant step.
 pub(super) fn grid(first: f64, last: f64, step: f64) -> impl Iterator<Item = f64> {
     (0..=((last - first) / step) as usize).map(move |index| first + index as f64 * step)
 }
 
-/// Reads columns of one of NCLT's files, counted from 0, the time in microseconds being column 0; nothing without the file.
+/// Reads columns of one of NCLT's files, counted from 0; column 0 is the time in microseconds. `None` if there is no
+/// such file.
 pub(super) fn read<const N: usize>(
     path: &Path,
     columns: [usize; N],

@@ -9,14 +9,14 @@ use super::odometry::{self, dead_reckoning};
 use super::plane::{Pose, distance, landmark_edges, path_length, quantile, turning, wrap};
 use super::series::{Series, grid, read};
 
-/// Between keyframes, as in the paper.
+/// Seconds between keyframes, as in the paper.
 pub(super) const KEYFRAME_SECONDS: f64 = 2.0;
-/// Between points whose distances make the length.
+/// Seconds between the points whose distances add up to the length.
 const LENGTH_SECONDS: f64 = 1.0;
-/// Metres a second.
+/// The robot moves if it is at least this fast, m/s.
 const MOVING: f64 = 0.15;
 
-/// The statistics of a session in the order of rows; nothing without ground truth.
+/// The statistics of a session in the order of rows; `None` without ground truth.
 pub(super) fn statistics(directory: &Path, name: &str) -> anyhow::Result<Option<Statistics>> {
     let path = |file: &str| directory.join(file);
     let Some(truth) = read(&path(&format!("groundtruth_{name}.csv")), [1, 2, 6], Some(2))? else {
@@ -49,7 +49,7 @@ pub(super) fn statistics(directory: &Path, name: &str) -> anyhow::Result<Option<
     Ok(Some(found))
 }
 
-/// How the robot drove, and the length of its path in metres.
+/// The statistics of the drive, and the length of its path in metres.
 fn driving(directory: &Path, truth: &Series<3>, first: f64, last: f64) -> anyhow::Result<(Statistics, f64)> {
     let fine: Vec<Pose> = grid(first, last, LENGTH_SECONDS).filter_map(|time| truth.at(time)).collect();
     let keyframes: Vec<Option<Pose>> =
@@ -81,7 +81,7 @@ fn driving(directory: &Path, truth: &Series<3>, first: f64, last: f64) -> anyhow
     Ok((found.map(|(name, value)| (name.to_owned(), value)).to_vec(), length))
 }
 
-/// The heading of the IMU against the truth, in degrees.
+/// The errors of the IMU's heading against the truth, in degrees.
 fn heading_errors(euler: &Series<2>, truth: &Series<3>) -> Statistics {
     let error =
         |(time, [_, heading]): (&f64, &[f64; 2])| Some(wrap(heading - truth.at(*time)?[2]).to_degrees());

@@ -1,4 +1,4 @@
-//! The graphs that posecut-verify is measured on.
+//! The graphs on which posecut-verify is measured.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -7,10 +7,10 @@ use xtask::workspace::{program, programs_folder};
 
 use crate::process::{must, visibly};
 
-/// Candidates of five whole NCLT sessions.
+/// Number of candidates of five whole NCLT sessions.
 pub(super) const FIVE_SESSIONS: u64 = 41_142;
 
-/// Names and files of the graphs of a size.
+/// Names and files of the graphs with this many candidates.
 pub(super) fn graphs(size: u64, nclt: &Path, folder: &Path) -> anyhow::Result<Vec<(String, PathBuf)>> {
     if size == FIVE_SESSIONS
         && let Some(sessions) = five(nclt)
@@ -22,7 +22,7 @@ pub(super) fn graphs(size: u64, nclt: &Path, folder: &Path) -> anyhow::Result<Ve
     let drawn = ["uniform", "grouped"].map(|kind| {
         let path = folder.join(format!("{size}.{kind}.jsonl"));
         let mut draw = Command::new(programs_folder().join("examples/draw"));
-        // Not through this process: measured ones would count what it holds.
+        // The example writes to the file itself. Memory of this process would count towards the measured ones.
         draw.args([&*size.to_string(), "0.3", kind, "2", "1"]).stdout(std::fs::File::create(&path)?);
         visibly(&mut draw)?;
         Ok((format!("drawn, 30 % {kind}"), path))
@@ -30,7 +30,7 @@ pub(super) fn graphs(size: u64, nclt: &Path, folder: &Path) -> anyhow::Result<Ve
     drawn.into_iter().collect()
 }
 
-/// The first five sessions, by their dates.
+/// The first five sessions by date.
 fn five(nclt: &Path) -> Option<Vec<PathBuf>> {
     let session = |path: &PathBuf| {
         path.is_dir() && path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("20"))
@@ -42,7 +42,7 @@ fn five(nclt: &Path) -> Option<Vec<PathBuf>> {
     (sessions.len() == 5).then_some(sessions)
 }
 
-/// Whole sessions; correct edges within 3 m, a tenth of all edges false.
+/// Joins whole sessions, with correct edges within 3 m and a tenth of all edges false.
 fn together(sessions: &[PathBuf], folder: &Path, path: &Path) -> anyhow::Result<()> {
     let mut graphs = Vec::new();
     for session in sessions {

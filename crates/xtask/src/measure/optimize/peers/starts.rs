@@ -1,4 +1,4 @@
-//! A benchmark graph in g2o from several starts.
+//! Writes a benchmark graph in g2o with several starts.
 
 use std::collections::HashMap;
 use std::io::{BufRead as _, BufReader, BufWriter, Write as _};
@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::measure::optimize::pinned::{Pinned, converted, started, work};
 
-/// The graph from the file's poses, from odometry and from the chordal relaxation, vertices from 0 in order.
+/// The graph with the poses of the file, of odometry and of the chordal relaxation; vertices are numbered from 0.
 pub(super) fn starts(name: &str) -> anyhow::Result<Vec<(&'static str, PathBuf)>> {
     let graph = work().join(format!("{name}.numbered.jsonl"));
     numbered(&converted(name)?, &graph)?;
@@ -25,7 +25,7 @@ pub(super) fn starts(name: &str) -> anyhow::Result<Vec<(&'static str, PathBuf)>>
     Ok(found)
 }
 
-/// Numbers nodes from 0. Line by line: a measured process counts what this one holds when it starts it.
+/// Numbers nodes from 0. It works line by line, because memory of this process counts towards the measured ones.
 fn numbered(graph: &Path, output: &Path) -> anyhow::Result<()> {
     let place = || graph.display().to_string();
     let lines = || anyhow::Ok(BufReader::new(std::fs::File::open(graph).with_context(place)?).lines());
