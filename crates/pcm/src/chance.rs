@@ -198,7 +198,7 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
     /// much as `cost` correct ones.
     ///
     /// Two members support each other if the link between them causes no more false alarms than [`acceptable`] allows.
-    /// Supported members grow from a first island of connected members: within one chain, the members that the odometry
+    /// Supported members grow from a first island of connected members: within one chain, the island that the odometry
     /// supports; between two chains, the largest island. Another island of m members joins if its best link causes at most
     /// m times as many false alarms, because N candidates form at most N / m such islands. In a graph with one group the
     /// first island always stays, even if it is a lone candidate. With several groups, a lone member without support is

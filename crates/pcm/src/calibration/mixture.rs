@@ -20,7 +20,7 @@ const TOLERANCE: f64 = 1e-3;
 const ITERATIONS: usize = 300;
 /// Both factors lie between e^-12 and e^12.
 const RANGE: f64 = 12.0;
-/// The share of correct loops is at least this, and its distance from 1 too.
+/// The share of correct loops stays at least this far from 0 and from 1.
 const LEAST_CORRECT: f64 = 0.001;
 /// Loops that one task adds up in order. The chunks are fixed, so that sums do not depend on the number of threads.
 const CHUNK: usize = 256;
