@@ -12,8 +12,8 @@ pub struct Forecast {
 }
 
 /// Takes an edge of residual `e` and covariance S. The relative pose of its nodes has the covariance P and changes the
-/// residual by J. Chi-square grows by the innovation `e^T (S + J P J^T)^-1 e`, and the edge keeps the residual `S (S + J P
-/// J^T)^-1 e`. `None` if a covariance has no inverse.
+/// residual by J. Chi-square then grows by `e^T (S + J P J^T)^-1 e`, and the edge keeps the residual `S (S + J P J^T)^-1
+/// e`. `None` if a covariance has no inverse.
 pub(crate) fn forecast<const DOF: usize>(
     error: &SVector<f64, DOF>,
     information: &SMatrix<f64, DOF, DOF>,

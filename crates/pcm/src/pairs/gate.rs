@@ -63,8 +63,8 @@ impl Gate {
     }
 }
 
-/// The probability with which each pair must pass, so that all pairs of N candidates pass with the given probability: 1 -
-/// (1 - P) / (N (N - 1) / 2).
+/// The probability with which each pair must pass, so that all pairs of N candidates pass with the given probability:
+/// 1 - (1 - P) / (N (N - 1) / 2).
 pub fn corrected(probability: f64, correction: Correction, candidates: usize) -> f64 {
     match correction {
         Correction::Pair => probability,
