@@ -81,7 +81,7 @@ impl GraphStage for Options {
     }
 }
 
-/// Notes what re-admission did.
+/// Reports the results of re-admission.
 fn note(result: &Readmitted, graph: &PoseGraph, context: &mut Context) {
     info!(
         "{} re-admitted and {} dropped of {}",
