@@ -41,7 +41,8 @@ fn uniform(vertices: usize, density: f64, seed: u64) -> BitGraph {
     graph
 }
 
-/// Vertices on a line, connected if near, like true candidates with similar errors. A share of the vertices lies anywhere.
+/// Vertices in a square, connected if near, like true candidates with similar errors. A share of the vertices lies in a
+/// square ten times as wide.
 fn geometric(vertices: usize, reach: f64, outliers: f64, seed: u64) -> BitGraph {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let places: Vec<[f64; 2]> = (0..vertices)

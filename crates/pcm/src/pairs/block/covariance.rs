@@ -13,7 +13,7 @@ use crate::pairs::lanes::{Lanes, Wide};
 
 impl<const DOF: usize> Row<'_, DOF> {
     /// The covariance of a stretch is that of the later end minus that of the earlier end: 1 if the block's end is the
-    /// later one.
+    /// later one, else -1.
     #[inline(always)]
     fn sign<S: Simd>(&self, simd: S, block: &Block<DOF>, first: usize, chain: usize) -> Lanes<S> {
         let one = Lanes::splat(simd, 1.0);
