@@ -4,19 +4,21 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-/// Rows that one thread takes at least: below, starting threads costs more than the sums.
+/// The fewest rows of a task: with fewer, starting threads costs more than the sums.
 const ROWS_PER_TASK: usize = 128;
 
-/// Weights of consistent pairs; a pair that is not here is inconsistent. Every vertex has weight 1 with itself.
+/// Weights of consistent pairs; a pair without a weight is inconsistent. Every vertex has weight 1 with itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Affinity {
-    /// For each vertex its neighbours, ascending, with their weights in (0, 1]. Single precision: products wait for memory.
+    /// For each vertex its neighbours, ascending, with their weights in (0, 1]. Single precision, because memory limits the
+    /// products.
     rows: Vec<Vec<(u32, f32)>>,
 }
 
 impl Affinity {
-    /// Weighs all pairs of `count` vertices: `weight(a, b)` for `a < b`, `None` if they are inconsistent. Rows in parallel,
-    /// the same at any number of threads. N (N - 1) / 2 calls; 8 bytes for each consistent pair and direction.
+    /// Computes the weights of all pairs of `count` vertices: `weight(a, b)` for `a < b`, `None` if they are inconsistent.
+    /// Rows run in parallel; the result does not depend on the number of threads. N (N - 1) / 2 calls; 8 bytes for each
+    /// consistent pair and direction.
     pub fn new(count: usize, weight: impl Fn(usize, usize) -> Option<f64> + Sync) -> Self {
         let upper: Vec<Vec<(u32, f32)>> = (0..count)
             .into_par_iter()
@@ -27,7 +29,7 @@ impl Affinity {
             })
             .collect();
         let mut rows: Vec<Vec<(u32, f32)>> = vec![Vec::new(); count];
-        // By ascending row, so that every list comes out ascending: first the smaller neighbours, then the larger.
+        // Goes by ascending row, so that every list is ascending: first the smaller neighbours, then the larger ones.
         for (row, pairs) in upper.into_iter().enumerate() {
             for &(column, weight) in &pairs {
                 rows[column as usize].push((row as u32, weight));
@@ -63,7 +65,7 @@ impl Affinity {
         row.binary_search_by_key(&(b as u32), |&(column, _)| column).ok().map(|place| row[place].1.into())
     }
 
-    /// The vertices that can be in a clique of so many: each is consistent with as many others of them. O(pairs).
+    /// The vertices that can be in a clique of `members`: each is consistent with enough others of them. O(pairs).
     pub(crate) fn core(&self, members: usize) -> Vec<usize> {
         let mut degrees: Vec<usize> = self.rows.iter().map(Vec::len).collect();
         let mut stays: Vec<bool> = degrees.iter().map(|degree| degree + 1 >= members).collect();
@@ -81,8 +83,8 @@ impl Affinity {
         (0..self.len()).filter(|&vertex| stays[vertex]).collect()
     }
 
-    /// The weights among some vertices, ascending, which are numbered anew in their order. O(their pairs), and nothing where they
-    /// are all.
+    /// The weights among some vertices (ascending), which are renumbered in their order. O(their pairs); free if they are
+    /// all vertices.
     pub(crate) fn among(&self, vertices: &[usize]) -> Cow<'_, Self> {
         if vertices.len() == self.len() {
             return Cow::Borrowed(self);
@@ -99,13 +101,14 @@ impl Affinity {
         Cow::Owned(Self { rows: vertices.iter().map(row).collect() })
     }
 
-    /// M u, and the sum of u over the vertices inconsistent with each. O(consistent pairs of the vertices above zero).
+    /// M u, and for each vertex the sum of u over the vertices inconsistent with it. O(consistent pairs of the vertices
+    /// above zero).
     pub(crate) fn products(&self, u: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let support = u.iter().filter(|component| **component != 0.0).count();
         if 2 * support < u.len() { self.products_by_column(u) } else { self.products_by_row(u) }
     }
 
-    /// [`Self::products`] where most of `u` is zero: the same terms in the same order, without the zeros.
+    /// [`Self::products`] if most of `u` is zero: the same terms in the same order, without the zeros.
     fn products_by_column(&self, u: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let total: f64 = u.iter().sum();
         let (mut weighted, mut consistent) = (u.to_vec(), u.to_vec());
@@ -133,7 +136,7 @@ impl Affinity {
                     weighted += f64::from(weight) * u[other as usize];
                     consistent += u[other as usize];
                 }
-                // Rounding may leave a trace below zero.
+                // Rounding may leave a value slightly below zero.
                 (weighted, (total - consistent).max(0.0))
             })
             .unzip()

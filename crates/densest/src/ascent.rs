@@ -2,13 +2,13 @@
 
 use crate::Affinity;
 
-/// Steps for one penalty at most.
+/// The most steps for one penalty.
 const MOST_STEPS: usize = 500;
 /// Ascent for one penalty ends when a step gains less than this share of the value.
 const GAIN_TOLERANCE: f64 = 1e-6;
-/// A component below this share of the largest is zero.
+/// A component below this share of the largest one counts as zero.
 const ZERO: f64 = 1e-7;
-/// Step lengths tried before the ascent counts as finished.
+/// The most step lengths tried before the ascent counts as finished.
 const MOST_HALVINGS: usize = 60;
 
 /// A local maximum of the relaxation.
@@ -26,13 +26,13 @@ pub struct Ascent {
 /// F_d(u) = u^T M u - d u^T C u   over   |u| = 1, u >= 0
 /// ```
 ///
-/// where `C_ij = 1` for inconsistent pairs, and raises the penalty d until no inconsistent pair has both components above zero
-/// (Lusk, Fathian, How, 2021, problem (5) and algorithm 1: the solution is then one of the constrained problem; d need not
-/// exceed the number of vertices). A step is projected on the positive part of the sphere and halved until it gains.
+/// where `C_ij = 1` for inconsistent pairs. Raises the penalty d until no inconsistent pair has both components above zero.
+/// The solution is then one of the constrained problem, and d need not exceed the number of vertices (Lusk, Fathian, How,
+/// 2021, problem (5) and algorithm 1). A step is projected on the positive part of the sphere and halved until it gains.
 ///
-/// Without penalty there is one maximum, the leading eigenvector of M, to which every start leads (Perron and Frobenius).
-/// `free` climbs there first; without it the first penalty is that at which the start's conflicts are in balance, and other
-/// starts may lead elsewhere.
+/// Without a penalty there is a single maximum, the leading eigenvector of M, which every start reaches (Perron and
+/// Frobenius). With `free`, the ascent climbs there first. Without it, the first penalty is the one that balances the
+/// conflicts of the start, and other starts may reach other maxima.
 pub fn ascend(affinity: &Affinity, start: &[f64], free: bool) -> Ascent {
     let mut ascent = Ascent { solution: start.to_vec(), steps: 0 };
     normalise(&mut ascent.solution);
@@ -43,12 +43,13 @@ pub fn ascend(affinity: &Affinity, start: &[f64], free: bool) -> Ascent {
         if penalty > affinity.len() as f64 {
             return ascent;
         }
-        // The penalty at which the gradient of an average conflicting vertex turns, or a constant factor more.
+        // The penalty grows by a quarter of the one at which the gradient of an average conflicting vertex changes sign, or
+        // by a constant factor if that is more.
         penalty = (penalty * 1.5).max(penalty + balance * 0.25).max(balance * 0.25);
     }
 }
 
-/// Ascends for one penalty until steps gain nothing.
+/// Ascends for one penalty until a step no longer gains.
 fn climb(affinity: &Affinity, penalty: f64, ascent: &mut Ascent) {
     let mut gradient = penalised(affinity, penalty, &ascent.solution);
     let mut value = dot(&ascent.solution, &gradient);
@@ -89,7 +90,8 @@ fn penalised(affinity: &Affinity, penalty: f64, u: &[f64]) -> Vec<f64> {
     weighted.iter().zip(&inconsistent).map(|(weighted, against)| weighted - penalty * against).collect()
 }
 
-/// Sets traces to zero; returns the mean of (M u)_i / (C u)_i over the vertices that are in conflict, `None` without any.
+/// Sets tiny components to zero. Returns the mean of (M u)_i / (C u)_i over the vertices in conflict, `None` if there are
+/// none.
 fn conflict(affinity: &Affinity, u: &mut [f64]) -> Option<f64> {
     let largest = u.iter().copied().fold(0.0, f64::max);
     for component in u.iter_mut() {
@@ -101,7 +103,7 @@ fn conflict(affinity: &Affinity, u: &mut [f64]) -> Option<f64> {
     let (weighted, inconsistent) = affinity.products(u);
     let (mut sum, mut count) = (0.0, 0_usize);
     for vertex in 0..u.len() {
-        // A difference of sums: below this it is rounding and no component above zero.
+        // This is a difference of sums: below the bound it is a rounding error, not a conflicting component.
         if u[vertex] > 0.0 && inconsistent[vertex] > 0.1 * ZERO * largest {
             sum += weighted[vertex] / inconsistent[vertex];
             count += 1;
@@ -114,7 +116,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Scales to length 1; false if there is nothing to scale.
+/// Scales to length 1; false if the length is zero or not finite.
 pub(crate) fn normalise(vector: &mut [f64]) -> bool {
     let length = dot(vector, vector).sqrt();
     if !(length > 0.0 && length.is_finite()) {

@@ -6,16 +6,16 @@ use rand::RngExt as _;
 use crate::Affinity;
 use crate::ascent::{ascend, dot, normalise};
 
-/// Power iterations for the value of a clique at most, and their relative tolerance.
+/// The most power iterations for the value of a clique, and their relative tolerance.
 const MOST_POWERS: usize = 1000;
 const POWER_TOLERANCE: f64 = 1e-13;
 
-/// A clique that agrees well.
+/// A clique whose members agree well.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Densest {
     /// Its vertices, ascending: pairwise consistent, and no other vertex is consistent with all of them.
     pub vertices: Vec<usize>,
-    /// How much each of them belongs: its component of the leading eigenvector of the clique's weights.
+    /// How strongly each of them belongs: its component of the leading eigenvector of the clique's weights.
     pub shares: Vec<f64>,
     /// The largest eigenvalue of the clique's weights: its size if all weights are 1, less otherwise.
     pub density: f64,
@@ -35,11 +35,12 @@ impl Densest {
     }
 }
 
-/// The densest clique of several local maxima: ascents from the vertices' degrees and from `starts - 1` random vectors. The
-/// first found wins ties. Heuristic: the problem is NP-hard (with weights 1 it is the maximum clique).
+/// The densest clique among several local maxima: one ascent starts from the vertices' degrees, `starts - 1` from random
+/// vectors. The first found wins ties. This is a heuristic, because the problem is NP-hard (with weights 1 it is the
+/// maximum clique).
 ///
-/// A clique of n vertices has at most the density n. After the first ascent only vertices that can be in a clique as large as
-/// the density found are looked at; where these are the clique that was found, it is the densest of all.
+/// A clique of n vertices has at most the density n. After the first ascent, the search considers only vertices that can be
+/// in a clique as large as the density found. If these are exactly the clique found, it is the densest of all.
 pub fn densest_clique(affinity: &Affinity, starts: usize, random: &mut impl Rng) -> Densest {
     let mut best = climb_once(affinity, &affinity.products(&vec![1.0; affinity.len()]).0, true);
     let mut core = affinity.core(best.density.ceil() as usize);
@@ -63,7 +64,7 @@ pub fn densest_clique(affinity: &Affinity, starts: usize, random: &mut impl Rng)
     best
 }
 
-/// The clique to which one start leads.
+/// The clique that one start leads to.
 fn climb_once(affinity: &Affinity, from: &[f64], free: bool) -> Densest {
     let ascent = ascend(affinity, from, free);
     let vertices = maximal_clique(affinity, &ascent.solution);
@@ -71,9 +72,9 @@ fn climb_once(affinity: &Affinity, from: &[f64], free: bool) -> Densest {
     Densest { vertices, shares, density, steps: ascent.steps }
 }
 
-/// The vertices above zero, largest first, as far as they are consistent with those before; then whatever is consistent with
-/// all, heaviest first. The optimum is a maximal clique, since a vertex more raises the largest eigenvalue of a matrix without
-/// negative entries (Perron and Frobenius).
+/// Takes the vertices above zero, largest first, that are consistent with those taken before; then any vertices that are
+/// consistent with all, heaviest first. The optimum is a maximal clique, because one more vertex raises the largest
+/// eigenvalue of a matrix without negative entries (Perron and Frobenius).
 fn maximal_clique(affinity: &Affinity, solution: &[f64]) -> Vec<usize> {
     let count = affinity.len();
     let mut order: Vec<usize> = (0..count).filter(|&vertex| solution[vertex] > 0.0).collect();
@@ -84,7 +85,7 @@ fn maximal_clique(affinity: &Affinity, solution: &[f64]) -> Vec<usize> {
     let mut order = order.into_iter();
     loop {
         let next = order.by_ref().find(|&vertex| consistent[vertex] == clique.len()).or_else(|| {
-            // `max_by` takes the last of equals: backwards, that is the first vertex.
+            // `max_by` returns the last of equals; in reverse order this is the first vertex.
             (0..count)
                 .rev()
                 .filter(|&vertex| consistent[vertex] == clique.len() && !clique.contains(&vertex))
@@ -101,7 +102,7 @@ fn maximal_clique(affinity: &Affinity, solution: &[f64]) -> Vec<usize> {
     clique
 }
 
-/// The largest eigenvalue of a clique's weights and its eigenvector, by power iteration: all entries are positive, so that it
+/// The largest eigenvalue of a clique's weights and its eigenvector, by power iteration. All entries are positive, so it
 /// converges from any positive start.
 fn density(affinity: &Affinity, clique: &[usize]) -> (f64, Vec<f64>) {
     let inside = affinity.among(clique);

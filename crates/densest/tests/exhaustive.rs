@@ -1,4 +1,4 @@
-//! The densest clique against all cliques of small graphs, and on planted ones.
+//! The densest clique compared with all cliques of small graphs, and on planted cliques.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -67,7 +67,7 @@ proptest! {
         prop_assert!((found.density - radius).abs() < 1e-6, "{} {radius}", found.density);
         let best = enumerate(&affinity);
         prop_assert!(found.density < best + 1e-6);
-        // A heuristic: but on graphs this small eight ascents are not allowed to miss by much.
+        // This is a heuristic, but on graphs this small eight ascents must not miss by much.
         prop_assert!(found.density > 0.9 * best, "{} of {best}", found.density);
         prop_assert!(is_clique(&affinity, &found.rounded()) && found.rounded().len() <= found.vertices.len());
     }

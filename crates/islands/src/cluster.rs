@@ -5,10 +5,10 @@ use std::collections::HashMap;
 use petgraph::unionfind::UnionFind;
 use posecut_graph::{Edge, EdgeKind, PoseGraph};
 
-/// Why an edge has no place in the plane of frames.
+/// Why an edge has no position in the plane of frames.
 #[derive(Debug, thiserror::Error)]
 pub enum FrameError {
-    /// An edge ends at a node that has no place in a session.
+    /// An edge ends at a node without a session or a frame.
     #[error(
         "{edge}: its node {node} has no \"session\" or no \"frame\", so which edges are its neighbours is unknown; number the frames of every session"
     )]
@@ -23,13 +23,13 @@ pub enum FrameError {
 /// A landmark edge by the frames it joins.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Match {
-    /// The two sessions, by their places in the graph's order of sessions; the earlier first.
+    /// The two sessions, by their indices in the graph's order of sessions; the earlier first.
     pub sessions: (usize, usize),
     /// The frame of the later session, or the later frame within one: the query of place recognition.
     pub query: i64,
     /// The frame that it was matched to.
     pub matched: i64,
-    /// The edge's place among the graph's edges.
+    /// The edge's index among the graph's edges.
     pub edge: usize,
 }
 
@@ -59,11 +59,11 @@ pub fn matches(graph: &PoseGraph) -> Result<Vec<Match>, FrameError> {
         .collect()
 }
 
-/// Clusters of matches: two matches of the same sessions belong together if both their frames are at most `gap` apart, or
-/// if a chain of such matches joins them. Each cluster lists places in `matches`, ascending; clusters come in the order of
+/// Clusters of matches. Two matches of the same sessions belong together if both their frames are at most `gap` apart, or
+/// if a chain of such matches joins them. Each cluster lists indices in `matches`, ascending; clusters come in the order of
 /// their first match.
 ///
-/// Matches are sorted by query, so that each is compared with those of the last `gap` queries alone: O(n log n + pairs
+/// Matches are sorted by query, so that each is compared only with those of the last `gap` queries: O(n log n + pairs
 /// within the gap).
 pub fn clusters(matches: &[Match], gap: u64) -> Vec<Vec<usize>> {
     let mut order: Vec<usize> = (0..matches.len()).collect();

@@ -15,7 +15,7 @@ fn graph(landmarks: &[(u64, u64)]) -> String {
         text += &format!("{{\"kind\":\"node\",\"id\":{id},\"session\":\"{session}\",\"frame\":{frame}}}\n");
     }
     for (id, (first, second)) in landmarks.iter().enumerate() {
-        // Every other edge is stored the other way round.
+        // Every other edge is stored in reverse.
         let (from, to) = if id % 2 == 0 { (*first, 30 + second) } else { (30 + second, *first) };
         text += &format!("{{\"kind\":\"landmark\",\"id\":{id},\"from\":{from},\"to\":{to}}}\n");
     }

@@ -1,4 +1,4 @@
-//! Pairs and cliques of drawn scenarios.
+//! Pairs and cliques of random scenarios.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use posecut_geometry::{SE2, SE3};

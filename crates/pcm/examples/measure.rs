@@ -19,7 +19,7 @@ use posecut_pcm::growth::grow;
 use posecut_pcm::{Gate, Spatial, Test};
 use serde_json::json;
 
-/// Where the bounds leave a gap among near misses by the ten thousand, nodes cost milliseconds and close nothing.
+/// If the bounds leave a gap among tens of thousands of near misses, nodes cost milliseconds and close nothing.
 const LIMITS: Limits = Limits { work: 2000, ..Limits::NONE };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

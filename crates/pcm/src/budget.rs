@@ -1,19 +1,19 @@
-//! The work of a run, divided among its groups.
+//! Divides the work of a run among its groups.
 
 use crate::clique::Limits;
 
-/// What is left of a run's limit of branch-and-bound nodes. A group of `N` candidates may take the share `N^2` of what the groups
-/// before it have left, since a node takes time by `N^2`; a single group may take all.
+/// The remaining part of a run's limit of branch-and-bound nodes. A group of `N` candidates may use the share `N^2` of what
+/// the groups before it left, because the time of a node grows with `N^2`. A single group may use all.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Budget {
-    /// Share of the run's work that is left.
+    /// The remaining share of the run's work.
     left: f64,
-    /// Squares of the candidates of the groups to come.
+    /// The sum, over the remaining groups, of their squared numbers of candidates.
     squares: f64,
 }
 
 impl Budget {
-    /// Of groups with so many candidates each.
+    /// A full budget for groups with these numbers of candidates.
     pub(crate) fn of(candidates: impl Iterator<Item = usize>) -> Self {
         Self { left: 1.0, squares: candidates.map(square).sum() }
     }
@@ -26,7 +26,7 @@ impl Budget {
         Limits { work, ..alone }
     }
 
-    /// Takes off what the group has used.
+    /// Subtracts what the group has used.
     pub(crate) fn spend(&mut self, candidates: usize, alone: Limits, work: u64) {
         self.squares -= square(candidates);
         self.left = (self.left - work as f64 / alone.work.max(1) as f64).max(0.0);

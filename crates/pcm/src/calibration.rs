@@ -1,8 +1,9 @@
-//! How far the covariances are off, from the candidates themselves: one factor for odometry, one for landmark edges.
+//! Estimates by which factors the covariances are wrong, from the candidates themselves: one factor for odometry, one for
+//! landmark edges.
 //!
-//! `loops` closes loops of neighbouring candidates and shuffled ones for comparison; `mixture` fits variance components to
-//! them by expectation-maximisation (Zhou, Hu, Zhou, Lange, JCGS 2019; [`estimate_scales`] says how). Depends on odometry
-//! and pairs.
+//! `loops` closes loops through neighbouring candidates, and shuffled loops for comparison. `mixture` fits variance
+//! components to them by expectation-maximisation (Zhou, Hu, Zhou, Lange, JCGS 2019); [`estimate_scales`] describes the
+//! model. Depends on odometry and pairs.
 
 mod loops;
 mod mixture;
@@ -14,14 +15,14 @@ use crate::odometry::chain::Chains;
 use crate::odometry::spread::Spatial;
 use crate::pairs::candidate::Group;
 
-/// Landmark edges below which there is no estimate. Loops do not count: one edge closes up to nine of them.
+/// The fewest landmark edges for an estimate. The limit counts edges, not loops, because one edge closes up to nine loops.
 pub const FEWEST: usize = 15;
-/// Nats of evidence below which an estimate rests on nothing (drawn sessions without overlap reach 11), and nats an edge:
-/// false edges between nearby places agree a little better than with shuffled ends.
+/// The least evidence for an estimate, in nats (simulated sessions without overlap reach 11) and in nats an edge: false
+/// edges between nearby positions agree a little better than edges with shuffled ends.
 const EVIDENCE: f64 = 15.0;
 const EVIDENCE_OF_EDGE: f64 = 0.2;
 
-/// What covariances are multiplied by: above 1 where they are too tight.
+/// Factors that multiply the covariances: above 1 where the covariances are too small.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Scales {
     /// Covariances of odometry.
@@ -31,7 +32,7 @@ pub struct Scales {
 }
 
 impl Scales {
-    /// Covariances as they are.
+    /// Leaves the covariances unchanged.
     pub const ONE: Self = Self { odometry: 1.0, landmark: 1.0 };
 
     /// Multiplies the covariances of chains and candidates.
@@ -55,21 +56,21 @@ impl Scales {
 /// An estimate of [`Scales`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ScaleEstimate {
-    /// The factors: 1 if the covariances are right, below 1 if they are too loose.
+    /// The factors: 1 if the covariances are right, below 1 if they are too large.
     pub scales: Scales,
-    /// The share of pairs of neighbours that are taken for correct.
+    /// The share of neighbouring pairs that the mixture takes for correct.
     pub correct: f64,
-    /// Loops that the estimate comes from.
+    /// The number of loops that the estimate uses.
     pub loops: usize,
-    /// Landmark edges that these loops start from.
+    /// The number of landmark edges that these loops start from.
     pub edges: usize,
-    /// How much likelier the loops are than the same ones with shuffled ends, in nats; an edge counts once.
+    /// How much likelier the loops are than the same loops with shuffled ends, in nats. Each edge counts once.
     pub evidence: f64,
-    /// What kept the fit from a maximum of the likelihood, if anything did.
+    /// Why the fit did not reach a maximum of the likelihood, if it did not.
     pub ended: Option<Ended>,
 }
 
-/// Where a fit ended that is no maximum of the likelihood.
+/// Where a fit ended that did not reach a maximum of the likelihood.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Ended {
@@ -79,7 +80,7 @@ pub enum Ended {
     SmallestFactor,
     /// At the largest factor that is tried, e^12.
     LargestFactor,
-    /// With as few correct loops as are allowed, one in a thousand.
+    /// At the smallest allowed share of correct loops, one in a thousand.
     Share,
 }
 
@@ -108,33 +109,33 @@ impl Ended {
 /// Why there are no scales.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NoScales {
-    /// So few landmark edges close loops.
+    /// Too few landmark edges close loops: only this many.
     FewEdges(usize),
-    /// The loops are no likelier than the same ones with shuffled ends: by so many nats.
+    /// The loops are not enough likelier than the same loops with shuffled ends: by this many nats.
     NoEvidence(f64),
-    /// So it is where the fit ended at a bound.
+    /// The evidence is too small, and the fit ended at this bound.
     AtBound(Ended),
 }
 
-/// Estimates the scales of the covariances from loops of different lengths: through pairs of candidates that are
-/// neighbours by distance travelled, and, within a chain, through one candidate and the odometry between its places.
+/// Estimates the scales of the covariances from loops of different lengths. The loops go through pairs of candidates that
+/// are neighbours by distance travelled and, within a chain, through one candidate and the odometry between its ends.
 ///
-/// A loop's covariance is a O + b L, O the odometry's part and L that of its landmark edges. The error of a correct loop
-/// is taken for multivariate t with four degrees of freedom (a robust choice: Lange, Little, Taylor, JASA 1989), that of a
-/// false one for uniform over the region that loops as long fill whose measurement is exchanged for that of a candidate far
-/// away. The two factors and the shares of correct loops maximise the likelihood of this mixture, by
-/// expectation-maximisation with the variance components' update of Zhou, Hu, Zhou and Lange (JCGS 2019). At last both
-/// factors are multiplied such that the 0.9 quantile of the correct loops' squared distances is that of chi-square:
-/// tails heavier than a Gaussian's widen the gate.
+/// The covariance of a loop is a O + b L, where O is the part of the odometry and L the part of the landmark edges. The
+/// error of a correct loop is modelled as multivariate t with four degrees of freedom (a robust choice: Lange, Little,
+/// Taylor, JASA 1989). The error of a false loop is modelled as uniform over a region: the one that loops of the same
+/// length fill when a measurement is replaced by that of a candidate far away. The two factors and the shares of correct
+/// loops maximise the likelihood of this mixture, by expectation-maximisation with the variance components' update of Zhou,
+/// Hu, Zhou and Lange (JCGS 2019). Finally, both factors are multiplied by one number, so that the 0.9 quantile of the
+/// correct loops' squared distances equals that of chi-square: tails heavier than a Gaussian's widen the gate.
 ///
-/// What loops do not tell apart stays undetermined: measurements that differ by no more than their noise, and false
-/// candidates that agree with each other, whose noise is then taken for everybody's. Near misses are taken for correct
-/// loops with much odometry: where one candidate in ten is off by 0.5 to 3 m, at thirty times the noise at most, the
-/// odometry's factor is 2.5 times too large in the plane, and 6 times in space.
+/// Loops cannot resolve everything. If measurements differ by no more than their noise, or if false candidates agree with
+/// each other, the noise of these is taken for the noise of all. Near misses are taken for correct loops with much
+/// odometry: if one candidate in ten is off by 0.5 to 3 m, at thirty times the noise at most, the odometry's factor is 2.5
+/// times too large in the plane, and 6 times in space.
 ///
-/// Large enough factors explain any loops, those of false edges too. The mixture is therefore also fitted to the same
-/// loops with one end of each landmark edge shuffled, and there is no estimate where the loops themselves are less than 15
-/// nats likelier (0.2 an edge where that is more), or where fewer than 15 landmark edges close them. O(N log N + 10^4 * iterations).
+/// Large enough factors explain any loops, also those of false edges. The mixture is therefore also fitted to the same
+/// loops with one end of each landmark edge shuffled. There is no estimate if the loops themselves are less than 15 nats
+/// likelier (0.2 an edge if that is more), or if fewer than 15 landmark edges close them. O(N log N + 10^4 * iterations).
 pub fn estimate_scales<G: Spatial<DOF>, const DOF: usize>(
     chains: &Chains<G, DOF>,
     groups: &[Group<G, DOF>],
@@ -145,7 +146,7 @@ pub fn estimate_scales<G: Spatial<DOF>, const DOF: usize>(
     }
     let estimate = mixture::fit(&sample).ok_or(NoScales::FewEdges(0))?;
     if estimate.evidence < EVIDENCE.max(EVIDENCE_OF_EDGE * estimate.edges as f64) {
-        // A fit that a bound has kept from the loops says nothing about them.
+        // A fit that ended at a bound says nothing about the loops.
         match estimate.ended {
             Some(ended @ (Ended::SmallestFactor | Ended::LargestFactor)) => Err(NoScales::AtBound(ended)),
             _ => Err(NoScales::NoEvidence(estimate.evidence)),
@@ -155,7 +156,8 @@ pub fn estimate_scales<G: Spatial<DOF>, const DOF: usize>(
     }
 }
 
-/// Divides the information of all edges of a kind with a measurement; one that a noise model gave becomes the edge's own.
+/// Divides the information of all edges of a kind that have a measurement. Information from a noise model becomes the
+/// edge's own.
 pub fn divide_information(graph: &mut PoseGraph, kind: EdgeKind, scale: f64) {
     for index in 0..graph.edges.len() {
         let edge = &graph.edges[index];

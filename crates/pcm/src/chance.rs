@@ -1,7 +1,7 @@
-//! Agreement by chance: how many edges between random places would agree as well.
+//! Agreement by chance: how many edges between random positions would agree as well as a given edge.
 //!
-//! The number of false alarms of an edge (a contrario: Desolneux, Moisan, Morel, IJCV 2000); [`Chance`] gives the
-//! formula. `islands` splits the members of a set into those that hang together. Depends on odometry and pairs.
+//! This is the number of false alarms of an edge (a contrario: Desolneux, Moisan, Morel, IJCV 2000); [`Chance`] gives the
+//! formula. `islands` splits the members of a set into connected components. Depends on odometry and pairs.
 
 mod islands;
 
@@ -17,25 +17,25 @@ use crate::pairs::distance::{loop_through, loop_through_odometry};
 use crate::pairs::nearest::Nearest;
 use islands::Islands;
 
-/// What a wrong edge weighs, in correct ones, unless told otherwise.
+/// The default cost of a wrong edge, in correct ones.
 pub const COST: f64 = 3.0;
-/// Candidates whose places tell how far apart two of them may be; more would not change the answer.
+/// The number of candidates whose positions show how far apart two of them may be. More would not change the answer.
 const SAMPLE: usize = 1000;
-/// Members that may vouch for an edge.
+/// The most members that may be witnesses of an edge.
 const WITNESSES: usize = 16;
 
 /// Counts false alarms among the candidates of a group (a contrario: Desolneux, Moisan, Morel, IJCV 2000).
 ///
-/// Across a long stretch of odometry nearly everything agrees. An edge that joins two places at random is off by the
-/// relative pose of two places; its distribution is taken for Gaussian, with the second moment R that pairs of the
-/// candidates' places in chain B have. The chance that it agrees with a witness as well as a candidate at distance d does
-/// is the volume of the ellipsoid within d times that density at its centre,
+/// Across a long stretch of odometry nearly everything agrees. The error of an edge that joins two random positions is the
+/// relative pose of these two. Its distribution is modelled as Gaussian; the second moment R is that of pairs of the
+/// candidates' positions in chain B. Let d be the distance of a candidate from its witness. The probability that a random
+/// edge agrees with the witness as well is the volume of the ellipsoid within d, times that density at its centre:
 ///
-/// p = d^D / (2^(D/2) Gamma(D/2 + 1)) sqrt(|S| / |S + R|),    at most 1,
+/// p = d^D / (2^(D/2) Gamma(D/2 + 1)) sqrt(|S| / |S + R|),    at most 1.
 ///
-/// S the covariance of the loop through both, D the degrees of freedom. Of N candidates, N p would agree as well if all
-/// were random: their number of false alarms. Its witness is the one of least |S| / |S + R|, which does not look at d, so
-/// that the numbers of random edges are evenly spread up to N.
+/// S is the covariance of the loop through both edges, D the number of degrees of freedom. If all N candidates were random,
+/// N p of them would agree as well: this is the number of false alarms. The witness is the one of least |S| / |S + R|. This
+/// choice does not use d, so that the numbers of random edges are distributed uniformly up to N.
 pub struct Chance<'a, G, const DOF: usize> {
     pairs: &'a Pairs<'a, G, DOF>,
     pool: Pool<DOF>,
@@ -43,18 +43,18 @@ pub struct Chance<'a, G, const DOF: usize> {
     log_gamma: f64,
 }
 
-/// What the groups of a graph share: a group of few candidates cannot tell by itself what chance does.
+/// What the groups of a graph share: a group of few candidates is too small to show what agrees by chance.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pool<const DOF: usize> {
-    /// R, as seen at a place of chain B.
+    /// R, in the frame of a position of chain B.
     apart: SMatrix<f64, DOF, DOF>,
-    /// N, over all groups: false edges fall into any of them.
+    /// N, over all groups, because false edges fall into any of them.
     candidates: usize,
     groups: usize,
 }
 
 impl<const DOF: usize> Pool<DOF> {
-    /// O(1) a group: a thousand pairs of places.
+    /// O(1) a group: a thousand pairs of positions.
     pub(crate) fn of<G: Spatial<DOF>>(chains: &Chains<G, DOF>, groups: &[Group<G, DOF>]) -> Self {
         let places = groups.iter().map(|group| (&chains.chains[group.b], &group.candidates[..]));
         Self::of_places(places)
@@ -80,26 +80,26 @@ impl<const DOF: usize> Pool<DOF> {
     }
 }
 
-/// Which agreement is accepted: what a wrong edge costs, and among which candidates chance has its choice.
+/// Which agreement is accepted: what a wrong edge costs, and which candidates count as N.
 #[derive(Clone, Copy, Debug)]
 pub struct Acceptance<const DOF: usize> {
-    /// How many correct edges a wrong one weighs as much as.
+    /// The cost of a wrong edge, in correct ones.
     pub cost: f64,
     pool: Option<Pool<DOF>>,
 }
 
 impl<const DOF: usize> Acceptance<DOF> {
-    /// Among the candidates of a group by itself.
+    /// Counts the candidates of one group only.
     pub fn within_group(cost: f64) -> Self {
         Self { cost, pool: None }
     }
 
-    /// Among those of all groups of the graph.
+    /// Counts the candidates of all groups of the graph.
     pub(crate) fn within(cost: f64, pool: Option<Pool<DOF>>) -> Self {
         Self { cost, pool }
     }
 
-    /// Counts the false alarms of a group's candidates. O(1): a thousand pairs of places.
+    /// Prepares the count of false alarms for a group's candidates. O(1): a thousand pairs of positions.
     pub(crate) fn chance<'a, G: Spatial<DOF>>(&self, pairs: &'a Pairs<'a, G, DOF>) -> Chance<'a, G, DOF> {
         match self.pool {
             Some(pool) => Chance::among(pairs, pool),
@@ -108,7 +108,7 @@ impl<const DOF: usize> Acceptance<DOF> {
     }
 }
 
-/// Which members agree not by chance alone.
+/// Which members agree better than by chance.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Support {
     /// Members that stay, ascending.
@@ -119,7 +119,7 @@ pub struct Support {
     pub false_alarms: Vec<(usize, f64)>,
 }
 
-/// What a loop through an edge and its witness says.
+/// What the loop through an edge and its witness shows.
 #[derive(Clone, Copy)]
 struct Evidence {
     /// |S| / |S + R|
@@ -127,7 +127,7 @@ struct Evidence {
     squared_distance: f64,
 }
 
-/// The false alarms that a member would cause: with its best witness, with the odometry, and with each member near it.
+/// The false alarms of a member: with its best witness, with the odometry, and with each member near it.
 struct Vouched {
     false_alarms: f64,
     odometry: f64,
@@ -135,7 +135,7 @@ struct Vouched {
 }
 
 impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
-    /// Judges a group by itself. O(1): a thousand pairs of places.
+    /// Judges a group by itself. O(1): a thousand pairs of positions.
     pub fn new(pairs: &'a Pairs<'a, G, DOF>) -> Self {
         Self::among(pairs, Pool::of_places(std::iter::once((pairs.chain_b, pairs.candidates))))
     }
@@ -144,8 +144,8 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
         Self { pairs, pool, log_gamma: ln_gamma(0.5 * DOF as f64 + 1.0) }
     }
 
-    /// The false alarms that an edge would cause, with the best of these candidates or, within one chain, the odometry
-    /// alone for its witness; N without any. O(witnesses).
+    /// The false alarms of an edge. Its witness is the best of these candidates or, within one chain, the odometry alone;
+    /// without a witness the number is N. O(witnesses).
     pub fn false_alarms(&self, candidate: usize, witnesses: &[usize]) -> f64 {
         let all = witnesses.iter().map(|&witness| self.with(candidate, witness));
         self.count(best(all.chain([self.with_odometry(candidate)])))
@@ -172,7 +172,8 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
         candidate: &Candidate<G, DOF>,
         (error, covariance): (SVector<f64, DOF>, SMatrix<f64, DOF, DOF>),
     ) -> Option<Evidence> {
-        // R is seen at the candidate's place, and the loop's covariance S in the frame of chain B: the adjoint carries R there.
+        // R is in the frame of the candidate's position, the loop's covariance S in that of chain B: the adjoint carries R
+        // there.
         let to_chain = self.pairs.chain_b.poses[candidate.k].adjoint();
         let (near, far) = (
             covariance.cholesky()?,
@@ -185,22 +186,24 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
     }
 
     fn count(&self, evidence: Option<Evidence>) -> f64 {
-        // d^D / (2^(D/2) Gamma(D/2 + 1)) = exp(D/2 ln(d^2 / 2) - ln Gamma(D/2 + 1)): in logarithms, for d^D overflows at large d.
+        // d^D / (2^(D/2) Gamma(D/2 + 1)) = exp(D/2 ln(d^2 / 2) - ln Gamma(D/2 + 1)), in logarithms because d^D overflows at
+        // large d.
         let chance = evidence.map_or(1.0, |Evidence { ratio, squared_distance }| {
             (0.5 * DOF as f64 * (0.5 * squared_distance).ln() - self.log_gamma).exp() * ratio.sqrt()
         });
         self.pool.candidates as f64 * chance.min(1.0)
     }
 
-    /// Divides members, which ascend, into those that agree not by chance and the others, where a wrong edge weighs as much
-    /// as `cost` correct ones.
+    /// Divides members (ascending) into those that agree better than by chance and the others, where a wrong edge costs as
+    /// much as `cost` correct ones.
     ///
-    /// Members vouch for each other where a link causes no more false alarms than [`acceptable`] says. Within one chain the
-    /// odometry is where it begins; between two, the largest island of members that hang together. One more island of m
-    /// members joins if its best link causes at most m times as many: of N candidates there are at most N / m such islands.
-    /// In a graph with one group something to begin with always stays, be it a lone candidate. With several groups a lone
-    /// member that nobody vouches for goes: each group would keep one otherwise, and false edges spread over many groups.
-    /// O(n log n), and as much again for each round in which islands join.
+    /// Two members support each other if the link between them causes no more false alarms than [`acceptable`] allows.
+    /// Supported members grow from a first island of connected members: within one chain, the island that the odometry
+    /// supports; between two chains, the largest island. Another island of m members joins if its best link causes at most
+    /// m times as many false alarms, because N candidates form at most N / m such islands. In a graph with one group the
+    /// first island always stays, even if it is a lone candidate. With several groups, a lone member without support is
+    /// dropped: otherwise each group would keep one, and false edges spread over many groups. O(n log n), and as much again
+    /// for each round in which islands join.
     pub fn support(&self, members: &[usize], cost: f64) -> Support {
         let nearest = Nearest::new(self.pairs, members);
         let vouched: Vec<Vouched> =
@@ -213,14 +216,14 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
                 (of.odometry <= limit, linked.map(|&(other, _)| other).collect())
             })
             .collect();
-        // Islands before counts: two overlaps far apart cannot vouch for each other across the odometry between, and judged one by
-        // one, all members of the smaller would look like chance.
+        // Islands are formed before members are judged: two overlaps far apart cannot support each other across the
+        // odometry between them. Judged one by one, all members of the smaller overlap would look like chance.
         let mut islands = Islands::of(members, &links);
         let mut supported = islands.take_first();
         if self.pool.groups > 1 && !Self::is_vouched_for(&supported, &vouched, members, limit) {
             supported.clear();
         }
-        // In rounds, since an island that joined may vouch for the next one.
+        // Runs in rounds, because an island that joined may support the next one.
         while !supported.is_empty() {
             let nearest = Nearest::new(self.pairs, &supported);
             let joining = islands.take_where(|island| {
@@ -243,7 +246,7 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
         Support { supported, by_chance, false_alarms }
     }
 
-    /// Whether an island has two members, or one that the odometry of its chain vouches for.
+    /// Whether an island has two members, or one that the odometry of its chain supports.
     fn is_vouched_for(island: &[usize], vouched: &[Vouched], members: &[usize], limit: f64) -> bool {
         match island {
             [] => false,
@@ -264,18 +267,18 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Chance<'a, G, DOF> {
     }
 }
 
-/// The evidence of the witness that says most: of least |S| / |S + R|, the first among equals.
+/// The evidence of the best witness: the one of least |S| / |S + R|, the first among equals.
 fn best(evidence: impl Iterator<Item = Option<Evidence>>) -> Option<Evidence> {
     evidence.flatten().min_by(|one, other| one.ratio.total_cmp(&other.ratio))
 }
 
-/// The most false alarms that an edge may cause: of k edges that cause up to a each, a are expected to be wrong, and the k
-/// of which k - a - cost a is greatest are worth it. One more edge then is, too, if it adds less than 1 / (1 + cost) to what
-/// is expected. O(n log n).
+/// The most false alarms that an edge may cause. Of k edges that cause up to a each, a are expected to be wrong; the best k
+/// has the greatest gain k - a - cost a. One more edge is also worth its cost if it adds less than 1 / (1 + cost) to the
+/// expected number of wrong edges. O(n log n).
 pub fn acceptable(mut false_alarms: Vec<f64>, cost: f64) -> f64 {
     let weight = 1.0 + cost;
     false_alarms.sort_by(f64::total_cmp);
-    // The gain k - a - cost a, that is k - (1 + cost) a, at the k smallest; a is the largest of them.
+    // The gain k - a - cost a = k - (1 + cost) a of the k smallest numbers, where a is the largest of these.
     let mut best = (0.0, 0.0);
     for (place, &expected) in false_alarms.iter().enumerate() {
         let gain = (place + 1) as f64 - weight * expected;

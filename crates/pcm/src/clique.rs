@@ -1,24 +1,23 @@
-//! Maximum cliques of consistency graphs, with a proof.
+//! Maximum cliques of consistency graphs, proved optimal.
 //!
 //! Consistency graphs are dense: most true edges agree with each other. Much of the work is therefore done on the
-//! complement, whose edges are conflicts: a clique is a set of vertices without conflicts.
+//! complement, where an edge is a conflict and a clique is a set of vertices without conflicts.
 //!
-//! 1. Upper bound by core numbers; first cliques greedily along the reversed degeneracy order and by fewest conflicts;
-//!    local search with (1,2)-swaps.
-//! 2. Vertices whose core number is below the incumbent go, those that conflict with too many colour classes as a whole,
-//!    and those dominated in the complement.
-//! 3. The complement falls apart into components. Each has a bound of its own, by colours, iterated greedy and
-//!    contradictions between colours, and a clique of its own, by local search; a component in which they differ has to
-//!    bring only what the others leave for the whole to exceed the incumbent. What its kernel keeps then is taken apart
-//!    again.
-//! 4. Where kernels keep nearly all, branch and bound with greedy colouring and recolouring (Tomita et al. 2010;
-//!    bit-parallel as San Segundo, Rodriguez-Losada, Jimenez 2011).
+//! 1. Core numbers give an upper bound. Greedy searches, along the reversed degeneracy order and by fewest conflicts, give
+//!    the first cliques; local search with (1,2)-swaps enlarges them.
+//! 2. Three kinds of vertices are removed: those whose core number is below the incumbent, those that conflict with too
+//!    many whole colour classes, and those dominated in the complement.
+//! 3. The complement falls apart into components. Each gets a bound of its own (by colours, iterated greedy and
+//!    contradictions between colours) and a clique of its own (by local search). Where bound and clique differ, the
+//!    component must contribute only as much as the whole needs, beyond the other components, to exceed the incumbent. The
+//!    vertices that its kernel keeps are split into components again.
+//! 4. If kernels keep nearly everything, branch and bound solves them, with greedy colouring and recolouring (Tomita et al.
+//!    2010; bit-parallel as San Segundo, Rodriguez-Losada, Jimenez 2011).
 //!
-//! Every number on the way is exact, every choice goes by the order of the vertices, and random draws have a fixed
-//! seed: one graph, one answer, at any number of threads. Among cliques of the same size the first one found in this
-//! order is taken.
+//! The result is deterministic at any number of threads: all numbers are exact, choices follow the order of the vertices,
+//! and random draws have a fixed seed. Among cliques of the same size the first one found in this order is taken.
 //!
-//! Depends on no other module of this crate: it knows graphs, not edges of a map.
+//! Depends on no other module of this crate: it knows graphs, not pose-graph edges.
 
 mod bits;
 mod buckets;
@@ -47,10 +46,10 @@ use search::Outcome;
 /// Rounds of local search without success, on the whole graph and on each component.
 const ROUNDS: usize = 200;
 
-/// A clique and what is known about larger ones.
+/// A clique, and an upper bound on the size of any clique.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MaximumClique {
-    /// Vertices that are all connected with each other, ascending.
+    /// Vertices that are pairwise connected, ascending.
     pub vertices: Vec<usize>,
     /// No clique has more vertices than this.
     pub upper_bound: usize,
@@ -59,16 +58,16 @@ pub struct MaximumClique {
 }
 
 impl MaximumClique {
-    /// Whether it is proved that none is larger.
+    /// Whether it is proved that no clique is larger.
     pub fn is_optimal(&self) -> bool {
         self.vertices.len() == self.upper_bound
     }
 }
 
-/// The maximum clique, or when a limit ends the search the largest found and a proved upper bound.
+/// The maximum clique. If a limit ends the search: the largest clique found so far, and a proved upper bound.
 ///
-/// Exponential in the worst case; on consistency graphs of thousands of candidates it usually ends before the first
-/// branch. The same answer on every run and number of threads, and with a work limit on every machine.
+/// Exponential in the worst case; on consistency graphs of thousands of candidates it usually ends before the first branch.
+/// The result is the same on every run and at any number of threads; with a work limit also on every machine.
 ///
 /// ```
 /// use posecut_pcm::clique::{BitGraph, Limits, maximum_clique};
@@ -87,12 +86,12 @@ pub fn maximum_clique(graph: &BitGraph, limits: Limits) -> MaximumClique {
     MaximumClique { vertices, upper_bound: outcome.upper_bound, work: outcome.work }
 }
 
-/// The maximum clique among the vertices `alive`, if it has more than `floor` of them.
+/// The maximum clique among the vertices `alive`, if it has more than `floor` vertices.
 pub(crate) fn larger_clique(graph: &BitGraph, alive: &BitSet, floor: usize, limits: Limits) -> Outcome {
     let mut incumbent = Incumbent { clique: None, size: floor };
     let mut alive = alive.clone();
     let degeneracy = Degeneracy::of(graph, &alive);
-    // A clique of k vertices lies in the (k - 1)-core. The cheapest bound comes first, since it often meets the first greedy clique.
+    // A clique of k vertices lies in the (k - 1)-core. This bound is the cheapest and often equals the first greedy clique.
     let core_bound = degeneracy.clique_bound();
     if core_bound > floor {
         incumbent.offer(greedy::along_degeneracy(graph, &degeneracy));
@@ -103,7 +102,7 @@ pub(crate) fn larger_clique(graph: &BitGraph, alive: &BitSet, floor: usize, limi
     if core_bound <= incumbent.size || alive.is_empty() {
         return Outcome { upper_bound: incumbent.size, clique: incumbent.clique, work: 0 };
     }
-    // Local search before the kernel: every vertex that the clique gains lets reductions remove more, and those are what costs.
+    // Local search runs before the kernel: a larger clique lets the reductions, the expensive step, remove more vertices.
     if let Some(clique) = &incumbent.clique {
         let mut around = alive.clone();
         for &vertex in clique {
@@ -115,12 +114,13 @@ pub(crate) fn larger_clique(graph: &BitGraph, alive: &BitSet, floor: usize, limi
     kernel::shrink(graph, &mut alive, incumbent.size);
     let mut parts = Parts::of(graph, &alive, incumbent.clique.as_deref().unwrap_or_default());
     let work = parts.solve(&mut incumbent, limits);
-    // Vertices that the kernel lost are in no clique larger than the incumbent, so the parts' bound holds for the whole graph.
+    // Vertices that the kernel removed are in no clique larger than the incumbent, so the bound of the components holds for
+    // the whole graph.
     let upper_bound = parts.upper_bound().min(core_bound).max(incumbent.size);
     Outcome { clique: incumbent.clique, upper_bound, work }
 }
 
-/// The largest clique so far, or a size that is known without one.
+/// The largest clique so far, or a size that is known without a clique.
 struct Incumbent {
     clique: Option<Vec<usize>>,
     size: usize,
@@ -148,7 +148,7 @@ mod tests {
         graph
     }
 
-    /// A graph that has an edge where a draw is below the density.
+    /// A random graph: two vertices are connected if their draw is below the density.
     pub(super) fn drawn(vertices: usize, density: f64, draws: &[f64]) -> BitGraph {
         let mut graph = BitGraph::new(vertices);
         let mut draw = draws.iter();
@@ -162,7 +162,8 @@ mod tests {
         graph
     }
 
-    /// The complement of a ring of five, five times over, all joined: cliques have two of each ring, colourings three.
+    /// The complement of a ring of five, in five copies that are all connected. A clique takes two vertices of each ring, a
+    /// colouring needs three colours for it.
     pub(super) fn rings() -> BitGraph {
         let mut graph = BitGraph::new(25);
         for a in 0..25_usize {
@@ -203,7 +204,7 @@ mod tests {
 
     #[test]
     fn a_work_limit_leaves_a_clique_and_a_valid_bound() {
-        // Complement of a perfect matching plus noise: greedy alone does not prove anything.
+        // The complement of a perfect matching plus noise: greedy search alone proves nothing.
         let mut graph = BitGraph::new(60);
         for a in 0..60_usize {
             for b in a + 1..60 {

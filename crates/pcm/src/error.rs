@@ -1,6 +1,6 @@
-//! What PCM cannot work with.
+//! Errors of PCM.
 
-/// A graph or option that PCM refuses.
+/// A graph or option that PCM cannot use.
 #[derive(Debug, thiserror::Error)]
 pub enum PcmError {
     /// An edge whose information matrix has no inverse.
@@ -10,7 +10,7 @@ pub enum PcmError {
     Covariance {
         /// The edge.
         edge: String,
-        /// What the factorisation met.
+        /// What the factorisation found.
         reason: String,
     },
     /// A probability outside (0, 1).
@@ -18,7 +18,7 @@ pub enum PcmError {
         "a probability is {value}, and must lie between 0 and 1, both excluded; --help marks the options that take one by P"
     )]
     Probability {
-        /// What was given.
+        /// The given value.
         value: f64,
     },
     /// A length, an angle, a scale or a limit that is not a positive number.
@@ -26,10 +26,10 @@ pub enum PcmError {
     NotPositive {
         /// The option.
         option: &'static str,
-        /// What was given.
+        /// The given value.
         value: f64,
     },
-    /// An option for a test that does not look at covariances.
+    /// An option that has no effect on a test without covariances.
     #[error(
         "{option} has no effect on --test threshold, which reads no covariances; leave one of the two out"
     )]
@@ -37,7 +37,7 @@ pub enum PcmError {
         /// The option.
         option: &'static str,
     },
-    /// The consistency graph of a group is asked for, and is not made.
+    /// The consistency graph of a group is requested, but it is not computed.
     #[error(
         "--consistency-graph needs all pairs, and a group of {candidates} candidates is solved by cells, which never makes them; add --scheme exact (it takes {megabytes} MB for that group)"
     )]

@@ -1,4 +1,4 @@
-//! Seeded graphs for tests and benches: two sessions along one route, correct landmark edges between places that
+//! Seeded graphs for tests and benches: two sessions along one route, with correct landmark edges between positions that
 //! meet, and false ones.
 
 use nalgebra::SVector;
@@ -20,14 +20,14 @@ pub enum Falsehood {
     NearMiss,
 }
 
-/// A world to draw.
+/// A random graph to generate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scenario {
-    /// Landmark edges.
+    /// The number of landmark edges.
     pub candidates: usize,
-    /// Share of them that is false.
+    /// The share of false edges among them.
     pub outliers: f64,
-    /// What the false ones look like.
+    /// What the false edges look like.
     pub falsehood: Falsehood,
     /// The seed; equal seeds give equal graphs on every machine.
     pub seed: u64,
@@ -39,12 +39,12 @@ const STEP: (f64, f64) = (0.03, 0.003);
 const LANDMARK: (f64, f64) = (0.1, 0.02);
 
 impl Scenario {
-    /// Nodes a session: one in four candidates, between 200 and 5000, one metre apart.
+    /// The number of nodes in a session: one for every four candidates, between 200 and 5000, one metre apart.
     pub fn nodes(&self) -> usize {
         (self.candidates / 4).clamp(200, 5000)
     }
 
-    /// Draws the graph. Both sessions follow one winding route; noise is what the covariances say. O(candidates).
+    /// Generates the graph. Both sessions follow one winding route; the noise matches the covariances. O(candidates).
     pub fn draw<G: LieGroup<DOF>, const DOF: usize>(&self) -> PoseGraph {
         let mut draw = Draw { random: random(self.seed, "pcm scenario") };
         let count = self.nodes();
@@ -154,14 +154,14 @@ impl Draw {
         poses
     }
 
-    /// Two places that meet: at most two steps apart.
+    /// Two positions that meet: at most two steps apart.
     fn meeting(&mut self, count: usize) -> (usize, usize) {
         let i = self.random.random_range(0..count);
         let k = self.random.random_range(i.saturating_sub(2)..(i + 3).min(count));
         (i, count + k)
     }
 
-    /// Two places more than 20 steps apart.
+    /// Two positions more than 20 steps apart.
     fn apart(&mut self, count: usize) -> (usize, usize) {
         loop {
             let (i, k) = (self.random.random_range(0..count), self.random.random_range(0..count));

@@ -1,4 +1,4 @@
-//! PCM while candidates arrive.
+//! PCM with candidates that arrive one by one.
 
 use nalgebra::SMatrix;
 use posecut_geometry::LieGroup;
@@ -8,12 +8,12 @@ use crate::odometry::chain::Chain;
 use crate::pairs::candidate::Candidate;
 use crate::pairs::consistency::{squared_distance, squared_distance_to_odometry};
 
-/// What one more candidate changed.
+/// The effect of one more candidate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Update {
     /// The candidate's number, counted from 0 in the order of arrival.
     pub candidate: usize,
-    /// Earlier candidates that it agrees with.
+    /// The number of earlier candidates that it agrees with.
     pub degree: usize,
     /// Whether the largest consistent set changed.
     pub clique_changed: bool,
@@ -21,9 +21,9 @@ pub struct Update {
 
 /// The largest consistent set of the candidates between two chains, kept up to date.
 ///
-/// A new candidate costs one row of the consistency graph, O(N) pairs. The clique is searched only among its neighbours,
-/// and only if their number and degrees leave room for a larger one; a candidate that agrees with the whole clique joins
-/// it at once. A proof survives: where the clique was proved largest, it stays so, unless a limit ends a search.
+/// A new candidate costs one row of the consistency graph, O(N) pairs. The search covers only its neighbours, and only if
+/// their number and degrees leave room for a larger clique. A candidate that agrees with the whole clique joins it at once.
+/// If the clique was proved optimal, it stays so unless a limit ends a search.
 ///
 /// ```
 /// use nalgebra::{Matrix3, Vector3};
@@ -55,27 +55,27 @@ pub struct Update {
 #[derive(Clone, Debug)]
 pub struct Incremental<G, const DOF: usize> {
     chain_a: Chain<G, DOF>,
-    /// `None`: both ends of a candidate lie in chain A.
+    /// `None` if both ends of a candidate lie in chain A.
     chain_b: Option<Chain<G, DOF>>,
     candidates: Vec<Candidate<G, DOF>>,
     gate: f64,
     limits: Limits,
     graph: BitGraph,
     degrees: Vec<usize>,
-    /// Within one chain: whether a candidate agrees with the odometry alone.
+    /// For each candidate: whether it agrees with the odometry alone. Between two chains every candidate does.
     admissible: Vec<bool>,
     clique: Vec<usize>,
     upper_bound: usize,
 }
 
 impl<G: LieGroup<DOF>, const DOF: usize> Incremental<G, DOF> {
-    /// No candidates yet between two chains; `gate` is the largest squared Mahalanobis distance of a consistent pair,
-    /// `limits` hold for each search.
+    /// Starts without candidates between two chains. `gate` is the largest squared Mahalanobis distance of a consistent
+    /// pair; `limits` apply to each search.
     pub fn new(chain_a: Chain<G, DOF>, chain_b: Chain<G, DOF>, gate: f64, limits: Limits) -> Self {
         Self::with(chain_a, Some(chain_b), gate, limits)
     }
 
-    /// No candidates yet within one chain.
+    /// Starts without candidates within one chain.
     pub fn within(chain: Chain<G, DOF>, gate: f64, limits: Limits) -> Self {
         Self::with(chain, None, gate, limits)
     }
@@ -100,17 +100,17 @@ impl<G: LieGroup<DOF>, const DOF: usize> Incremental<G, DOF> {
         self.chain_a.push(motion, covariance);
     }
 
-    /// Lengthens chain B by a step; the only chain, if there is one.
+    /// Lengthens chain B by a step, or the only chain if there is just one.
     pub fn drive_b(&mut self, motion: &G, covariance: &SMatrix<f64, DOF, DOF>) {
         self.chain_b.as_mut().unwrap_or(&mut self.chain_a).push(motion, covariance);
     }
 
-    /// Adds a candidate from place `i` of chain A to place `k` of chain B (within one chain, `i` before `k`) that measures
-    /// the pose of the latter in the frame of the former.
+    /// Adds a candidate from index `i` of chain A to index `k` of chain B (within one chain, `i` before `k`). It measures
+    /// the pose of the second node in the frame of the first.
     ///
     /// # Panics
     ///
-    /// If a place lies beyond the end of its chain.
+    /// If an index lies beyond the end of its chain.
     pub fn add(
         &mut self,
         i: usize,
@@ -148,7 +148,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Incremental<G, DOF> {
         &self.clique
     }
 
-    /// No consistent set is larger than this; the clique is proved largest when it has as many members.
+    /// No consistent set is larger than this. The clique is proved optimal if it has as many members.
     pub fn upper_bound(&self) -> usize {
         self.upper_bound
     }
@@ -158,13 +158,13 @@ impl<G: LieGroup<DOF>, const DOF: usize> Incremental<G, DOF> {
         &self.graph
     }
 
-    /// A larger clique must contain the new vertex.
+    /// Searches for a larger clique, which must contain the new vertex.
     fn improve(&mut self, vertex: usize) -> bool {
         let size = self.clique.len();
         if self.clique.iter().all(|&member| self.graph.connected(member, vertex)) {
             self.clique.push(vertex);
             self.upper_bound = (self.upper_bound + 1).max(self.clique.len());
-            // Where the clique was a proved maximum, one more is the most that one more vertex can bring.
+            // One vertex adds at most one to the size, so a clique that was proved optimal still is.
             return true;
         }
         let mut neighbours = BitSet::new(self.graph.len());
@@ -179,7 +179,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Incremental<G, DOF> {
             return false;
         }
         let outcome = larger_clique(&self.graph, &neighbours, size - 1, self.limits);
-        // Cliques with the new vertex, or those without, of which the old bound knows.
+        // The first bound covers cliques with the new vertex; the old bound covers those without it.
         self.upper_bound = self.upper_bound.max((outcome.upper_bound + 1).min(self.upper_bound + 1));
         let Some(mut clique) = outcome.clique else { return false };
         clique.push(vertex);

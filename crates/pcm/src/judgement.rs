@@ -1,7 +1,7 @@
-//! What becomes of the candidates of a group: pairs, maximum clique, growth, chance, one after the other.
+//! Judges the candidates of a group: pairs, maximum clique, growth and chance, one after the other.
 //!
-//! The clique needs a matrix of all pairs: [`cells`] solves groups that are too large for one, by hypotheses for each cell of
-//! distance travelled. [`growth`] adds candidates that the clique lost by a pair or two. Depends on
+//! The clique needs a matrix of all pairs. For groups that are too large for one, [`cells`] uses hypotheses for each cell
+//! of distance travelled. [`growth`] adds candidates that are missing from the clique because of a pair or two. Depends on
 //! [`clique`](crate::clique), [`chance`](crate::chance), odometry and pairs.
 
 pub mod cells;
@@ -22,7 +22,7 @@ use cells::solve_by_cells;
 use figures::{Figures, Searched};
 use growth::grow;
 
-/// Whether a candidate stays, and why.
+/// Whether a candidate is kept, and why.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Role {
     Clique,
@@ -47,13 +47,13 @@ impl Role {
     }
 }
 
-/// What was found out about the candidates of a group.
+/// The result for the candidates of a group.
 pub(crate) struct Judged {
     roles: Vec<Role>,
     degrees: Vec<usize>,
-    /// Where it was asked.
+    /// For each candidate, if they were counted.
     false_alarms: Vec<Option<f64>>,
-    /// The consistency graph with the candidates that its vertices stand for.
+    /// The consistency graph, with the candidate of each vertex.
     pub(crate) graph: Option<(BitGraph, Vec<usize>)>,
     pub(crate) figures: Figures,
 }
@@ -86,7 +86,7 @@ impl Judged {
         }
     }
 
-    /// Writes the evidence to the edges of the group, and rejects those that do not stay.
+    /// Writes the evidence to the edges of the group, and rejects those that are not kept.
     pub(crate) fn mark<G, const DOF: usize>(&self, graph: &mut PoseGraph, group: &Group<G, DOF>) {
         for (place, candidate) in group.candidates.iter().enumerate() {
             let edge = &mut graph.edges[candidate.edge];
@@ -111,7 +111,7 @@ impl Judged {
     }
 }
 
-/// Judges the candidates of a group by the scheme for their number; with `keep_graph` the consistency graph is kept.
+/// Judges the candidates of a group by the scheme for their number. `keep_graph` keeps the consistency graph.
 pub(crate) fn judge<G: Spatial<DOF>, const DOF: usize>(
     options: &Options,
     chains: &Chains<G, DOF>,
@@ -159,7 +159,7 @@ fn by_cells<G: Spatial<DOF>, const DOF: usize>(
         hypotheses_left_out: solution.hypotheses_left_out,
         counts: solution.counts,
         clique_size: solution.members.len(),
-        // Nothing is proved about candidates that are no hypotheses.
+        // Nothing is proved about candidates that are not hypotheses.
         clique_upper_bound: pairs.len(),
         searched: Searched::of(&solution.clique),
         work: solution.clique.work,

@@ -12,17 +12,17 @@ use crate::chance::COST;
 use crate::clique::Limits;
 use crate::{Correction, Gate, PcmError, Test, corrected};
 
-/// The most candidates of a group for which all pairs are tested: their matrix takes 50 MB.
+/// The most candidates of a group for which all pairs are tested; their matrix takes 50 MB.
 const MOST_EXACT: usize = 20_000;
 
-/// Branch-and-bound nodes among up to a thousand candidates, unless told otherwise.
+/// The default number of branch-and-bound nodes for up to a thousand candidates.
 const NODES: f64 = 2e7;
 
-/// The same with `--scale auto`. A node costs about N^2 bits: this is less than a second for any number of candidates. A gate
-/// that is an estimate does not earn minutes of proof, and one that is far too loose leaves a gap that no search closes.
+/// The same with `--scale auto`. A node costs about N^2 bits, so this is less than a second for any number of candidates. A
+/// gate that is an estimate is not worth minutes of proof, and one that is far too wide leaves a gap that no search closes.
 const NODES_OF_ESTIMATES: f64 = 1e3;
 
-/// The share of all nodes, inverted, that one branch of the root may take.
+/// One branch of the root may take one in this many of all nodes.
 const STALL: f64 = 20.0;
 
 /// How a group is solved.
@@ -50,7 +50,7 @@ impl Scheme {
     }
 }
 
-/// What covariances are multiplied by.
+/// The factors that multiply the covariances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scale {
     /// These factors.
@@ -189,7 +189,7 @@ impl Default for Options {
 }
 
 impl Options {
-    /// The paper's.
+    /// The options of the paper.
     pub const DEFAULT: Self = Self {
         test: Test::Mahalanobis,
         probability: 0.99,
@@ -207,7 +207,7 @@ impl Options {
         time_limit: None,
     };
 
-    /// Refuses numbers that mean nothing.
+    /// Rejects numbers outside the valid ranges.
     pub(crate) fn check(&self) -> Result<(), PcmError> {
         for (option, value) in [
             ("--translation-per-step", self.translation_per_step),
@@ -253,7 +253,7 @@ impl Options {
         self.calibrate || self.scale == Scale::Auto
     }
 
-    /// The scales to apply, given what was estimated.
+    /// The scales to apply, given the estimate.
     pub(crate) fn scales(&self, estimate: Option<ScaleEstimate>) -> Scales {
         match self.scale {
             Scale::Fixed(scales) => scales,
@@ -261,18 +261,18 @@ impl Options {
         }
     }
 
-    /// What a wrong edge weighs where edges may agree by chance.
+    /// The cost of a wrong edge where edges may agree by chance.
     pub(crate) fn cost(&self) -> f64 {
         self.chance.unwrap_or(COST)
     }
 
-    /// When a run that starts now must end.
+    /// The deadline of a run that starts now.
     pub(crate) fn deadline(&self) -> Option<Instant> {
         self.time_limit.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.min(1e9)))
     }
 
-    /// The limits of a run with a single group. A node takes time by the square of the candidates at most, so that they stand for
-    /// the same time: some minutes, or less than a second with `--scale auto`.
+    /// The limits of a run with a single group. The time of a node grows at most with the square of the candidates, so
+    /// these limits mean the same time for any number of them: some minutes, or less than a second with `--scale auto`.
     pub(crate) fn limits(&self, candidates: usize, deadline: Option<Instant>) -> Limits {
         let thousands = candidates as f64 / 1000.0;
         let squared = thousands * thousands;
@@ -280,7 +280,7 @@ impl Options {
             Scale::Fixed(_) => NODES / squared.max(1.0),
             Scale::Auto => (NODES_OF_ESTIMATES / squared).min(NODES),
         };
-        // Who asks for so many nodes gets them.
+        // An explicit limit is used in full: such a search does not stall.
         let stall = if self.work_limit.is_some() { u64::MAX } else { (nodes / STALL) as u64 };
         Limits { work: self.work_limit.unwrap_or(nodes as u64), stall, deadline }
     }

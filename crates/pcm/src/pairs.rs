@@ -6,11 +6,11 @@
 //! E = Z_a^-1 (P_i^-1 P_j) Z_b (Q_l^-1 Q_k)                      (Mangelson et al., ICRA 2018, equation 6)
 //! ```
 //!
-//! and are consistent if `Log(E)^T Sigma^-1 Log(E)` is at most the quantile of chi-square with 3 or 6 degrees of freedom;
-//! `Sigma` adds the covariances of both edges and of both stretches of odometry. [`candidate`] orients the edges alike and
-//! groups them by chains, [`distance`] is the left side, [`gate`] the right side, [`pretest`] a bound that spares most
-//! pairs the distance, and [`consistency`] the graph of all pairs. [`block`], [`lanes`] and [`logarithm`] test several pairs
-//! at once; [`nearest`] finds neighbours by distance travelled.
+//! and are consistent if `Log(E)^T Sigma^-1 Log(E)` is at most the quantile of chi-square with 3 or 6 degrees of freedom,
+//! where `Sigma` adds the covariances of both edges and of both stretches of odometry. [`candidate`] orients the edges
+//! alike and groups them by chains. [`distance`] computes the left side, [`gate`] the right side. [`pretest`] rejects most
+//! pairs without the distance, and [`consistency`] builds the graph of all pairs. [`block`], [`lanes`] and [`logarithm`]
+//! test several pairs at once; [`nearest`] finds neighbours by distance travelled.
 //!
 //! Depends on `odometry` and on the bit rows of [`clique`](crate::clique).
 

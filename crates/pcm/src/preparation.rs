@@ -1,4 +1,4 @@
-//! The chains and candidates of a graph as the options want them: what the stage and its replay start from.
+//! The chains and candidates of a graph according to the options, for the stage and its replay.
 
 use posecut_graph::PoseGraph;
 
@@ -7,7 +7,7 @@ use crate::odometry::chain::{Chains, Covariances};
 use crate::pairs::candidate::{Group, Grouped, group_with};
 use crate::{Options, PcmError, Spatial, Test};
 
-/// The chains of a graph and its candidates; without covariances where no test looks at them.
+/// The chains of a graph and its candidates; without covariances if no test uses them.
 pub(crate) fn candidates<G: Spatial<DOF>, const DOF: usize>(
     options: &Options,
     graph: &PoseGraph,
@@ -19,7 +19,7 @@ pub(crate) fn candidates<G: Spatial<DOF>, const DOF: usize>(
     Ok((chains, grouped))
 }
 
-/// Estimates scales where they are asked for, and applies those of the options to chains and candidates.
+/// Estimates scales if they are requested, and applies the scales of the options to chains and candidates.
 pub(crate) fn scale<G: Spatial<DOF>, const DOF: usize>(
     options: &Options,
     chains: &mut Chains<G, DOF>,

@@ -1,4 +1,4 @@
-//! PCM on a pose graph: every group of candidates judged by the options, with one budget of work for all.
+//! PCM on a pose graph: judges every group of candidates by the options, with one budget of work for all.
 
 use std::time::Instant;
 
@@ -15,7 +15,7 @@ use crate::pairs::candidate::Group;
 use crate::preparation::{candidates, scale};
 use crate::{Options, PcmError, Spatial};
 
-/// What PCM did to a graph.
+/// The result of PCM on a graph.
 #[derive(Clone, Debug)]
 pub struct Rejection {
     /// Pairs of chains that have candidates.
@@ -26,35 +26,35 @@ pub struct Rejection {
     pub rejected_before: usize,
     /// Figures over all groups.
     pub judged: Figures,
-    /// What calibration found.
+    /// The result of calibration.
     pub calibration: Calibration,
-    /// The consistency graphs, where they are kept.
+    /// The consistency graphs, if they are kept.
     pub graphs: Vec<NamedGraph>,
-    /// What to warn of: [`Chains::warning`].
+    /// A warning, if there is one: [`Chains::warning`].
     pub warning: Option<String>,
 }
 
-/// What calibration found.
+/// The result of calibration.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Calibration {
-    /// Where it was asked for.
+    /// The estimate, if it was requested.
     pub scale: Option<Result<ScaleEstimate, NoScales>>,
-    /// Seconds that it took.
+    /// Its time in seconds.
     pub seconds: f64,
 }
 
-/// How far a run is, in pairs of candidates.
+/// The progress of a run, in pairs of candidates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
-    /// Pairs of the groups that are judged.
+    /// Pairs of the groups judged so far.
     pub done: u64,
     /// Pairs of all groups.
     pub all: u64,
 }
 
-/// Rejects the landmark edges of a graph outside the maximum clique of their group, and marks all with the evidence. With
-/// `keep_graphs` the consistency graphs are kept, which takes them all into memory together. `progress` is called before the first
-/// group and after each.
+/// Rejects the landmark edges of a graph that are outside the maximum clique of their group, and writes the evidence to all
+/// of them. `keep_graphs` keeps the consistency graphs, all in memory at the same time. `progress` is called before the
+/// first group and after each.
 pub fn reject(
     options: &Options,
     graph: &mut PoseGraph,
@@ -92,7 +92,7 @@ fn reject_in<G: Spatial<DOF>, const DOF: usize>(
     let pool = options.chance.map(|_| Pool::of(&chains, &grouped.groups));
     let candidates = || grouped.groups.iter().map(|group| group.candidates.len());
     let mut budget = Budget::of(candidates());
-    // A group takes time by the pairs of its candidates.
+    // The time of a group grows with the pairs of its candidates.
     let mut reached = Progress { done: 0, all: candidates().map(pairs).sum() };
     progress(reached);
     for group in &grouped.groups {
@@ -114,13 +114,13 @@ fn reject_in<G: Spatial<DOF>, const DOF: usize>(
     Ok(rejection)
 }
 
-/// How many pairs so many candidates have, and one for themselves.
+/// The number of pairs among this many candidates, plus one for the group.
 fn pairs(candidates: usize) -> u64 {
     let count = candidates as u64;
     count * count.saturating_sub(1) / 2 + 1
 }
 
-/// [`scale`], and with `--calibrate` the same for the informations of the graph.
+/// Calls [`scale`]; with `--calibrate`, also rescales the information matrices of the graph.
 fn calibrate<G: Spatial<DOF>, const DOF: usize>(
     options: &Options,
     graph: &mut PoseGraph,

@@ -1,4 +1,4 @@
-//! What the stage decides on, for those who show it: the consistency graphs without the decision.
+//! The data that the stage decides on, for programs that display them: the consistency graphs without the decision.
 
 use posecut_graph::{PoseGraph, for_dimension};
 
@@ -8,14 +8,14 @@ use crate::pairs::consistency::Pairs;
 use crate::preparation::{candidates, scale};
 use crate::{Gate, Options, PcmError, Spatial};
 
-/// A group of candidates and which of them agree, as the stage decides on them.
+/// A group of candidates, and which of them agree.
 #[derive(Clone, Debug)]
 pub struct GroupConsistency {
-    /// For each candidate its place in the first chain, in the second, and among the graph's edges.
+    /// For each candidate: its index in the first chain, in the second chain, and among the graph's edges.
     pub places: Vec<(usize, usize, usize)>,
-    /// When a pair is consistent.
+    /// The condition for a consistent pair.
     pub gate: Gate,
-    /// The vertex of each candidate; none if the odometry alone refutes it.
+    /// The vertex of each candidate; none if the odometry alone rejects it.
     vertices: Vec<Option<usize>>,
     graph: BitGraph,
 }
@@ -27,17 +27,17 @@ impl GroupConsistency {
     }
 }
 
-/// What the stage decides on.
+/// The data that the stage decides on.
 #[derive(Clone, Debug)]
 pub struct Replay {
     /// The groups of candidates.
     pub groups: Vec<GroupConsistency>,
-    /// What the stage warns of, if anything: [`Chains::warning`](crate::chain::Chains::warning).
+    /// The stage's warning, if there is one: [`Chains::warning`](crate::chain::Chains::warning).
     pub warning: Option<String>,
 }
 
-/// The consistency graphs of a graph that has not been through PCM yet, with the covariances, scales and gate of the
-/// options, whatever their scheme. O(candidates^2) time, and as many bits.
+/// The consistency graphs of a graph before PCM, with the covariances, scales and gate of the options. The scheme of the
+/// options is ignored. O(candidates^2) time, and as many bits.
 pub fn consistency(options: &Options, graph: &PoseGraph) -> Result<Replay, PcmError> {
     options.check()?;
     for_dimension!(graph.header.dimension, |G, DOF| consistency_of::<G, DOF>(options, graph))

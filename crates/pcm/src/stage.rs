@@ -1,6 +1,7 @@
 //! PCM as a stage: marks the landmark edges outside the maximum clique of each group.
 //!
-//! What is reported (`summary`), and options that moved (`moved`). Depends on all of the theory, and holds none.
+//! `summary` reports the results; `moved` handles options that belong to another program now. Depends on all of the theory,
+//! and contains none of it.
 
 mod moved;
 mod summary;
@@ -17,10 +18,10 @@ use crate::{Options, Progress, STAGE, reject};
 use moved::MovedOptions;
 use summary::Summary;
 
-/// What names the file of the consistency graph.
+/// The option for the file of the consistency graph.
 const CONSISTENCY_GRAPH: &str = "--consistency-graph";
 
-/// How often progress is drawn while a group takes long.
+/// How often progress is updated while a group takes long.
 const TICK: Duration = Duration::from_millis(200);
 
 /// The options of the stage: those of PCM, and what a graph's history need not hold.

@@ -1,4 +1,4 @@
-//! Graphs that are hardly graphs, through the stage's library: what happens is defined, and nothing panics.
+//! Graphs that are barely graphs, through the stage's library: the result is defined, and nothing panics.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

@@ -1,4 +1,4 @@
-//! Pairs tested several at a time are the pairs tested one at a time.
+//! Tests of several pairs at once give the results of tests one by one.
 
 use posecut_geometry::{SE2, SE3};
 use posecut_graph::{Edge, EdgeKind};
@@ -9,7 +9,7 @@ use posecut_pcm::consistency::{PairCounts, Pairs};
 use posecut_pcm::generate::{Falsehood, Scenario};
 use posecut_pcm::{Gate, Spatial, Test};
 
-/// Both sessions as one chain, with loops along it whose stretches of odometry share steps.
+/// Both sessions as one chain, with loops along it whose stretches share steps of odometry.
 fn joined<G: Spatial<DOF>, const DOF: usize>(scenario: &Scenario) -> posecut_graph::PoseGraph {
     let mut graph = scenario.draw::<G, DOF>();
     let count = graph.nodes.len() / 2;
@@ -53,7 +53,7 @@ fn compare<G: Spatial<DOF>, const DOF: usize>(graph: &posecut_graph::PoseGraph, 
         }
         assert_eq!(counts, singly);
         consistent += counts.consistent;
-        // Every other candidate, backwards: a graph of some of them, in an order of its own.
+        // Every other candidate, in reverse: a graph of some candidates, in an order of its own.
         let chosen: Vec<usize> = (0..pairs.len()).rev().step_by(2).collect();
         let (some, _) = pairs.graph_of(&chosen, gate);
         for (row, &one) in chosen.iter().enumerate() {
@@ -78,7 +78,7 @@ fn pairs_between_two_chains() {
     }
 }
 
-/// With odometry as loose as this, turns of more than a radian pass the pre-test.
+/// With covariances of odometry as large as these, rotations of more than a radian pass the pre-test.
 #[test]
 fn pairs_across_odometry_that_turns_far() {
     let loose = Scales { odometry: 3000.0, landmark: 1.0 };

@@ -1,4 +1,4 @@
-//! Distances in O(1) against composing every step of both loops, and against a Monte Carlo of the noise.
+//! Compares distances in O(1) with a composition of every step of both loops, and with a Monte Carlo of the noise.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -39,8 +39,8 @@ struct World<G, const DOF: usize> {
     landmark_covariance: SMatrix<f64, DOF, DOF>,
 }
 
-/// Two chains of `length` nodes each (or one of twice the length) on wandering ways, with noisy odometry and
-/// landmark edges between the given nodes.
+/// Two chains of `length` nodes each (or one of twice the length) on wandering routes, with noisy odometry and landmark
+/// edges between the given nodes.
 fn world<G: LieGroup<DOF>, const DOF: usize>(
     length: usize,
     one_chain: bool,
@@ -97,8 +97,8 @@ fn distance<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> f64 {
     squared_distance(chain_a, chain_b, found.a == found.b, a, b).unwrap()
 }
 
-/// The loop i -> j -> l -> k -> i composed step by step: its error, and the covariance by carrying the noise
-/// of every step, each counted once with the sum of all its effects, to the end of the loop by differences.
+/// The error and covariance of the loop i -> j -> l -> k -> i, composed step by step. Differences carry the noise of every
+/// step to the end of the loop; each step counts once, with the sum of all its effects.
 fn composed<G: LieGroup<DOF>, const DOF: usize>(
     world: &World<G, DOF>,
     a: (usize, usize),
@@ -149,7 +149,7 @@ fn composed<G: LieGroup<DOF>, const DOF: usize>(
     (error.transpose() * inverse * error)[(0, 0)]
 }
 
-/// First order in the noise: formula and composition agree to the size of the noise, carried over the loop.
+/// To first order in the noise, formula and composition agree to the size of the noise, carried over the loop.
 fn agrees<G: LieGroup<DOF>, const DOF: usize>(
     a: (usize, usize),
     b: (usize, usize),
@@ -179,7 +179,7 @@ fn two_chains_in_both_directions() {
 
 #[test]
 fn one_chain_with_shared_steps_in_all_arrangements() {
-    // Loops apart, nested, crossing, and running against each other.
+    // Loops that are separate, nested, crossing, and in opposite directions.
     for (a, b) in
         [((1, 5), (9, 14)), ((1, 18), (4, 12)), ((2, 10), (6, 16)), ((3, 9), (9, 17)), ((2, 14), (3, 15))]
     {
@@ -269,7 +269,7 @@ fn distances_to_the_odometry_are_chi_square_distributed() {
     assert!(plane < KOLMOGOROV_SMIRNOV && space < KOLMOGOROV_SMIRNOV, "{plane} {space}");
 }
 
-/// As `distance`, with the adjoint of the alignment itself where that of its inverse belongs.
+/// As `distance`, but with the adjoint of the alignment instead of that of its inverse.
 fn distance_with_a_wrong_adjoint<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> f64 {
     let chains = Chains::<G, DOF>::of(graph).unwrap();
     let mut grouped = group(graph, &chains).unwrap();

@@ -1,4 +1,4 @@
-//! Agreement by chance: what it says of random edges, and what it drops.
+//! Agreement by chance: the false alarms of random edges, and the edges that the test drops.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -17,7 +17,7 @@ use posecut_pcm::generate::{Falsehood, Scenario};
 use posecut_pcm::{Gate, Spatial, Test};
 use proptest::prelude::*;
 
-/// False alarms of random edges whose only witnesses are correct ones spread over the whole route.
+/// The false alarms of random edges whose only witnesses are correct edges spread over the whole route.
 fn of_random_edges<G: Spatial<DOF>, const DOF: usize>(seed: u64) -> Vec<f64> {
     let scenario = Scenario { candidates: 4000, outliers: 0.9, falsehood: Falsehood::Uniform, seed };
     let graph = scenario.draw::<G, DOF>();
@@ -39,8 +39,8 @@ fn of_random_edges<G: Spatial<DOF>, const DOF: usize>(seed: u64) -> Vec<f64> {
 fn random_edges_cause_the_false_alarms_that_are_expected() {
     for seed in 1..=5 {
         let alarms = of_random_edges::<SE2, 3>(seed);
-        // Nine in ten of 4000 candidates are random: of those within x, 0.9 x are expected. Places of a route are not
-        // Gaussian, hence a factor of two.
+        // Nine in ten of 4000 candidates are random, so 0.9 x of them are expected within x. Positions along a route are
+        // not Gaussian, hence a factor of two.
         for within in [40.0, 100.0, 400.0] {
             let found = alarms.iter().filter(|&&expected| expected <= within).count() as f64;
             let ratio = found / (0.9 * within);
@@ -61,14 +61,15 @@ fn in_space_random_edges_cause_no_more_false_alarms_than_expected() {
     }
 }
 
-/// A drawn scenario without the correct edges from places that are left out.
+/// A random scenario without its correct edges from the positions that are left out.
 fn without(scenario: Scenario, left_out: impl Fn(usize) -> bool) -> PoseGraph {
     let mut graph = scenario.draw::<SE2, 3>();
     graph.edges.retain(|edge| edge.truth_correct() != Some(true) || !left_out(edge.from as usize));
     graph
 }
 
-/// The frame of chain B is that of its first node; a stretch of odometry put before it moves the frame and nothing else.
+/// The frame of chain B is that of its first node. A stretch of odometry before this node moves the frame and changes
+/// nothing else.
 #[test]
 fn false_alarms_do_not_depend_on_where_a_chain_begins() {
     let mut graph =
@@ -92,7 +93,7 @@ fn false_alarms_do_not_depend_on_where_a_chain_begins() {
     }
 }
 
-/// Kept and wrong before and after, of such a scenario.
+/// The numbers of kept and of wrong edges, before and after the test, in a scenario with positions left out.
 fn with_and_without(
     scenario: Scenario,
     left_out: impl Fn(usize) -> bool,
@@ -124,7 +125,7 @@ fn a_random_edge_that_only_long_odometry_vouches_for_is_dropped() {
     let (mut wrong_before, mut wrong_after, mut lost) = (0, 0, 0);
     for seed in 1..=60 {
         let scenario = Scenario { candidates: 3000, outliers: 0.9, falsehood: Falsehood::Uniform, seed };
-        // Correct edges only along the first fifth of the route: the rest is long odometry.
+        // Correct edges lie only along the first fifth of the route; the rest is long odometry.
         let (before, after) = with_and_without(scenario, |place| place > 150);
         wrong_before += before.1;
         wrong_after += after.1;
@@ -132,7 +133,7 @@ fn a_random_edge_that_only_long_odometry_vouches_for_is_dropped() {
     }
     println!("{wrong_before} wrong edges of 60 cliques, {wrong_after} left; {lost} correct ones lost");
     assert!(wrong_before >= 20, "the scenario has nothing to drop: {wrong_before}");
-    // One run in four may keep one: 15 expected of random edges that their luck brings into a clique.
+    // One run in four may keep a wrong edge: 15 are expected, from random edges that enter a clique by luck.
     assert!(wrong_after <= 20 && lost <= 6, "{wrong_after} of {wrong_before}, {lost} lost");
 }
 
@@ -145,7 +146,7 @@ fn two_overlaps_far_apart_both_stay() {
     }
 }
 
-/// Nothing vouches for a candidate that is alone in its group, and nobody disagrees with it.
+/// A candidate that is alone in its group has no witness, and nothing disagrees with it either.
 #[test]
 fn a_lone_candidate_stays() {
     let graph =
@@ -167,7 +168,7 @@ fn nothing_is_supported_by_nothing() {
     assert!(support.supported.is_empty() && support.by_chance.is_empty());
 }
 
-/// A folder of its own for a test, with a graph as `graph.jsonl`.
+/// A separate folder for a test, with a graph as `graph.jsonl`.
 fn folder(test: &str, graph: &PoseGraph) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
     fs::create_dir_all(&folder).unwrap();
@@ -177,13 +178,13 @@ fn folder(test: &str, graph: &PoseGraph) -> PathBuf {
     folder
 }
 
-/// The program on the graph of a folder.
+/// Runs the program on the graph of a folder.
 fn pcm(folder: &Path, options: &[&str]) -> Output {
     let input = folder.join("graph.jsonl");
     Command::new(env!("CARGO_BIN_EXE_posecut-pcm")).args(options).arg(input).output().unwrap()
 }
 
-/// What it makes of the graph, and what it counts.
+/// The graph and the statistics that the program writes.
 fn run(folder: &Path, options: &[&str]) -> (PoseGraph, serde_json::Value) {
     let stats = folder.join("stats.json");
     let output = pcm(folder, &[options, &["--stats", stats.to_str().unwrap()]].concat());
@@ -219,7 +220,7 @@ fn the_stage_drops_chance_agreement_only_when_asked_and_tells_the_evidence() {
     assert_eq!(stats["agree_by_chance"], dropped);
 }
 
-/// Drops the odometry after every `length`-th node, so that every stretch is a chain of its own.
+/// Removes the odometry edge to every `length`-th node, so that every stretch is a chain of its own.
 fn with_gaps(mut graph: PoseGraph, length: u64) -> PoseGraph {
     graph.edges.retain(|edge| edge.kind != EdgeKind::Odometry || edge.to % length != 0);
     graph
@@ -261,7 +262,7 @@ fn costs_that_mean_nothing_are_refused() {
 }
 
 proptest! {
-    /// No other number of edges, taken by ascending false alarms, is worth more.
+    /// No other number of edges, taken by ascending false alarms, has a greater gain.
     #[test]
     fn what_is_acceptable_is_worth_most(
         mut alarms in proptest::collection::vec(0.0_f64..5.0, 0..40),

@@ -1,4 +1,4 @@
-//! The maximum clique against a plain recursion without bounds or kernels, and what limits leave.
+//! The maximum clique compared with a plain recursion without bounds or kernels, and the effect of limits.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -27,7 +27,7 @@ fn plain(graph: &BitGraph, candidates: &[usize], least: usize) -> usize {
     with.max(plain(graph, rest, least.max(with)))
 }
 
-/// Every edge with the same probability.
+/// A graph in which every edge has the same probability.
 fn uniform(vertices: usize, density: f64, seed: u64) -> BitGraph {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut graph = BitGraph::new(vertices);
@@ -41,7 +41,8 @@ fn uniform(vertices: usize, density: f64, seed: u64) -> BitGraph {
     graph
 }
 
-/// Vertices on a line, connected if near, as true candidates are whose errors are near; a share of them anywhere.
+/// Vertices in a square, connected if near, like true candidates with similar errors. A share of the vertices lies in a
+/// square ten times as wide.
 fn geometric(vertices: usize, reach: f64, outliers: f64, seed: u64) -> BitGraph {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let places: Vec<[f64; 2]> = (0..vertices)
@@ -100,7 +101,7 @@ proptest! {
 
 #[test]
 fn the_search_itself_is_exercised_and_does_not_depend_on_threads() {
-    // Random graphs of this density leave much to branch and bound.
+    // Random graphs of this density leave much work to branch and bound.
     let graph = uniform(200, 0.75, 1);
     let solve = |threads: usize, limits: Limits| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -1,4 +1,4 @@
-//! Cells and growth on drawn scenarios, and candidates that come one by one.
+//! Cells and growth on random scenarios, and candidates that arrive one by one.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -49,8 +49,9 @@ fn cells_keep_the_correct_edges_of_every_scenario() {
                 grouped.groups[0].candidates.iter().map(|candidate| candidate.edge).collect();
             let (precision, recall) = judged(&graph, &edges, &kept);
             println!("{falsehood:?} {outliers}: precision {precision:.4}, recall {recall:.4}");
-            // A correct edge's noise of 0.1 m cannot tell all near misses of half a metre: of nine times as many as correct
-            // ones, that is much. Of the others, one in four runs keeps one on average; here it is two in six.
+            // A correct edge's noise of 0.1 m cannot reveal all near misses of half a metre, and there are up to nine times
+            // as many near misses as correct edges. In the other cases one run in four keeps a false edge on average; here
+            // it is two in six.
             let (least, back) = if falsehood == Falsehood::NearMiss { (0.5, 0.95) } else { (0.9985, 0.998) };
             assert!(precision >= least && recall >= back, "{falsehood:?} {outliers}: {precision} {recall}");
         }
@@ -112,7 +113,7 @@ fn too_few_members_grow_nothing() {
     assert!(grow(&pairs, &[0, 1], gate::<3>(0.9999), Acceptance::within_group(COST)).grown.is_empty());
 }
 
-/// Candidates one by one end with a clique of the same size, a proof, and the same graph.
+/// Candidates that arrive one by one give a clique of the same size, a proof, and the same graph.
 fn one_by_one<G: Spatial<DOF>, const DOF: usize>(outliers: f64, falsehood: Falsehood) {
     let scenario = Scenario { candidates: 250, outliers, falsehood, seed: 9 };
     let graph = scenario.draw::<G, DOF>();

@@ -1,4 +1,4 @@
-//! The pre-test never rejects what the full test passes, and the tiles give the graph that single pairs give.
+//! The pre-test never rejects a pair that passes the full test, and tiles give the same graph as single pairs.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -104,7 +104,7 @@ fn the_threshold_test_needs_no_covariances() {
     let mut consistent = 0;
     for (one, a) in found.candidates.iter().enumerate() {
         for (other, b) in found.candidates.iter().enumerate().skip(one + 1) {
-            // Step by step: the loop seen at the place of the first candidate in chain B.
+            // Errors per step: the loop in the frame of the first candidate's position in chain B.
             let at = chains.chains[found.b].poses[a.k];
             let error = at.inverse().compose(&a.alignment.between(&b.alignment)).compose(&at);
             let steps = (a.i.abs_diff(b.i) + a.k.abs_diff(b.k) + 2) as f64;

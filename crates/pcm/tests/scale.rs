@@ -14,7 +14,7 @@ use posecut_pcm::candidate::group;
 use posecut_pcm::chain::Chains;
 use posecut_pcm::generate::{Falsehood, Scenario};
 
-/// Graphs whose covariances are wrong by two factors: what the estimate makes of them, 1 where it is right.
+/// Estimates on graphs whose covariances are wrong by two factors, relative to these factors: 1 if the estimate is right.
 fn estimated<G: Spatial<DOF>, const DOF: usize>(
     wrong: Scales,
     outliers: f64,
@@ -29,7 +29,7 @@ fn estimated<G: Spatial<DOF>, const DOF: usize>(
     let grouped = group(&graph, &chains).unwrap();
     let estimate = estimate_scales(&chains, &grouped.groups).unwrap();
     if falsehood == Falsehood::Uniform && outliers <= 0.5 {
-        // Correct edges lie along one line, false ones all over the square: neighbours are of one sort.
+        // Correct edges lie along one line, false edges anywhere in the square, so neighbours are of the same kind.
         let correct = 1.0 - outliers;
         assert!((estimate.correct - correct).abs() < 0.06, "{} of {correct}", estimate.correct);
     }
@@ -66,7 +66,7 @@ fn both_scales_of_wrong_covariances_are_found_among_false_edges() {
     }
 }
 
-/// A folder of its own for a test, with a drawn graph as `graph.jsonl`.
+/// A separate folder for a test, with a random graph as `graph.jsonl`.
 fn folder(test: &str) -> (PathBuf, PoseGraph) {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
     fs::create_dir_all(&folder).unwrap();
@@ -82,7 +82,7 @@ fn write(path: &Path, graph: &PoseGraph) {
     fs::write(path, bytes).unwrap();
 }
 
-/// What the program makes of a graph.
+/// The graph that the program writes.
 fn run(folder: &Path, input: &str, options: &[&str]) -> PoseGraph {
     let output = Command::new(env!("CARGO_BIN_EXE_posecut-pcm"))
         .args(options)
@@ -95,7 +95,7 @@ fn run(folder: &Path, input: &str, options: &[&str]) -> PoseGraph {
     PoseGraph::read("output", &output.stdout[..]).unwrap()
 }
 
-/// What the program says when it refuses.
+/// The program's message when it rejects its input or options.
 fn refused(folder: &Path, options: &[&str]) -> String {
     let output = Command::new(env!("CARGO_BIN_EXE_posecut-pcm"))
         .args(options)
@@ -176,7 +176,7 @@ fn factors_that_mean_nothing_are_refused() {
     assert!(message.contains("reads no covariances"), "{message}");
 }
 
-/// What a drawn graph says of its scales.
+/// The estimate of the scales on a random graph.
 fn estimate_of(scenario: Scenario) -> Result<ScaleEstimate, NoScales> {
     let graph = scenario.draw::<SE2, 3>();
     let chains = Chains::<SE2, 3>::of(&graph).unwrap();
@@ -226,7 +226,7 @@ fn an_estimate_that_rests_on_nothing_is_declined_with_a_warning() {
     assert!(warning.contains("fit each other no better than edges with shuffled ends do"), "{warning}");
 }
 
-/// Covariances a million million times too loose: the factor that they need lies beyond the smallest that is tried.
+/// Covariances a million million times too large: they need a factor below the smallest one that is tried.
 #[test]
 fn an_estimate_that_ended_at_its_floor_said_nothing() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("floor");

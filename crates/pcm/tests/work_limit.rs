@@ -24,7 +24,8 @@ struct Line {
     common: CommonArguments,
 }
 
-/// Chains in space, and many candidates between each two of them that disagree somewhat: each largest clique takes branching.
+/// Chains in space, with many candidates between each two of them that disagree somewhat, so that each maximum clique needs
+/// branching.
 fn cliques() -> PoseGraph {
     let mut random = ChaCha8Rng::seed_from_u64(5);
     let mut text = "{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":3,\"noise_models\":{\"n\":{\"information\":[100,0,0,0,0,0,100,0,0,0,0,100,0,0,0,400,0,0,400,0,400]}}}\n".to_owned();
@@ -58,7 +59,7 @@ fn cliques() -> PoseGraph {
     PoseGraph::read("cliques", text.as_bytes()).unwrap()
 }
 
-/// The nodes that the searches took together.
+/// The number of nodes of all searches together.
 fn work(graph: &PoseGraph, limit: u64) -> u64 {
     let line = Line::parse_from(["pcm", "--quiet", "--work-limit", &limit.to_string()]);
     let identity = Identity {

@@ -2,15 +2,15 @@
 
 use rand::SeedableRng;
 
-// Who draws needs no dependency of its own.
+// Re-exported, so that callers need no dependency of their own.
 pub use rand;
 pub use rand_chacha::ChaCha8Rng;
 
-/// A ChaCha8 generator for one purpose. Each purpose draws from a stream of its own, so that drawing more
-/// for one (a higher rate of false edges, say) does not change what another gets (the noise of the true ones).
+/// A ChaCha8 generator for one purpose. Each purpose has a stream of its own: drawing more for one (a higher rate of false
+/// edges, say) does not change the numbers of another (the noise of the true ones).
 pub fn random(seed: u64, purpose: &str) -> ChaCha8Rng {
     let mut generator = ChaCha8Rng::seed_from_u64(seed);
-    // FNV-1a: fixed for all time, unlike the standard library's hash.
+    // FNV-1a never changes, unlike the standard library's hash.
     let stream = purpose.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
     });
@@ -32,7 +32,7 @@ mod tests {
 
     #[test]
     fn the_first_number_is_the_same_on_every_machine() {
-        // Printed by this test once; a change would silently change every published result.
+        // This value was printed by the test once. A change would silently change every published result.
         assert_eq!(random(1, "noise").next_u64(), 13_670_758_585_516_955_643);
     }
 }

@@ -9,9 +9,9 @@ use rayon::prelude::*;
 pub struct Search {
     /// Candidates in a minimal set, at least 1.
     pub set_size: usize,
-    /// Probability with which at least one set shall hold inliers alone, in (0, 1).
+    /// Probability with which at least one set contains only inliers, in (0, 1).
     pub confidence: f64,
-    /// Sets to draw at most.
+    /// The most sets to draw.
     pub most_trials: u64,
 }
 
@@ -20,7 +20,7 @@ pub struct Search {
 pub struct Consensus {
     /// The set that was drawn, ascending.
     pub set: Vec<usize>,
-    /// All that agree with every member of it, itself included, ascending.
+    /// All candidates that agree with every member of the set, the set included, ascending.
     pub members: Vec<usize>,
     /// Sets drawn.
     pub trials: u64,
@@ -28,17 +28,17 @@ pub struct Consensus {
     pub confident: bool,
 }
 
-/// Draws sets of `set_size` of `count` candidates, and returns the largest set of candidates that agree with all members of
-/// one of them; the first drawn where several are largest. A set whose members disagree votes for nothing.
+/// Draws sets of `set_size` from `count` candidates, and returns the largest set of candidates that agree with all members
+/// of one drawn set; among equals, the first drawn. A set whose members disagree has no votes.
 ///
-/// The search ends after as many trials as leave a chance of at most `1 - confidence` that no set was free of outliers,
+/// The search ends after k trials, when the probability that no set was free of outliers is at most `1 - confidence`:
 ///
 /// ```text
 /// k = log(1 - confidence) / log(1 - w^set_size)           (Fischler and Bolles, section II.B)
 /// ```
 ///
-/// where the share of inliers w is taken from the largest consensus set so far. `agree` must be symmetric. Every trial
-/// costs `count * set_size` tests; the result depends on the random numbers alone, not on threads.
+/// Here w is the share of inliers, estimated by the largest consensus set so far. `agree` must be symmetric. Every trial
+/// costs `count * set_size` tests. The result depends on the random numbers alone, not on threads.
 pub fn largest_consensus(
     count: usize,
     search: &Search,
@@ -73,13 +73,13 @@ pub fn largest_consensus(
     best
 }
 
-/// Trials after which a set of inliers alone was drawn with the given confidence.
+/// The number of trials after which one set contained only inliers, with the given confidence.
 fn trials_needed(share: f64, size: usize, confidence: f64) -> f64 {
     let good_set = share.powi(i32::try_from(size).unwrap_or(i32::MAX));
     if good_set >= 1.0 {
         return 1.0;
     }
-    // ln(1 - x) by ln_1p: a share near zero must not round to a logarithm of 1.
+    // Uses ln_1p for ln(1 - x), because 1 minus a share near zero must not round to 1.
     ((1.0 - confidence).ln() / (-good_set).ln_1p()).ceil().max(1.0)
 }
 
@@ -118,7 +118,7 @@ mod tests {
         fn the_planted_inliers_are_found_and_agree_with_the_set(
             count in 4_usize..60, share in 0.2_f64..1.0, seed in 0_u64..1000,
         ) {
-            // Inliers agree with each other, outliers with nobody: any sound set gives all inliers.
+            // Inliers agree with each other, outliers with none: any consistent set gives all inliers.
             let inliers = ((count as f64 * share) as usize).max(2);
             let agree = |a: usize, b: usize| a < inliers && b < inliers;
             let consensus = largest_consensus(count, &SEARCH, &mut random(seed, "test"), agree);
@@ -139,7 +139,7 @@ mod tests {
             if !consensus.set.is_empty() {
                 prop_assert_eq!(&consensus.members, &votes);
             }
-            // Minimal sets of one are all tried sooner or later: the answer is then the largest star.
+            // All minimal sets of one are drawn sooner or later; the result is then the largest star.
             if size == 1 && consensus.trials == 200 {
                 let star = |a: usize| (0..count).filter(|&b| a == b || agree(a, b)).count();
                 prop_assert_eq!(consensus.members.len(), (0..count).map(star).max().unwrap());

@@ -98,7 +98,7 @@ impl Options {
                 squared_distance(chain_a, chain_b, group.a == group.b, a, b)
                     .is_some_and(|distance| distance <= gate)
             };
-            // A stream for each pair of chains: another pair more does not change what this one draws.
+            // Each pair of chains has its own stream, so that another pair does not change its draws.
             let mut draw = random(self.seed, &format!("ransac {number}"));
             let consensus = largest_consensus(candidates.len(), &search, &mut draw, agree);
             let kept: &[usize] =

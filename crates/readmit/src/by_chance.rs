@@ -7,12 +7,12 @@ use statrs::function::gamma::ln_gamma;
 
 use crate::innovation::Innovation;
 
-/// Places whose relative poses say how far a false edge is off; more would not change the answer.
+/// The most positions whose relative poses show the error of a false edge. More would not change the answer.
 const PLACES: usize = 1000;
 
-/// How far an edge between random places would be off, and how many such edges there may be.
+/// The error of an edge between random positions, and the number of edges.
 pub(crate) struct ByChance<const DOF: usize> {
-    /// Second moment of relative poses of places where landmark edges end.
+    /// The second moment of the relative poses between positions where landmark edges end.
     apart: SMatrix<f64, DOF, DOF>,
     edges: usize,
     /// ln Gamma(D/2 + 1)
@@ -31,8 +31,8 @@ impl<const DOF: usize> ByChance<DOF> {
         Self { apart, edges: count, log_gamma: ln_gamma(0.5 * DOF as f64 + 1.0) }
     }
 
-    /// How many edges between random places would have as small an innovation: the formula of [`posecut_pcm::chance`] with the
-    /// map for a witness.
+    /// How many edges between random positions would have as small an innovation: the formula of [`posecut_pcm::chance`],
+    /// with the map as the witness.
     pub(crate) fn false_alarms(&self, innovation: &Innovation<DOF>, scale: f64) -> f64 {
         let near = innovation.covariance * scale;
         let determinant = |matrix: SMatrix<f64, DOF, DOF>| matrix.cholesky().map(|root| root.determinant());

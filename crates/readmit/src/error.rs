@@ -1,11 +1,11 @@
-//! What re-admission cannot work with.
+//! Errors of re-admission.
 
 use posecut_pcm::PcmError;
 
-/// A graph or option that re-admission refuses.
+/// A graph or option that re-admission cannot use.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadmitError {
-    /// A covariance, a probability or a cost that PCM refuses, too.
+    /// A covariance, a probability or a cost that PCM cannot use either.
     #[error(transparent)]
     Pcm(#[from] PcmError),
     /// A landmark edge without a usable `predicted_covariance`.

@@ -12,14 +12,14 @@ pub(crate) struct Innovation<const DOF: usize> {
     pub(crate) covariance: SMatrix<f64, DOF, DOF>,
 }
 
-/// With E = Z^-1 X, X the estimated relative pose with covariance P, r = Log(E) and H = J_r^-1(r), a rejected edge has
+/// Let E = Z^-1 X, where X is the estimated relative pose with covariance P, and let r = Log(E) and H = J_r^-1(r). A
+/// rejected edge has
 ///
 /// d^2 = r^T (Sigma_Z + H P H^T)^-1 r.
 ///
-/// In P of an edge in use its own measurement is contained; leaving it out turns the sum into the difference
-/// Sigma_Z - H P H^T, the covariance of a residual: both are the same quadratic form of the innovation. Where that
-/// difference is not positive definite, nothing but the edge itself holds its two nodes together, and there is no
-/// innovation: `None`.
+/// P of an edge in use contains its own measurement. Without it, the sum becomes the difference Sigma_Z - H P H^T, the
+/// covariance of a residual: both are the same quadratic form of the innovation. If that difference is not positive
+/// definite, only the edge itself connects its two nodes, and there is no innovation: `None`.
 pub(crate) fn innovation<G: LieGroup<DOF>, const DOF: usize>(
     measurement: &G,
     covariance: &SMatrix<f64, DOF, DOF>,
@@ -30,7 +30,7 @@ pub(crate) fn innovation<G: LieGroup<DOF>, const DOF: usize>(
     let residual = measurement.between(estimate).log();
     let jacobian = G::right_jacobian_inverse(&residual);
     let projected = jacobian * predicted * jacobian.transpose();
-    // The remaining variance of an edge in use must be more than the digits of both.
+    // The remaining variance of an edge in use must exceed the rounding errors of both terms.
     let covariance = if in_use { covariance * (1.0 - 1e-6) - projected } else { covariance + projected };
     let squared = squared_mahalanobis(&covariance, &residual)?;
     Some(Innovation { squared, covariance })

@@ -1,4 +1,4 @@
-//! Every landmark edge against the map that the others make.
+//! Tests every landmark edge against the map that the other edges make.
 
 use nalgebra::SMatrix;
 use posecut_geometry::LieGroup;
@@ -13,48 +13,48 @@ use crate::ReadmitError;
 use crate::by_chance::ByChance;
 use crate::innovation::{Innovation, innovation};
 
-/// The field in which the optimiser predicts the pose that a landmark edge measures.
+/// The field with the optimiser's covariance of the pose that a landmark edge measures.
 pub const PREDICTED_COVARIANCE: &str = "predicted_covariance";
 
-/// The mark in `rejected_by` that this stage takes away and sets: it goes on with PCM's decisions, and round after round with its
-/// own. Other stages' rejections are theirs to take back.
+/// The value of `rejected_by` that this stage sets and removes. It continues from PCM's decisions and, in later rounds,
+/// from its own. It does not change rejections by other stages.
 const MARK: &str = posecut_pcm::STAGE;
 
-/// The share of innovations at which the scale is read off: within the bulk of the edges in use, yet where a tail
-/// heavier than a Gaussian's already shows.
+/// The quantile of the innovations that fixes the scale: within the bulk of the edges in use, yet far enough out to show
+/// tails heavier than a Gaussian's.
 const SCALE_QUANTILE: f64 = 0.9;
 
-/// An estimated scale is at most this: three standard deviations of what the information says. Without a bound every false
-/// edge in use raises the scale, a larger scale re-admits more of them, and the rounds end with nearly all.
+/// The largest estimated scale: three times the standard deviations that the information gives. Without a bound, every
+/// false edge in use raises the scale, a larger scale re-admits more of them, and in the end nearly all are in use.
 const LARGEST_SCALE: f64 = 9.0;
 
-/// What to do with the innovations.
+/// How the innovations decide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Readmission {
-    /// A rejected edge comes back if its innovation is within this quantile.
+    /// A rejected edge is re-admitted if its innovation is within this quantile.
     pub admit: f64,
-    /// An edge in use goes if its innovation is beyond this quantile.
+    /// An edge in use is rejected if its innovation is beyond this quantile.
     pub drop: f64,
-    /// What the covariances are multiplied by; `None`: estimated from the edges in use.
+    /// The factor that multiplies the covariances; `None`: estimated from the edges in use.
     pub scale: Option<f64>,
     /// Whether the information of landmark edges is divided by the scale.
     pub apply_scale: bool,
-    /// How many correct edges a wrong one weighs as much as: bounds what comes back by chance, as [`posecut_pcm::chance`] does.
+    /// The cost of a wrong edge, in correct ones. It limits what is re-admitted by chance, as in [`posecut_pcm::chance`].
     pub cost: f64,
 }
 
-/// What became of the edges.
+/// The numbers of edges by result, and the scale.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Readmitted {
     /// Landmark edges with a measurement that are in use or were rejected by this stage.
     pub tested: usize,
-    /// Rejected edges that came back.
+    /// Rejected edges that were re-admitted.
     pub readmitted: usize,
-    /// Edges in use that went.
+    /// Edges in use that were rejected.
     pub dropped: usize,
-    /// Rejected edges that agree with the map no better than edges between random places: they stay rejected.
+    /// Rejected edges that agree with the map no better than edges between random positions. They stay rejected.
     pub by_chance: usize,
-    /// Edges in use that nothing else constrains: they cannot disagree.
+    /// Edges in use that no other edge constrains: they cannot disagree.
     pub untestable: usize,
     /// Landmark edges without a measurement.
     pub unmeasured: usize,
@@ -62,18 +62,18 @@ pub struct Readmitted {
     pub rejected_by_others: usize,
     /// The scale of the covariances.
     pub scale: f64,
-    /// The estimate of the scale, where it is larger than the bound on it.
+    /// The estimate of the scale, if it exceeds the bound.
     pub unbounded_scale: Option<f64>,
 }
 
-/// A landmark edge that is judged.
+/// A landmark edge to be judged.
 struct Judged<const DOF: usize> {
     edge: usize,
     in_use: bool,
     innovation: Option<Innovation<DOF>>,
 }
 
-/// Re-admits and drops landmark edges of a graph that the optimiser has given marginals.
+/// Re-admits and rejects landmark edges of a graph that contains the optimiser's marginals.
 pub fn readmit(graph: &mut PoseGraph, options: &Readmission) -> Result<Readmitted, ReadmitError> {
     for_dimension!(graph.header.dimension, |G, DOF| judge::<G, DOF>(graph, options))
 }
@@ -154,7 +154,7 @@ fn judge<G: LieGroup<DOF>, const DOF: usize>(
     Ok(result)
 }
 
-/// The factor that brings the 0.9 quantile of the innovations in use to that of chi-square; 1 with fewer than ten.
+/// The factor that makes the 0.9 quantile of the innovations in use equal to that of chi-square; 1 with fewer than ten.
 fn estimated_scale<const DOF: usize>(judged: &[Judged<DOF>]) -> Result<f64, ReadmitError> {
     let used = judged.iter().filter(|edge| edge.in_use);
     let mut used: Vec<f64> =
@@ -168,7 +168,7 @@ fn estimated_scale<const DOF: usize>(judged: &[Judged<DOF>]) -> Result<f64, Read
     Ok(if scale > 0.0 { scale } else { 1.0 })
 }
 
-/// The covariance that the optimiser predicts; `None` where it says that the edges in use determine none.
+/// The covariance that the optimiser predicts; `None` if the edges in use do not determine one.
 fn predicted<const DOF: usize>(edge: &Edge) -> Result<Option<SMatrix<f64, DOF, DOF>>, ReadmitError> {
     let missing = |reason: &str| ReadmitError::Prediction { edge: edge.name(), reason: reason.to_owned() };
     let value = edge.extra.get(PREDICTED_COVARIANCE).ok_or_else(|| missing("is missing"))?;

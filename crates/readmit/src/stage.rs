@@ -34,7 +34,7 @@ pub struct Options {
     pub chance: f64,
 }
 
-/// A marginal covariance does not divide into odometry's share and that of landmark edges, which PCM scales one by one.
+/// A marginal covariance cannot be split into the shares of odometry and landmark edges, which PCM scales separately.
 fn one_factor(text: &str) -> Result<Scale, &'static str> {
     match text.parse() {
         Ok(Scale::Fixed(Scales { odometry, landmark })) if odometry != landmark => {
@@ -81,7 +81,7 @@ impl GraphStage for Options {
     }
 }
 
-/// Notes what re-admission did.
+/// Reports the results of re-admission.
 fn note(result: &Readmitted, graph: &PoseGraph, context: &mut Context) {
     info!(
         "{} re-admitted and {} dropped of {}",

@@ -1,4 +1,4 @@
-//! Re-admission by the innovation, through the library, and what it refuses.
+//! Re-admission by the innovation, through the library, and the inputs that it rejects.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -39,7 +39,7 @@ fn predicted(edge: &str, terms: &str) -> String {
 
 #[test]
 fn readmission_admits_drops_and_keeps_by_the_innovation() {
-    // The estimate says that node n is at n metres.
+    // The estimate has node n at n metres.
     let near = predicted(&edge(1, 0, 2), "[0.005,0,0,0.005,0,0.001]").replace("[2,0,0]", "[2.1,0,0]");
     let wrong = predicted(&edge(2, 0, 3), "[0.005,0,0,0.005,0,0.001]").replace("[3,0,0]", "[5,0,0]");
     let rejected = |line: &str, stage: &str| line.replace('}', &format!(r#","rejected_by":"{stage}"}}"#));
@@ -53,7 +53,7 @@ fn readmission_admits_drops_and_keeps_by_the_innovation() {
         (wrong.clone(), Some("pcm")),
         (rejected(&near, "multicut"), Some("multicut")),
         (lone, None),
-        // Between two parts of the map nothing is predicted: the edge stays what it was.
+        // Between two components of the map nothing is predicted, so the edge keeps its state.
         (rejected(&unpredicted, "pcm"), Some("pcm")),
         (unpredicted.clone(), None),
     ];
@@ -65,7 +65,7 @@ fn readmission_admits_drops_and_keeps_by_the_innovation() {
     }
 }
 
-/// Places along 40 m; `count` edges in use that are off by `off` metres, and one rejected edge off by `rejected` metres.
+/// Positions along 40 m; `count` edges in use that are off by `off` metres, and one rejected edge off by `rejected` metres.
 fn used_and_rejected(count: u64, off: f64, rejected: f64, variance: f64) -> PoseGraph {
     let terms = format!("[{variance},0,0,{variance},0,{variance}]");
     let mut lines = Vec::new();
@@ -83,7 +83,7 @@ fn used_and_rejected(count: u64, off: f64, rejected: f64, variance: f64) -> Pose
 
 #[test]
 fn false_edges_in_use_do_not_raise_the_scale_without_bound() {
-    // Everything in use is 3 m off at 0.1 m: the estimate would be 144.
+    // Every edge in use is off by 3 m at 0.1 m: the estimate would be 144.
     let mut graph = used_and_rejected(38, 3.0, 3.0, 1e-6);
     let result = readmit(&mut graph, &Readmission { scale: None, ..READMISSION }).unwrap();
     assert!(result.unbounded_scale.is_some_and(|scale| scale > 100.0), "{result:?}");
@@ -93,11 +93,11 @@ fn false_edges_in_use_do_not_raise_the_scale_without_bound() {
 
 #[test]
 fn an_edge_that_agrees_by_chance_is_not_readmitted() {
-    // The map knows the place to 30 m only: among 39 edges along 40 m, agreement says nothing.
+    // The map determines the position only to 30 m: among 39 edges along 40 m, agreement proves nothing.
     let mut graph = used_and_rejected(38, 0.05, 20.0, 900.0);
     let result = readmit(&mut graph, &READMISSION).unwrap();
     assert_eq!((result.readmitted, result.by_chance), (0, 1), "{result:?}");
-    // Known to a few centimetres, the same agreement is evidence.
+    // With the position known to a few centimetres, the same agreement is evidence.
     let mut graph = used_and_rejected(38, 0.05, 0.05, 0.001);
     let result = readmit(&mut graph, &READMISSION).unwrap();
     assert_eq!((result.readmitted, result.by_chance), (1, 0), "{result:?}");

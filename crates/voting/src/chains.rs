@@ -1,9 +1,9 @@
 //! Odometry as chains between the nodes that landmark edges join.
 //!
-//! A node of two odometry edges and no landmark edge can be eliminated: its best pose follows from the ends of its chain.
-//! [`Odometry::chains`] lists the chains between chosen nodes. [`Chain::condense`] replaces a chain by one edge, which has the
-//! same value, gradient and Gauss-Newton matrix as the chain (its Schur complement). [`Chain::bend`] applies the step of the
-//! ends to the steps inside.
+//! A node with two odometry edges and no landmark edge can be eliminated: its best pose follows from the ends of its chain.
+//! [`Odometry::chains`] lists the chains between chosen nodes. [`Chain::condense`] replaces a chain by one edge that has
+//! the same value, gradient and Gauss-Newton matrix (its Schur complement). [`Chain::bend`] moves the steps inside a chain
+//! after its ends have moved.
 
 use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
@@ -27,7 +27,7 @@ pub(crate) struct Odometry<G, const DOF: usize> {
 }
 
 impl<G: LieGroup<DOF>, const DOF: usize> Odometry<G, DOF> {
-    /// `None` where an information matrix has no inverse: such an edge cannot be part of a chain.
+    /// `None` if an information matrix has no inverse: such an edge cannot be part of a chain.
     pub(crate) fn new(nodes: usize, edges: &[Edge<G, DOF>]) -> Option<Self> {
         let mut directed = Vec::with_capacity(2 * edges.len());
         let mut leaving = vec![Vec::new(); nodes];
@@ -48,8 +48,9 @@ impl<G: LieGroup<DOF>, const DOF: usize> Odometry<G, DOF> {
         Some(Self { directed, leaving })
     }
 
-    /// The chains between nodes that stay. Adds to these the nodes where odometry branches, and one inside each chain that
-    /// returns to its start. Leaves out chains with a loose end: their residuals are zero at the optimum.
+    /// The chains between the nodes that `stays` marks. Also marks the nodes where odometry branches, and one node inside
+    /// each chain that returns to its start. Leaves out chains with a loose end, because their residuals are zero at the
+    /// optimum.
     pub(crate) fn chains(&self, stays: &mut [bool]) -> Vec<Chain<G>> {
         for (stays, leaving) in stays.iter_mut().zip(&self.leaving) {
             *stays |= leaving.len() > 2;
@@ -105,13 +106,13 @@ impl<G: LieGroup<DOF>, const DOF: usize> Odometry<G, DOF> {
 pub(crate) struct Chain<G> {
     pub(crate) from: usize,
     pub(crate) to: usize,
-    /// Directed edges.
+    /// Indices of the directed edges.
     steps: Vec<usize>,
     /// The current relative pose over each step.
     poses: Vec<G>,
 }
 
-/// A chain as one edge.
+/// A chain condensed to one edge.
 #[derive(Clone, Debug)]
 pub(crate) struct Condensed<G, const DOF: usize> {
     pub(crate) edge: Edge<G, DOF>,
@@ -124,19 +125,20 @@ pub(crate) struct Condensed<G, const DOF: usize> {
 }
 
 impl<G: Copy> Chain<G> {
-    /// Whether it is a single edge, which [`Self::condense`] gives back as it is.
+    /// Whether it is a single edge, which [`Self::condense`] returns unchanged.
     pub(crate) fn is_edge(&self) -> bool {
         self.steps.len() == 1
     }
 
-    /// The chain as one edge; `None` where its covariance has no inverse.
+    /// The chain as one edge; `None` if its covariance has no inverse.
     ///
-    /// A step of pose `Y_i`, residual `e_i` and covariance `S_i` whose residual becomes `r_i` moves the end of the chain by
-    /// `B_i (r_i - e_i)`, `B_i = Ad(Y_{i+1} ... Y_n)^-1 J_r(e_i)`. For a move `d` of the end, the least `sum of r_i^T S_i^-1 r_i`
-    /// is `(d + p)^T L (d + p)`.
+    /// Take a step of pose `Y_i`, residual `e_i` and covariance `S_i`. If its residual becomes `r_i`, the end of the chain
+    /// moves by `B_i (r_i - e_i)`, where `B_i = Ad(Y_{i+1} ... Y_n)^-1 J_r(e_i)`. If the end moves by `d`, the least `sum
+    /// of r_i^T S_i^-1 r_i` is `(d + p)^T L (d + p)`.
     ///
-    /// An edge that measures `whole Exp(-p)` has the residual `Log(Exp(p) Exp(d))`, whose derivative at `d = 0` is `J_r^-1(p)`.
-    /// With the information `J_r(p)^T L J_r(p)` value, gradient and Gauss-Newton matrix are those of the chain there.
+    /// An edge that measures `whole Exp(-p)` has the residual `Log(Exp(p) Exp(d))`, whose derivative at `d = 0` is
+    /// `J_r^-1(p)`. With the information `J_r(p)^T L J_r(p)`, its value, gradient and Gauss-Newton matrix at `d = 0` are
+    /// those of the chain.
     pub(crate) fn condense<const DOF: usize>(&self, odometry: &Odometry<G, DOF>) -> Option<Condensed<G, DOF>>
     where
         G: LieGroup<DOF>,

@@ -1,4 +1,4 @@
-//! In which order clusters that pass by themselves are put together, and which of them stay.
+//! The order in which clusters that pass by themselves are combined, and which of them are kept.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -28,14 +28,14 @@ pub(crate) struct Ballot<'a, O> {
     pub optimiser: &'a O,
     /// Optimisations done so far.
     pub fits: usize,
-    /// Clusters refused without one so far.
+    /// Clusters rejected without an optimisation so far.
     pub foreseen: usize,
 }
 
-/// Refusals after which it pays to ask what the optimum says of all clusters that wait.
+/// The number of rejections after which forecasts for all waiting clusters are worth their cost.
 const REFUSALS: usize = 8;
 
-/// How far beyond a quantile a forecast must be to refuse a cluster: forecasts are of first order.
+/// A forecast must exceed a quantile by this factor to reject a cluster, because forecasts are of first order.
 const BEYOND: f64 = 2.0;
 
 impl<O: Optimiser> Ballot<'_, O> {
@@ -51,7 +51,7 @@ impl<O: Optimiser> Ballot<'_, O> {
         clusters.into_iter().flat_map(|&cluster| self.clusters[cluster].clone()).collect()
     }
 
-    /// Optimises over clusters; returns also the residuals of each cluster, in their order.
+    /// Optimises over clusters. Also returns the residuals of each cluster, in their order.
     fn fit(&mut self, chosen: &BTreeSet<usize>) -> (Fit, Vec<Vec<f64>>) {
         let edges = self.edges(chosen);
         self.fits += 1;
@@ -72,25 +72,24 @@ impl<O: Optimiser> Ballot<'_, O> {
         by_cluster
     }
 
-    /// How far the residuals of a cluster exceed its quantile: the paper's consistency index.
+    /// The sum of a cluster's residuals relative to its quantile: the paper's consistency index.
     fn excess(&self, residuals: &[f64]) -> f64 {
         residuals.iter().sum::<f64>() / self.quantiles.edges(residuals.len())
     }
 
-    /// Whether the whole and every cluster of it pass.
+    /// Whether the whole passes, and each of its clusters.
     fn passes(&self, fit: &Fit, residuals: &[Vec<f64>]) -> bool {
         self.quantiles.passes(fit) && residuals.iter().all(|residuals| self.excess(residuals) < 1.0)
     }
 
-    /// Edges that agree with many others speak before those that stand alone: a joint optimum of many true and many false
-    /// edges may fit neither.
+    /// Tests clusters with many edges before lone edges: a joint optimum of many true and many false edges may fit neither.
     ///
-    /// Clusters stand in groups, a quarter as many as were accepted since the last refusal: where all are true, they cost
-    /// the logarithm of their number in optimisations, and hardly more than one each where few are. A cluster is refused
-    /// only by itself.
+    /// Clusters are tested in groups, a quarter as large as the number accepted since the last rejection. If all clusters
+    /// are true, the number of optimisations grows as the logarithm of their number; if few are, it is hardly more than one
+    /// a cluster. A group that fails is tried again at half the size, so a cluster is only rejected by itself.
     fn largest_first(&mut self) -> BTreeSet<usize> {
         let mut order: Vec<usize> = (0..self.clusters.len()).collect();
-        // A stable sort: among equals the first in the graph speaks first.
+        // A stable sort: among equals, the first in the graph comes first.
         order.sort_by_key(|&cluster| Reverse(self.clusters[cluster].len()));
         let mut waiting = VecDeque::from(order);
         let mut accepted = BTreeSet::new();
@@ -131,7 +130,7 @@ impl<O: Optimiser> Ballot<'_, O> {
         accepted
     }
 
-    /// What each waiting edge would do to the optimum over the accepted clusters.
+    /// The effect of each waiting edge on the optimum over the accepted clusters.
     fn forecasts(
         &self,
         state: &O::State,
@@ -143,8 +142,8 @@ impl<O: Optimiser> Ballot<'_, O> {
         waiting.into_iter().zip(forecasts).filter_map(|(edge, forecast)| Some((edge, forecast?))).collect()
     }
 
-    /// Whether one edge of a cluster alone would take chi-square far beyond its quantile, or is a cluster alone and would be left with a
-    /// residual far beyond its own.
+    /// Whether forecasts rule a cluster out: one of its edges alone would raise chi-square far beyond its quantile or, if
+    /// it is the only edge, would keep a residual far beyond its own quantile.
     fn hopeless(&self, cluster: usize, optimum: &Fit, forecasts: &BTreeMap<usize, Forecast>) -> bool {
         let edges = &self.clusters[cluster];
         let slack = self.quantiles.slack(optimum, edges.len());
@@ -164,7 +163,7 @@ impl<O: Optimiser> Ballot<'_, O> {
             }
             let chosen = self.joint(&accepted, &candidates);
             if chosen.len() > accepted.len() {
-                // What was rejected next to something false may fit now; what this round rejected does not.
+                // A cluster that was rejected next to a false one may fit now. One that this round rejected does not.
                 refused = candidates.difference(&chosen).copied().collect();
                 accepted = chosen;
             } else {
@@ -173,7 +172,7 @@ impl<O: Optimiser> Ballot<'_, O> {
         }
     }
 
-    /// The clusters neither accepted nor refused that have an edge that passes when all are optimised together.
+    /// The clusters, neither accepted nor rejected so far, that have an edge that passes when all are optimised together.
     fn candidates(&mut self, accepted: &BTreeSet<usize>, refused: &BTreeSet<usize>) -> BTreeSet<usize> {
         let open: BTreeSet<usize> =
             (0..self.clusters.len()).filter(|cluster| !refused.contains(cluster)).collect();
@@ -191,8 +190,8 @@ impl<O: Optimiser> Ballot<'_, O> {
             .collect()
     }
 
-    /// The accepted clusters and those candidates that pass together with them: until all do, the candidate that exceeds its
-    /// quantile by the largest factor leaves.
+    /// The accepted clusters and the candidates that pass together with them. Until all pass, the candidate that exceeds
+    /// its quantile by the largest factor is removed.
     fn joint(&mut self, accepted: &BTreeSet<usize>, candidates: &BTreeSet<usize>) -> BTreeSet<usize> {
         let mut chosen: BTreeSet<usize> = accepted.union(candidates).copied().collect();
         while chosen.len() > accepted.len() {

@@ -1,4 +1,4 @@
-//! Optimising a pose graph over its odometry and some of its landmark edges.
+//! Optimises a pose graph over its odometry and some of its landmark edges.
 
 use posecut_graph::PoseGraph;
 use posecut_graph::connectivity::connected_components;
@@ -11,42 +11,42 @@ use crate::chains::{Chain, Condensed, Odometry};
 use crate::forecast::{Forecast, forecast};
 use crate::vote::{Fit, Optimiser};
 
-/// Share of the cost that a step must promise: chi-square tests need few digits.
+/// The least share of the cost that a step must promise to gain: chi-square tests need few digits.
 const COST_TOLERANCE: f64 = 1e-4;
 
-/// [`Parts::steps`] of the published code.
+/// The value of [`Parts::steps`] in the published code.
 const STEPS: usize = 4;
 
-/// Change of chi-square, as a share of it, below which chains are not linearised again.
+/// If chi-square changes by less than this share, chains are not linearised again.
 const CHAIN_TOLERANCE: f64 = 1e-3;
 
-/// Most linearisations of the chains.
+/// The most linearisations of the chains.
 const ROUNDS: usize = 8;
 
-/// A problem over the ends of chains, and the chains.
+/// A problem over the ends of chains, and the condensed chains.
 type Condensation<G, const DOF: usize> = (Result<Problem<G, DOF>, ProblemError>, Vec<Condensed<G, DOF>>);
 
-/// A pose graph taken apart into odometry and landmark edges.
+/// A pose graph split into odometry and landmark edges.
 #[derive(Clone, Debug)]
 pub struct Parts<G, const DOF: usize> {
     poses: Vec<G>,
     odometry: Vec<Edge<G, DOF>>,
-    /// The same as chains, if they can be condensed.
+    /// The odometry as chains, if they can be condensed.
     chains: Option<Odometry<G, DOF>>,
     /// Landmark edges in use, in the order of the graph.
     landmarks: Vec<Edge<G, DOF>>,
-    /// Their places among the graph's edges.
+    /// The indices of the landmark edges among the graph's edges.
     pub places: Vec<usize>,
-    /// Steps of an optimisation at most. Edges that so few do not bring below the quantile are taken to disagree.
+    /// The most steps of an optimisation. Edges that stay above the quantile after these steps count as inconsistent.
     pub steps: usize,
 }
 
-/// Where an optimisation over the nodes that landmark edges touch has come to.
+/// The current state of an optimisation over the nodes that landmark edges touch.
 #[derive(Clone, Debug)]
 pub struct State<G> {
     poses: Vec<G>,
     chains: Vec<Chain<G>>,
-    /// The number among these poses of each node of the graph that is one of them.
+    /// For each node of the graph that has one of these poses: the index of the pose.
     numbers: Vec<usize>,
     /// The connected component of each pose; `None` before the first optimisation.
     components: Option<Vec<usize>>,
@@ -69,7 +69,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Optimiser for Parts<G, DOF> {
         settled.map_or_else(|| (self.fit_whole(landmarks), state.clone()), |fit| (fit, next))
     }
 
-    /// One factorisation, and a few triangular solves for each edge that waits.
+    /// Costs one factorisation, and a few triangular solves for each waiting edge.
     fn forecast(&self, state: &Self::State, accepted: &[usize], waiting: &[usize]) -> Vec<Option<Forecast>> {
         let problem = state.as_ref().and_then(|state| self.condensed(state, accepted)?.0.ok());
         let Some((State { poses, numbers, .. }, problem)) = state.as_ref().zip(problem) else {
@@ -87,7 +87,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Optimiser for Parts<G, DOF> {
 }
 
 impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
-    /// Takes the edges in use that have a measurement.
+    /// Splits a graph. Only edges in use that have a measurement count.
     pub fn of(graph: &PoseGraph) -> anyhow::Result<Self> {
         let measured = pose_graph::edges::<G, DOF>(graph)?;
         let poses = graph.poses::<G, DOF>()?;
@@ -108,7 +108,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
                 }
             }
         }
-        // All edges at once: what the optimiser refuses is refused here, and `fit` cannot fail.
+        // Checks all edges at once: the optimiser's errors appear here, and `fit` cannot fail.
         parts.problem(&(0..parts.landmarks.len()).collect::<Vec<_>>())?;
         parts.chains = Odometry::new(parts.poses.len(), &parts.odometry);
         Ok(parts)
@@ -119,17 +119,18 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
         Problem::new(self.poses.clone(), self.odometry.iter().copied().chain(chosen).collect())
     }
 
-    /// The optimum over the odometry and some landmark edges, by their places in [`Parts::places`].
+    /// The optimum over the odometry and some landmark edges, given by their indices in [`Parts::places`].
     ///
-    /// Its redundancy is DOF (edges - nodes + connected parts): each part has one node that nothing fixes. Nodes that no chosen
-    /// edge touches are eliminated first: the time grows with the chosen edges, and little with the graph. With steps
-    /// enough the result is that of [`Self::fit_whole`] up to a thousandth of chi-square.
+    /// Its redundancy is DOF (edges - nodes + connected components), because each component has one node that nothing
+    /// fixes. Nodes that no chosen edge touches are eliminated first, so that the time depends on the number of chosen
+    /// edges and little on the size of the graph. With enough steps the result is that of [`Self::fit_whole`] up to a
+    /// thousandth of chi-square.
     pub fn fit(&self, landmarks: &[usize]) -> Fit {
         let settled = self.state(landmarks).and_then(|mut state| self.settle(&mut state, landmarks));
         settled.unwrap_or_else(|| self.fit_whole(landmarks))
     }
 
-    /// [`Self::fit`] over all nodes together.
+    /// As [`Self::fit`], but over all nodes together.
     pub fn fit_whole(&self, landmarks: &[usize]) -> Fit {
         let problem = self.problem(landmarks).expect("all edges were checked together in `of`");
         let solution = optimize(&problem, &self.options(Initialisation::Best));
@@ -137,7 +138,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
         self.result(landmarks, &solution, &nodes)
     }
 
-    /// The nodes that these landmark edges touch, and chains between them; `None` where chains cannot be condensed.
+    /// The nodes that these landmark edges touch, and the chains between them; `None` if chains cannot be condensed.
     fn state(&self, landmarks: &[usize]) -> Option<State<G>> {
         let mut stays = vec![false; self.poses.len()];
         for &landmark in landmarks {
@@ -154,7 +155,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
         Some(State { poses, chains, numbers, components: None })
     }
 
-    /// The problem over the ends of chains, and the chains as edges; `None` where a chain has no information matrix.
+    /// The problem over the ends of chains, and the chains as edges; `None` if a chain has no information matrix.
     fn condensed(&self, state: &State<G>, landmarks: &[usize]) -> Option<Condensation<G, DOF>> {
         let odometry = self.chains.as_ref()?;
         let condensed: Vec<_> =
@@ -168,9 +169,10 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
         Some((Problem::new(state.poses.clone(), edges.collect()), condensed))
     }
 
-    /// Optimises the ends of chains and then linearises the chains again, until chi-square stays. `None` if it does not.
+    /// Optimises the ends of chains, then linearises the chains again, until chi-square converges. `None` if it does not
+    /// converge.
     ///
-    /// Starts from where the state is, unless a landmark edge joins what was apart.
+    /// Starts from the poses of the state, unless a landmark edge joins components that were separate.
     fn settle(&self, state: &mut State<G>, landmarks: &[usize]) -> Option<Fit> {
         let odometry = self.chains.as_ref()?;
         let joined = |components: &Vec<usize>| {
@@ -188,7 +190,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
             let (problem, condensed) = self.condensed(state, landmarks)?;
             let problem = problem.ok()?;
             let mut solution = optimize(&problem, &self.options(start));
-            // From far away the steps may not be enough, and another start is better.
+            // From far away the steps may not suffice; another start is then better.
             if start == Initialisation::Given && before.is_infinite() && !solution.converged {
                 solution = optimize(&problem, &self.options(Initialisation::Best));
             }
@@ -216,7 +218,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Parts<G, DOF> {
         None
     }
 
-    /// What the tests need of a solution; `numbers` are those of the nodes in it.
+    /// The results that the tests need; `numbers` maps nodes to the poses of the solution.
     fn result(&self, landmarks: &[usize], solution: &Solution<G>, numbers: &[usize]) -> Fit {
         let redundancy =
             solution.components.iter().map(|part| DOF * (part.edges + 1).saturating_sub(part.nodes)).sum();

@@ -1,19 +1,19 @@
-//! What an optimum says of an edge that is not part of it, before it is optimised again.
+//! Predicts the effect of one more edge on an optimum, without a new optimisation.
 
 use nalgebra::{SMatrix, SVector};
 
 /// The effect of one more landmark edge, to first order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
-    /// By how much chi-square of the whole grows.
+    /// The growth of the total chi-square.
     pub increase: f64,
-    /// Squared Mahalanobis residual that the edge keeps.
+    /// The squared Mahalanobis residual that the edge itself keeps.
     pub residual: f64,
 }
 
-/// The innovation of an edge of residual `e` and covariance S, between poses whose relative pose has the covariance P and moves the
-/// residual by J: chi-square grows by `e^T (S + J P J^T)^-1 e`, and the edge keeps the residual `S (S + J P J^T)^-1 e`. `None` where a
-/// covariance has no inverse.
+/// Takes an edge of residual `e` and covariance S. The relative pose of its nodes has the covariance P and changes the
+/// residual by J. Chi-square then grows by `e^T (S + J P J^T)^-1 e`, and the edge keeps the residual `S (S + J P J^T)^-1
+/// e`. `None` if a covariance has no inverse.
 pub(crate) fn forecast<const DOF: usize>(
     error: &SVector<f64, DOF>,
     information: &SMatrix<f64, DOF, DOF>,

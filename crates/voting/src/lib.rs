@@ -1,13 +1,13 @@
 //! Cluster voting in the manner of RRR (Latif, Cadena, Neira, "Robust loop closing over time for pose graph SLAM", IJRR
-//! 32(14), 2013): landmark edges are clustered by the frames they join, and clusters are kept if the graph optimised with them
-//! passes chi-square tests, each by itself and then together.
+//! 32(14), 2013). Landmark edges are clustered by the frames they join. Clusters are kept if the graph optimised with them
+//! passes chi-square tests, first each cluster by itself and then all together.
 //!
-//! - [`mod@vote`]: the tests, on anything that can be optimised over a choice of landmark edges.
-//! - [`election`]: in which order clusters are put together.
+//! - [`mod@vote`]: the tests, for any problem that can be optimised over a choice of landmark edges.
+//! - [`election`]: the order in which clusters are combined.
 //! - [`fit`]: the optimisation of a pose graph over its odometry and chosen landmark edges.
-//! - [`stage`]: both on a pose graph.
+//! - [`stage`]: both for a pose graph.
 //!
-//! Clusters are those of [`posecut_islands`].
+//! Clusters come from [`posecut_islands`].
 
 mod chains;
 pub mod election;

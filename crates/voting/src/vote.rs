@@ -1,4 +1,4 @@
-//! Which clusters pass the chi-square tests.
+//! The vote on clusters and its chi-square tests.
 
 use posecut_pcm::{Gate, PcmError, Test};
 use rayon::prelude::*;
@@ -11,27 +11,27 @@ use crate::forecast::Forecast;
 pub struct Fit {
     /// Sum of squared Mahalanobis residuals of all edges.
     pub chi_square: f64,
-    /// Degrees of freedom of that sum: components of residuals less those of poses.
+    /// Degrees of freedom of that sum: components of residuals minus those of poses.
     pub redundancy: usize,
-    /// Squared Mahalanobis residual of each landmark edge asked for, in that order.
+    /// Squared Mahalanobis residual of each requested landmark edge, in that order.
     pub residuals: Vec<f64>,
 }
 
-/// What can be optimised over a choice of landmark edges.
+/// A problem that can be optimised over a choice of landmark edges.
 pub trait Optimiser: Sync {
-    /// Where an optimisation starts.
+    /// The state from which an optimisation starts.
     type State: Clone;
 
     /// The optimum over the odometry and these landmark edges.
     fn fit(&self, landmarks: &[usize]) -> Fit;
 
-    /// Where optimisations over any choice of these landmark edges may start.
+    /// A state from which optimisations over any choice of these landmark edges may start.
     fn state(&self, landmarks: &[usize]) -> Self::State;
 
-    /// The optimum over these landmark edges from that over fewer of them, and where it is.
+    /// The optimum over these landmark edges, started from the state of an optimum over fewer. Also returns the new state.
     fn refit(&self, state: &Self::State, landmarks: &[usize]) -> (Fit, Self::State);
 
-    /// What each waiting edge would do to the optimum over the accepted ones; `None` where that is not known.
+    /// The effect of each waiting edge on the optimum over the accepted ones; `None` if it is not known.
     fn forecast(&self, state: &Self::State, accepted: &[usize], waiting: &[usize]) -> Vec<Option<Forecast>>;
 }
 
@@ -68,7 +68,7 @@ impl Quantiles {
         Ok(Self { probability, edge_degrees })
     }
 
-    /// The quantile with so many degrees of freedom; no sum of no squares is too large.
+    /// The quantile for this many degrees of freedom; infinite for none, because then there is nothing to test.
     fn at(self, degrees: usize) -> f64 {
         let gate = Gate::new(Test::Mahalanobis, self.probability, degrees);
         gate.map_or(f64::INFINITY, |gate| gate.squared_distance)
@@ -82,7 +82,7 @@ impl Quantiles {
         fit.redundancy == 0 || fit.chi_square < self.at(fit.redundancy)
     }
 
-    /// By how much chi-square may grow with so many more edges.
+    /// How much chi-square may still grow with this many more edges.
     pub(crate) fn slack(self, fit: &Fit, edges: usize) -> f64 {
         self.at(fit.redundancy + edges * self.edge_degrees) - fit.chi_square
     }
@@ -99,21 +99,23 @@ pub struct Verdict {
     pub clusters_kept: usize,
     /// Optimisations done.
     pub fits: usize,
-    /// Clusters refused without one, by what the optimum before says of them.
+    /// Clusters rejected without an optimisation, because a forecast from the last optimum rules them out.
     pub foreseen: usize,
 }
 
 /// Votes on clusters of landmark edges.
 ///
-/// First each cluster alone (algorithm 1 of the paper): while chi-square of its optimum fails, the edge of the largest residual is
-/// removed, until none remains; then those edges whose own residual fails. Then the [`Election`] of the remaining clusters.
+/// First, each cluster is tested alone (algorithm 1 of the paper). While chi-square of its optimum fails, the edge of
+/// largest residual is removed, until none remains; then the edges whose own residual fails. Second, the [`Election`]
+/// decides among the remaining clusters.
 ///
-/// Two things differ from the published code. The test of the whole takes the redundancy of the graph as degrees of freedom,
-/// not the number of all edges: with the latter, thousands of odometry edges, whose residuals are zero without loops, would
-/// leave room for any false loop. And a cluster that fails loses its worst edge, not all: clusters here are as long as frames
-/// stay near each other, and one false edge beside a run of a hundred would take them along.
+/// Two things differ from the published code. The test of the whole uses the redundancy of the graph as degrees of freedom,
+/// not the number of all edges: without loops, thousands of odometry edges have zero residuals, and counting them would
+/// leave room for any false loop. And a cluster that fails loses its worst edge, not all edges: here a cluster is as long
+/// as frames stay near each other, and one false edge next to a run of a hundred would remove them all.
 ///
-/// One optimisation for each cluster and each edge taken out of it (clusters in parallel), then those of the election.
+/// This takes one optimisation for each cluster and for each edge removed from one (clusters in parallel), then those of
+/// the election.
 pub fn vote(
     clusters: &[Vec<usize>],
     quantiles: Quantiles,
@@ -138,7 +140,7 @@ pub fn vote(
     }
 }
 
-/// The edges of a cluster that pass by themselves, and the optimisations that it took to know.
+/// The edges of a cluster that pass by themselves, and the number of optimisations needed.
 fn consistent_part(
     cluster: &[usize],
     quantiles: Quantiles,
@@ -162,8 +164,8 @@ fn consistent_part(
     (members, fits)
 }
 
-/// A cluster without its edge of the largest residual; a large cluster loses up to one in 128, of edges whose own residual
-/// fails.
+/// A cluster without its edge of largest residual. A large cluster loses up to one edge in 128 at once, if their own
+/// residuals fail.
 fn without_worst(members: &[usize], residuals: &[f64], bound: f64) -> Vec<usize> {
     let mut order: Vec<usize> = (0..members.len()).collect();
     order.sort_by(|&a, &b| residuals[b].total_cmp(&residuals[a]));
@@ -174,5 +176,5 @@ fn without_worst(members: &[usize], residuals: &[f64], bound: f64) -> Vec<usize>
     members.iter().enumerate().filter_map(stays).collect()
 }
 
-/// Edges of a cluster for one that is taken out at a time.
+/// A cluster loses at most one edge in this many at once, but at least one.
 const AT_ONCE: usize = 128;

@@ -8,8 +8,8 @@ use posecut_voting::fit::Parts;
 use posecut_voting::{Election, Fit, Optimiser, Quantiles, vote};
 use proptest::prelude::*;
 
-/// The simplest graph there is: every edge measures one number of three components, and the optimum is the mean. True
-/// edges say nearly zero, false ones what they like.
+/// The simplest possible graph: every edge measures one number of three components, and the optimum is the mean. True edges
+/// measure nearly zero, false edges any number.
 fn fit_of_means(values: &[f64]) -> impl Fn(&[usize]) -> Fit + Sync + '_ {
     move |edges| {
         let mean = edges.iter().map(|&edge| values[edge]).sum::<f64>() / edges.len().max(1) as f64;
@@ -24,7 +24,7 @@ fn quantiles() -> Quantiles {
 
 #[test]
 fn clusters_that_contradict_the_majority_go() {
-    // The mean of all is 1.7: next to it each true edge still passes, and so becomes a candidate.
+    // The mean of all values is 1.7. Next to it each true edge still passes, and so becomes a candidate.
     let values = [0.1, -0.1, 0.2, 6.0, 6.1, 0.0, -0.2];
     let clusters = [vec![0, 1], vec![2], vec![3, 4], vec![5, 6]];
     let verdict = vote(&clusters, quantiles(), Election::Joint, &fit_of_means(&values));
@@ -34,29 +34,30 @@ fn clusters_that_contradict_the_majority_go() {
 
 #[test]
 fn a_joint_election_keeps_nothing_where_false_edges_pull_every_residual_beyond_its_quantile() {
-    // A property of RRR: all clusters stand for election together. One after the other, the true ones are there first.
+    // This is a property of RRR, which tests all clusters together. One after the other, the true ones come first.
     let values = [0.1, -0.1, 0.2, 40.0, 40.1, 0.0, -0.2];
     let clusters = [vec![0, 1], vec![2], vec![3, 4], vec![5, 6]];
     assert!(vote(&clusters, quantiles(), Election::Joint, &fit_of_means(&values)).kept.is_empty());
     let one_by_one = vote(&clusters, quantiles(), Election::LargestFirst, &fit_of_means(&values));
     assert_eq!(one_by_one.kept, [0, 1, 2, 5, 6]);
-    // Each cluster alone, and the election, where no group of several stood.
+    // One optimisation for each cluster alone and one in the election, where no group had several clusters.
     assert_eq!(one_by_one.fits, 2 * clusters.len());
 }
 
 #[test]
 fn clusters_stand_in_groups_that_grow_with_success_and_none_is_refused_with_its_group() {
-    // 100 clusters of one edge; of the 40 first all are true, and then every third is false.
+    // 100 clusters of one edge: the first 40 are all true, and after them every third is false.
     let values: Vec<f64> = (0..100).map(|edge| if edge > 40 && edge % 3 == 0 { 30.0 } else { 0.0 }).collect();
     let clusters: Vec<Vec<usize>> = (0..100).map(|edge| vec![edge]).collect();
     let verdict = vote(&clusters, quantiles(), Election::LargestFirst, &fit_of_means(&values));
     let expected: Vec<usize> = (0..100).filter(|&edge| values[edge] == 0.0).collect();
     assert_eq!(verdict.kept, expected);
-    // One optimisation for each alone and one for each in the election would be 200.
+    // One optimisation for each cluster alone and one for each in the election would be 200.
     assert!(verdict.fits < 200, "{}", verdict.fits);
     let all_true = vote(&clusters, quantiles(), Election::LargestFirst, &fit_of_means(&[0.0; 100]));
     assert_eq!(all_true.kept.len(), 100);
-    // Groups grow by a quarter: 4 alone, then ln(100 / 4) / ln(1.25), and some for rounding down.
+    // Groups grow by a quarter: 4 clusters alone, then ln(100 / 4) / ln(1.25) groups, and some more because sizes round
+    // down.
     assert!(all_true.fits < 100 + 25, "{}", all_true.fits);
 }
 
@@ -65,7 +66,7 @@ fn the_largest_cluster_speaks_first_and_among_equals_the_first_in_the_graph() {
     let kept = |clusters: &[Vec<usize>], values: &[f64]| {
         vote(clusters, quantiles(), Election::LargestFirst, &fit_of_means(values)).kept
     };
-    // What the method stands and falls with: the larger cluster is believed, wherever it stands and whatever it says.
+    // This is the basis of the method: the larger cluster is believed, wherever it comes and whatever it measures.
     assert_eq!(kept(&[vec![0], vec![1, 2]], &[0.0, 40.0, 40.0]), [1, 2]);
     assert_eq!(kept(&[vec![0, 1], vec![2]], &[40.0, 40.0, 0.0]), [0, 1]);
     assert_eq!(kept(&[vec![0], vec![1], vec![2]], &[0.0, 40.0, 0.1]), [0, 2]);
@@ -76,9 +77,10 @@ fn a_bad_edge_leaves_a_good_cluster_and_one_that_contradicts_itself_shrinks_unti
     let kept = |values: &[f64]| {
         vote(&[(0..values.len()).collect()], quantiles(), Election::Joint, &fit_of_means(values)).kept
     };
-    // Of five edges one is off by 7: chi-square of the five is 118, above 26.2, and without it zero.
+    // One of five edges is off by 7: chi-square of the five is 118, above 26.2; without that edge it is zero.
     assert_eq!(kept(&[0.0, 0.0, 7.0, 0.0, 0.0]), [0, 1, 3, 4]);
-    // Off by 2.4: chi-square 13.8 passes as a whole, and 11.06 of its own is below 11.34; off by 2.6: 12.98 fails alone.
+    // Off by 2.4: chi-square 13.8 passes as a whole, and the edge's own 11.06 is below 11.34. Off by 2.6: 12.98 fails for
+    // the edge alone.
     assert_eq!(kept(&[0.0, 0.0, 0.0, 0.0, 2.4]).len(), 5);
     assert_eq!(kept(&[0.0, 0.0, 0.0, 0.0, 2.6]).len(), 4);
     assert_eq!(kept(&[0.0, 50.0, 100.0, 200.0]).len(), 1);
@@ -104,7 +106,7 @@ proptest! {
         let joint = fit(&verdict.kept);
         // The quantile of chi-square at 0.99 is below three times the degrees plus nine.
         prop_assert!(joint.chi_square <= 3.0 * joint.redundancy as f64 + 9.0, "{joint:?}");
-        // Clusters are kept or rejected by the order they stand in, never by chance.
+        // The order of the clusters decides, not chance.
         prop_assert_eq!(verdict, vote(&clusters, quantiles(), election, &fit));
     }
 }
@@ -140,7 +142,8 @@ fn redundancy_counts_what_the_edges_say_beyond_the_poses() {
     assert!(one.chi_square > 100.0 && one.residuals.len() == 1, "{one:?}");
 }
 
-/// A noisy walk of some steps that turns by `turn`, with odometry edges across it too, some of them written backwards.
+/// A noisy walk that turns by `turn` at each step, with more odometry edges across it. Some odometry edges are stored
+/// backwards.
 fn walk(
     steps: usize,
     turn: f64,
@@ -195,7 +198,7 @@ proptest! {
         landmarks in proptest::collection::vec((0_usize..100, 0_usize..100, -1.5_f64..1.5), 1..8),
     ) {
         let mut parts = Parts::<SE2, 3>::of(&walk(steps, turn, &noise, &across, &landmarks)).unwrap();
-        // Both ways end at the optimum; with four steps each would end where it happens to be.
+        // Both ways reach the optimum; with four steps, each would stop somewhere before it.
         parts.steps = 200;
         let all: Vec<usize> = (0..parts.places.len()).collect();
         let (fast, whole) = (parts.fit(&all), parts.fit_whole(&all));
@@ -232,7 +235,7 @@ proptest! {
         prop_assert!((after.chi_square - cold.chi_square).abs() <= slack, "chi_square {} and {}", after.chi_square, cold.chi_square);
         let forecast = Optimiser::forecast(&parts, &state, accepted, &[*last])[0].unwrap();
         let increase = after.chi_square - before.chi_square;
-        // To first order: errors here are small, and what remains is their square.
+        // The forecast is of first order: errors here are small, and the remaining difference is their square.
         prop_assert!(
             (forecast.increase - increase).abs() <= slack + 0.1 * increase,
             "chi_square grows by {} and not by {}", increase, forecast.increase
@@ -247,7 +250,7 @@ proptest! {
 
 #[test]
 fn what_forecasts_refuse_an_optimisation_would_refuse() {
-    // A walk there and back with thirty true edges, and ten false ones that stand last.
+    // A walk there and back, with thirty true edges and, after them, ten false ones.
     let mut landmarks: Vec<_> = (0..30).map(|at| (at, 60 - at, 0.0)).collect();
     landmarks.extend((0..10).map(|at| (at, 60 - at, 1.5)));
     let graph = walk(60, std::f64::consts::PI / 30.0, &[0.01, -0.01], &[], &landmarks);

@@ -1,4 +1,4 @@
-//! Loops of different lengths, and what false ones look like.
+//! Loops of different lengths, and the same loops made false on purpose.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -9,19 +9,20 @@ use crate::pairs::consistency::Pairs;
 use crate::pairs::distance::add_odometry;
 use crate::pairs::nearest::Nearest;
 
-/// Candidates looked at, over all groups; more would not change the estimate.
+/// The number of candidates used, over all groups. More would not change the estimate.
 const SAMPLE: usize = 1000;
-/// Neighbours each is held against, by rank: near ones tell of the landmark edges, farther ones of the odometry.
+/// The neighbours that each candidate is paired with, by rank. Near ones show the errors of the landmark edges, farther
+/// ones those of the odometry.
 const RANKS: [usize; 8] = [0, 1, 2, 3, 7, 15, 31, 63];
-/// Share of the exchanged loops that a region must hold on each axis.
+/// The share of the exchanged loops that a region must contain on each axis.
 const HELD: f64 = 0.9;
 
-/// Loops that are alike: through pairs of near neighbours, of neighbours of each farther rank, and through one candidate
-/// and the odometry between its own places.
+/// The number of classes of similar loops: through pairs of near neighbours, through pairs of each farther rank, and
+/// through one candidate and the odometry between its own ends.
 pub(super) const CLASSES: usize = 6;
 const ODOMETRY: usize = CLASSES - 1;
 
-/// The class of a pair, by the place of its rank among [`RANKS`].
+/// The class of a pair, by the index of its rank in [`RANKS`].
 fn class_of(turn: usize) -> usize {
     turn.saturating_sub(RANKS.len() - ODOMETRY)
 }
@@ -35,14 +36,14 @@ pub(super) struct Loop<const DOF: usize> {
     pub(super) landmark: SMatrix<f64, DOF, DOF>,
 }
 
-/// Loops, and for each class the logarithm of the volume that false ones fill.
+/// Loops, and for each class the logarithm of the volume that false loops fill.
 #[derive(Clone, Debug)]
 pub(super) struct Sample<const DOF: usize> {
     pub(super) loops: Vec<Loop<DOF>>,
-    /// The same loops with one end of a candidate moved to that of another far away: what the loops of false edges look
-    /// like, even where all measurements are equal.
+    /// The same loops, but one end of a candidate is moved to the end of another candidate far away. They show what loops
+    /// of false edges look like, even if all measurements are equal.
     pub(super) elsewhere: Vec<Loop<DOF>>,
-    /// Candidates that the loops start from.
+    /// The number of candidates that the loops start from.
     pub(super) edges: usize,
     pub(super) log_volumes: [f64; CLASSES],
 }
@@ -97,7 +98,7 @@ pub(super) fn sample<G: Spatial<DOF>, const DOF: usize>(
     Sample { loops, elsewhere, edges, log_volumes }
 }
 
-/// The product of the ranges that hold nine tenths of the errors on each axis, widened by as much.
+/// The product, over the axes, of the range that contains nine tenths of the errors, divided by that share.
 fn log_volume<const DOF: usize>(errors: &[SVector<f64, DOF>]) -> f64 {
     let Some(last) = errors.len().checked_sub(1) else { return 0.0 };
     let quantile = |sorted: &[f64], share: f64| sorted[(share * last as f64).round() as usize];
@@ -126,7 +127,7 @@ impl<G: Spatial<DOF>, const DOF: usize> Closing<'_, G, DOF> {
         Loop { class, error, odometry, landmark: a.covariance + b.covariance }
     }
 
-    /// The loop through one candidate and the odometry; between two chains there is none.
+    /// The loop through one candidate and the odometry. Between two chains there is none.
     fn odometry(&self, one: usize) -> Option<Loop<DOF>> {
         let candidate = &self.0.candidates[one];
         self.0.same_chain.then(|| Loop {
@@ -137,7 +138,7 @@ impl<G: Spatial<DOF>, const DOF: usize> Closing<'_, G, DOF> {
         })
     }
 
-    /// The alignment that a candidate would claim if it had measured what another has.
+    /// The alignment of a candidate if it had the measurement of another.
     fn exchanged(&self, candidate: usize, donor: usize) -> G {
         let (candidate, donor) = (&self.0.candidates[candidate], &self.0.candidates[donor]);
         let poses = |of: &Candidate<G, DOF>| (self.0.chain_a.poses[of.i], self.0.chain_b.poses[of.k]);
@@ -146,20 +147,20 @@ impl<G: Spatial<DOF>, const DOF: usize> Closing<'_, G, DOF> {
         pose_a.compose(&measurement).compose(&pose_b.inverse())
     }
 
-    /// The alignment that a candidate would claim if it ended where another does: T Q_k Q_l^-1.
+    /// The alignment of a candidate if it ended where another does: T Q_k Q_l^-1.
     fn at_another_end(&self, candidate: usize, donor: usize) -> G {
         let (candidate, donor) = (&self.0.candidates[candidate], &self.0.candidates[donor]);
         let (own, other) = (self.0.chain_b.poses[candidate.k], self.0.chain_b.poses[donor.k]);
         candidate.alignment.compose(&own).compose(&other.inverse())
     }
 
-    /// The error of a pair if the second claimed this alignment.
+    /// The error of a pair if the second candidate had this alignment.
     fn pair_with(&self, one: usize, alignment: &G) -> G {
         self.0.candidates[one].from_a.compose(alignment)
     }
 
-    /// Far from the origin of the chain a small turn moves much; at the place itself errors fill a compact region, whose
-    /// volume is the same in any frame.
+    /// The error in the frame of the candidate's end. Far from the origin of the chain a small rotation moves much; at the
+    /// end itself, errors fill a compact region, whose volume is the same in any frame.
     fn seen_at_place(&self, candidate: usize, error: &G) -> SVector<f64, DOF> {
         let place = self.0.chain_b.poses[self.0.candidates[candidate].k];
         place.inverse().compose(error).compose(&place).log()

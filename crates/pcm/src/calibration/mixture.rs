@@ -1,4 +1,4 @@
-//! Variance components of loops among false ones.
+//! Fits the variance components of correct loops among false ones.
 
 use std::f64::consts::PI;
 
@@ -12,31 +12,31 @@ use crate::pairs::gate::chi_square_quantile;
 
 /// Degrees of freedom of a correct loop's t distribution.
 const TAIL: f64 = 4.0;
-/// The share of correct loops at which the factors are read off: within their bulk, yet where a tail heavier than a
-/// Gaussian's already shows. Re-admission takes the same.
+/// The quantile of the correct loops' squared distances that fixes the factors: within their bulk, yet far enough out to
+/// show tails heavier than a Gaussian's. Re-admission uses the same one.
 const QUANTILE: f64 = 0.9;
-/// Iterations end when both factors change by less than this, or after so many.
+/// Iterations end when both factors change by less than this, or after this many.
 const TOLERANCE: f64 = 1e-3;
 const ITERATIONS: usize = 300;
 /// Both factors lie between e^-12 and e^12.
 const RANGE: f64 = 12.0;
-/// The share of correct loops is at least this, and at most as far from 1.
+/// The share of correct loops stays at least this far from 0 and from 1.
 const LEAST_CORRECT: f64 = 0.001;
-/// Loops that are summed one after the other; sums do not depend on the number of threads.
+/// Loops that one task adds up in order. The chunks are fixed, so that sums do not depend on the number of threads.
 const CHUNK: usize = 256;
 
-/// Both factors start from each of these; the likeliest end is taken.
+/// Initial values of both factors. The fit of highest likelihood is taken.
 const STARTS: [f64; 3] = [0.01, 1.0, 100.0];
-/// So many iterations show which start leads farthest.
+/// The number of iterations after which the starts are compared.
 const TRIALS: usize = 40;
 
-/// What one step of expectation-maximisation needs.
+/// The sums that one step of expectation-maximisation needs.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
-    /// For each class: loops, and the sum of the probabilities that they are correct.
+    /// For each class: the number of loops, and the sum of the probabilities that they are correct.
     counts: [f64; CLASSES],
     correct: [f64; CLASSES],
-    /// Squared distances that either part of the covariance accounts for, and as many as expected.
+    /// For each part of the covariance: the squared distance that it accounts for, and its expected value.
     seen: [f64; 2],
     expected: [f64; 2],
     log_likelihood: f64,
@@ -57,7 +57,7 @@ impl Sums {
     }
 }
 
-/// The mixture's parameters: factors of odometry and landmark edges, share of correct loops of each class.
+/// The mixture's parameters: the factors of odometry and landmark edges, and the share of correct loops of each class.
 #[derive(Clone, Copy, Debug)]
 struct Mixture {
     factors: [f64; 2],
@@ -107,7 +107,8 @@ impl<const DOF: usize> Diagonal<DOF> {
     }
 }
 
-/// A loop under some parameters: the inverse of its diagonal covariance, squared distance and probability of being correct.
+/// A loop under given parameters: the inverse of its diagonal covariance, its squared distance and its probability of being
+/// correct.
 struct Seen<const DOF: usize> {
     inverse: SVector<f64, DOF>,
     squared: f64,
@@ -123,12 +124,13 @@ impl Mixture {
         Self { factors: [start; 2], correct: [0.5; CLASSES], log_volumes, log_constant }
     }
 
-    /// `None` where the likelihood is no finite number.
+    /// `None` if the likelihood is not a finite number.
     fn see<const DOF: usize>(&self, closed: &Diagonal<DOF>) -> Option<Seen<DOF>> {
         let covariance = closed.odometry.map(|odometry| self.factors[0] * odometry + self.factors[1]);
         let inverse = covariance.map(f64::recip);
         let squared = closed.squares.dot(&inverse);
-        // Six factors of at most e^12 times a ratio of variances are far from overflow; one logarithm is cheaper than six.
+        // Six factors of at most e^12 times a ratio of variances are far from overflow, and one logarithm is cheaper than
+        // six.
         let log_root = closed.log_root + 0.5 * covariance.product().ln();
         let log_correct =
             self.log_constant - log_root - 0.5 * (TAIL + DOF as f64) * (1.0 + squared / TAIL).ln();
@@ -159,7 +161,7 @@ impl Mixture {
         sums
     }
 
-    /// One step; how far the factors moved, and the likelihood before.
+    /// One step. Returns how far the factors moved, and the likelihood before the step.
     fn step<const DOF: usize>(&mut self, loops: &[Diagonal<DOF>]) -> (f64, f64) {
         let parts: Vec<Sums> = loops.par_chunks(CHUNK).map(|chunk| self.sums(chunk)).collect();
         let sums = parts.iter().fold(Sums::default(), Sums::add);
@@ -171,7 +173,7 @@ impl Mixture {
         }
         let mut moved = 0.0;
         for part in 0..2 {
-            // Without odometry between the candidates nothing is known of it.
+            // Without odometry between the candidates, the loops say nothing about its factor.
             if sums.expected[part] > 0.0 {
                 let ratio = sums.seen[part] / sums.expected[part];
                 let factor = (self.factors[part] * ratio.sqrt()).clamp((-RANGE).exp(), RANGE.exp());
@@ -182,7 +184,7 @@ impl Mixture {
         (moved, sums.log_likelihood)
     }
 
-    /// Steps until nothing moves; the mixture with its likelihood, and whether nothing moved at last.
+    /// Iterates until the factors converge. Returns the mixture, its likelihood, and whether it converged.
     fn settle<const DOF: usize>(mut self, loops: &[Diagonal<DOF>], iterations: usize) -> (Self, f64, bool) {
         let mut likelihood = f64::NEG_INFINITY;
         for _ in 0..iterations {
@@ -195,7 +197,7 @@ impl Mixture {
         (self, likelihood, false)
     }
 
-    /// The bound that a fit has ended at.
+    /// The bound at which a fit ended.
     fn bound(&self) -> Option<Ended> {
         let any = |factor: f64| self.factors.contains(&factor);
         if any((-RANGE).exp()) {
@@ -208,7 +210,7 @@ impl Mixture {
     }
 }
 
-/// The start that leads farthest in a few iterations, with its likelihood.
+/// The start of highest likelihood after a few iterations, with that likelihood.
 fn trial<const DOF: usize>(
     loops: &[Diagonal<DOF>],
     log_volumes: [f64; CLASSES],
@@ -219,7 +221,7 @@ fn trial<const DOF: usize>(
         .max_by(|one, other| one.1.total_cmp(&other.1))
 }
 
-/// Fits the mixture; `None` if no loop's covariance is positive definite.
+/// Fits the mixture. `None` if no loop's covariance is positive definite.
 pub(super) fn fit<const DOF: usize>(sample: &Sample<DOF>) -> Option<ScaleEstimate> {
     let diagonal =
         |loops: &[Loop<DOF>]| -> Vec<Diagonal<DOF>> { loops.par_iter().filter_map(Diagonal::of).collect() };

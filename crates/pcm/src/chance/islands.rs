@@ -1,14 +1,14 @@
-//! Members that hang together.
+//! Connected components of members.
 
 use petgraph::unionfind::UnionFind;
 
-/// Islands of linked members: those on the mainland first, then by size, the largest first, then by their first member.
+/// Islands of linked members, in this order: the island on the mainland, then by falling size, then by first member.
 pub(crate) struct Islands {
     islands: Vec<Vec<usize>>,
 }
 
 impl Islands {
-    /// For each member, which ascend: whether it is linked to the mainland, and to which other members.
+    /// Takes, for each member (ascending), whether it is linked to the mainland and to which other members.
     pub(crate) fn of(members: &[usize], links: &[(bool, Vec<usize>)]) -> Self {
         let mainland = members.len();
         let mut parts = UnionFind::<usize>::new(members.len() + 1);
@@ -36,12 +36,12 @@ impl Islands {
         Self { islands }
     }
 
-    /// Takes the first island out.
+    /// Removes and returns the first island.
     pub(crate) fn take_first(&mut self) -> Vec<usize> {
         if self.islands.is_empty() { Vec::new() } else { self.islands.remove(0) }
     }
 
-    /// Takes out the members of all islands for which something holds.
+    /// Removes all islands for which a condition holds, and returns their members.
     pub(crate) fn take_where(&mut self, holds: impl Fn(&[usize]) -> bool) -> Vec<usize> {
         let (taken, left) = std::mem::take(&mut self.islands).into_iter().partition(|island| holds(island));
         self.islands = left;

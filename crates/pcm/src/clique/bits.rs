@@ -1,4 +1,4 @@
-//! Sets of vertices and adjacency as rows of bits.
+//! Sets of vertices and adjacency matrices as rows of bits.
 
 /// A set of small numbers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -54,14 +54,14 @@ impl BitSet {
         self.words.copy_from_slice(&other.words);
     }
 
-    /// Becomes the members that two sets share.
+    /// Sets this to the intersection of two sets.
     pub(crate) fn assign_intersection(&mut self, one: &Self, other: &[u64]) {
         for ((word, one), other) in self.words.iter_mut().zip(&one.words).zip(other) {
             *word = one & other;
         }
     }
 
-    /// Becomes the members of `one` that are not in `other`.
+    /// Sets this to the members of `one` that are not in `other`.
     pub(crate) fn assign_difference(&mut self, one: &Self, other: &[u64]) {
         for ((word, one), other) in self.words.iter_mut().zip(&one.words).zip(other) {
             *word = one & !other;
@@ -80,13 +80,13 @@ impl BitSet {
         }
     }
 
-    /// The smallest member, looked for from a word on.
+    /// The smallest member at or after a given word.
     pub(crate) fn first_from(&self, first: usize) -> Option<usize> {
         let place = first + self.words[first..].iter().position(|&word| word != 0)?;
         Some(place * 64 + self.words[place].trailing_zeros() as usize)
     }
 
-    /// Takes the members of `other` out, from a word on.
+    /// Removes the members of `other`, from a given word on.
     pub(crate) fn subtract_from(&mut self, first: usize, other: &[u64]) {
         for (word, other) in self.words[first..].iter_mut().zip(&other[first..]) {
             *word &= !other;
@@ -97,7 +97,7 @@ impl BitSet {
         members(self.words.iter().copied())
     }
 
-    /// Members that are not in `row`: with a row of adjacency, the non-neighbours among them.
+    /// Members that are not in `row`. If `row` is a row of adjacency, these are the non-neighbours.
     pub(crate) fn members_outside<'a>(&'a self, row: &'a [u64]) -> impl Iterator<Item = usize> + 'a {
         members(self.words.iter().zip(row).map(|(word, row)| word & !row))
     }
@@ -112,8 +112,8 @@ impl BitSet {
         self.words.iter().zip(row).map(|(word, row)| (word & row).count_ones() as usize).sum()
     }
 
-    /// Whether every member of this set that is in `row` is also in `other`. Looks at the words from `start` on first: where
-    /// the answer is no, it is quick if the difference is there.
+    /// Whether every member of this set that is in `row` is also in `other`. Tests the words from `start` on first: if a
+    /// counterexample is there, the answer comes quickly.
     pub(crate) fn is_within(&self, row: &[u64], other: &[u64], start: usize) -> bool {
         let within = |places: std::ops::Range<usize>| {
             let words = self.words[places.clone()].iter().zip(&row[places.clone()]).zip(&other[places]);
@@ -127,7 +127,7 @@ fn members(words: impl Iterator<Item = u64>) -> impl Iterator<Item = usize> {
     words.enumerate().flat_map(|(place, word)| Bits { word, base: place * 64 })
 }
 
-/// The numbers of the bits of one word.
+/// The indices of the bits set in one word.
 struct Bits {
     word: u64,
     base: usize,
@@ -154,11 +154,11 @@ fn count(words: &[u64]) -> usize {
     words.iter().map(|word| word.count_ones() as usize).sum()
 }
 
-/// An undirected graph without loops as a bit matrix: N^2 / 8 bytes in one block.
+/// An undirected graph without loops, as a bit matrix: N^2 / 8 bytes in one block.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BitGraph {
     vertices: usize,
-    /// Words a row.
+    /// The number of words in a row.
     stride: usize,
     words: Vec<u64>,
 }
@@ -175,7 +175,7 @@ impl BitGraph {
         self.vertices
     }
 
-    /// Whether there is no vertex.
+    /// Whether the graph has no vertices.
     pub fn is_empty(&self) -> bool {
         self.vertices == 0
     }
@@ -187,7 +187,7 @@ impl BitGraph {
         self.words[other * self.stride + one / 64] |= 1 << (one % 64);
     }
 
-    /// Adds a vertex without neighbours and returns its number. Amortised O(N / 64): rows double in width.
+    /// Adds a vertex without neighbours and returns its number. Amortised O(N / 64), because rows double in width.
     pub fn add_vertex(&mut self) -> usize {
         let vertex = self.vertices;
         if vertex == self.stride * 64 {
@@ -223,7 +223,7 @@ impl BitGraph {
         members(self.neighbours(vertex).iter().copied()).filter(move |&neighbour| neighbour > vertex)
     }
 
-    /// Whether all of these vertices are connected with each other.
+    /// Whether these vertices are pairwise connected.
     pub fn is_clique(&self, vertices: &[usize]) -> bool {
         vertices
             .iter()
@@ -231,7 +231,7 @@ impl BitGraph {
             .all(|(place, &one)| vertices[place + 1..].iter().all(|&other| self.connected(one, other)))
     }
 
-    /// The graph of some of the vertices, numbered in the order given. O(n^2).
+    /// The subgraph of the given vertices, numbered in the given order. O(n^2).
     #[must_use]
     pub fn induced(&self, vertices: &[usize]) -> Self {
         let mut graph = Self::new(vertices.len());
@@ -250,18 +250,18 @@ impl BitGraph {
         &self.words[vertex * self.stride..(vertex + 1) * self.stride]
     }
 
-    /// The rows of 64 vertices at a time, for whoever fills the upper triangle in parallel; [`Self::mirror`] then makes
+    /// The rows of the matrix, 64 vertices at a time, to fill the upper triangle in parallel. [`Self::mirror`] then makes
     /// the matrix symmetric.
     pub(crate) fn strips(&mut self) -> std::slice::ChunksMut<'_, u64> {
         self.words.chunks_mut((64 * self.stride).max(1))
     }
 
-    /// Words a row.
+    /// The number of words in a row.
     pub(crate) fn stride(&self) -> usize {
         self.stride
     }
 
-    /// Copies the upper triangle to the lower by blocks of 64 x 64 bits. O(N^2 / 64) words.
+    /// Copies the upper triangle to the lower one in blocks of 64 x 64 bits. O(N^2 / 64) words.
     pub(crate) fn mirror(&mut self) {
         let mut block = [0_u64; 64];
         for first in 0..self.vertices.div_ceil(64) {
@@ -312,7 +312,7 @@ mod tests {
             sets in proptest::collection::vec((0_usize..200, 0_usize..5), 0..40),
             start in 0_usize..4,
         ) {
-            // Only a member of the set and of the row that is not in the other speaks against it.
+            // Only a member of both the set and the row that is not in the other set is a counterexample.
             let mut parts = [BitSet::new(200), BitSet::new(200), BitSet::new(200)];
             for &(member, kind) in &sets {
                 let holders: &[usize] = [&[0, 1, 2][..], &[0, 2], &[1, 2], &[0], &[0, 1]][kind];

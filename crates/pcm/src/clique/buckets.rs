@@ -1,8 +1,8 @@
-//! A queue of vertices by small keys that only fall.
+//! A queue of vertices by small keys that only decrease.
 
 const NONE: u32 = u32::MAX;
 
-/// Vertices in doubly linked lists, one list a key. Every operation is O(1) amortised.
+/// Vertices in doubly linked lists, one list for each key. Every operation is O(1) amortised.
 pub(super) struct Buckets {
     head: Vec<u32>,
     next: Vec<u32>,
@@ -25,7 +25,7 @@ impl Buckets {
         self.key[vertex] as usize
     }
 
-    /// The vertex that was put last under this key.
+    /// The vertex that was last inserted under this key.
     pub(super) fn first(&self, key: usize) -> Option<usize> {
         let vertex = self.head[key];
         (vertex != NONE).then_some(vertex as usize)

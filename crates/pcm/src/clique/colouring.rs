@@ -1,16 +1,16 @@
 //! Colourings by the conflicts between vertices.
 //!
-//! A class holds vertices that all conflict with each other, so a clique has at most one of each: it has no more vertices
+//! All vertices of a class conflict with each other, so a clique has at most one vertex of each class, and no more vertices
 //! than there are classes.
 
 use super::{BitGraph, BitSet};
 
-/// What each vertex conflicts with. A vertex may count among its own conflicts.
+/// The conflicts of each vertex. A vertex may be among its own conflicts.
 pub(super) trait Conflicts {
     fn of(&self, vertex: usize) -> impl Iterator<Item = usize>;
 }
 
-/// Conflicts among the vertices `alive`, read off the rows of the bit matrix.
+/// Conflicts among the vertices `alive`, from the rows of the bit matrix.
 pub(super) struct Rows<'a> {
     pub(super) graph: &'a BitGraph,
     pub(super) alive: &'a BitSet,
@@ -22,7 +22,7 @@ impl Conflicts for Rows<'_> {
     }
 }
 
-/// Conflicts as lists: where a vertex has few, faster than its row.
+/// Conflicts as lists: faster than rows of bits if vertices have few conflicts.
 pub(super) struct Lists(Vec<Vec<u32>>);
 
 impl Lists {
@@ -36,7 +36,7 @@ impl Lists {
         Self((0..graph.len()).map(list).collect())
     }
 
-    /// What going through all of them costs: vertices, and conflicts from both ends.
+    /// The cost of a pass over all of them: vertices, and conflicts from both ends.
     pub(super) fn cost(&self) -> usize {
         1 + self.0.len() + self.0.iter().map(Vec::len).sum::<usize>()
     }
@@ -54,9 +54,9 @@ const UNCOLOURED: u32 = u32::MAX;
 pub(super) struct Colouring {
     pub(super) classes: Vec<Vec<u32>>,
     pub(super) class_of: Vec<u32>,
-    /// For each class how many of its members conflict with the vertex at hand.
+    /// For each class: how many of its members conflict with the current vertex.
     met: Vec<u32>,
-    /// Classes with such members.
+    /// Classes with at least one such member.
     touched: Vec<u32>,
 }
 
@@ -70,8 +70,8 @@ impl Colouring {
         }
     }
 
-    /// First fit, in the order given. A vertex fits into a class if it conflicts with all of it, so that this goes
-    /// through the conflicts alone: O(edges of the complement).
+    /// First fit, in the given order. A vertex fits into a class if it conflicts with all of it, so only conflicts are
+    /// visited: O(edges of the complement).
     pub(super) fn colour(&mut self, order: impl IntoIterator<Item = usize>, conflicts: &impl Conflicts) {
         self.classes.clear();
         self.class_of.fill(UNCOLOURED);
@@ -86,7 +86,7 @@ impl Colouring {
         }
     }
 
-    /// Takes a vertex out of its class; whether it was the last of it.
+    /// Removes a vertex from its class, and returns whether the class is now empty.
     pub(super) fn forget(&mut self, vertex: usize) -> bool {
         let class = &mut self.classes[self.class_of[vertex] as usize];
         class.retain(|&member| member as usize != vertex);
@@ -94,7 +94,7 @@ impl Colouring {
         class.is_empty()
     }
 
-    /// The classes that conflict with a vertex as a whole; its own does if it is among its own conflicts.
+    /// The classes that conflict as a whole with a vertex. Its own class counts if the vertex is among its own conflicts.
     pub(super) fn classes_in_conflict(
         &mut self,
         vertex: usize,

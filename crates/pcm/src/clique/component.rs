@@ -2,8 +2,8 @@
 
 use super::{BitGraph, BitSet};
 
-/// The components of the complement of the graph of the vertices `alive`, each ascending, by their smallest vertex.
-/// A clique of the graph is a clique in each of them. O(N^2 / 64) words.
+/// The components of the complement of the graph of the vertices `alive`. Each is ascending, and they are ordered by their
+/// smallest vertex. A clique of the graph consists of a clique in each of them. O(N^2 / 64) words.
 pub(super) fn complement_components(graph: &BitGraph, alive: &BitSet) -> Vec<Vec<usize>> {
     let mut unseen = alive.clone();
     let mut components = Vec::new();

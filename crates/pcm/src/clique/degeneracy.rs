@@ -1,4 +1,4 @@
-//! Core numbers: how large a clique through a vertex can be by degrees alone.
+//! Core numbers: bounds on the cliques through a vertex, by degrees alone.
 
 use super::buckets::Buckets;
 use super::{BitGraph, BitSet};
@@ -10,13 +10,13 @@ use super::{BitGraph, BitSet};
 pub(super) struct Degeneracy {
     /// Vertices as they are peeled, smallest remaining degree first.
     pub(super) order: Vec<usize>,
-    /// For each vertex the largest k of a k-core that holds it; 0 for vertices left out.
+    /// For each vertex: the largest k of a k-core that contains it; 0 for vertices left out.
     pub(super) core: Vec<usize>,
 }
 
 impl Degeneracy {
-    /// Peels the graph of the vertices `alive`. O(N^2 / 64 + min(edges, edges of the complement)): the degrees of a
-    /// dense graph are followed through the neighbours that vertices do not have.
+    /// Peels the graph of the vertices `alive`. O(N^2 / 64 + min(edges, edges of the complement)): in a dense graph,
+    /// degrees are updated through non-neighbours.
     pub(super) fn of(graph: &BitGraph, alive: &BitSet) -> Self {
         let mut alive = alive.clone();
         let members: Vec<usize> = alive.members().collect();
@@ -25,7 +25,7 @@ impl Degeneracy {
         let pairs = members.len() * members.len().saturating_sub(1);
         let dense = 2 * degrees.iter().sum::<usize>() > pairs;
         let mut queue = Buckets::new(graph.len(), members.len());
-        // Backwards, so that of equal vertices the first is peeled first.
+        // In reverse order, so that the first of equal vertices is peeled first.
         for (&vertex, &degree) in members.iter().zip(&degrees).rev() {
             queue.insert(vertex, if dense { members.len() - 1 - degree } else { degree });
         }

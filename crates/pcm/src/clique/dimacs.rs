@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use crate::clique::BitGraph;
 
-/// The graph of one group, with the ids of the edges that its vertices stand for.
+/// The graph of one group, with the edge ids of its vertices.
 #[derive(Clone, Debug)]
 pub struct NamedGraph {
     /// The graph.
@@ -13,9 +13,9 @@ pub struct NamedGraph {
     pub edges: Vec<u64>,
 }
 
-/// Writes the groups as one graph in the DIMACS format of clique solvers: `p edge VERTICES EDGES`, then `e U V` with
-/// vertices from 1, one group's after the other's; no edge joins two groups. Comments `c vertex V landmark ID` say which
-/// landmark edge a vertex is, `c group FIRST LAST` which vertices form a group.
+/// Writes the groups as one graph in the DIMACS format of clique solvers: `p edge VERTICES EDGES`, then `e U V`. Vertices
+/// count from 1, group after group; no edge joins two groups. Comments `c vertex V landmark ID` give the landmark edge of a
+/// vertex, and `c group FIRST LAST` the vertices of a group.
 pub fn write_dimacs(mut writer: impl Write, groups: &[NamedGraph]) -> io::Result<()> {
     let vertices: usize = groups.iter().map(|group| group.graph.len()).sum();
     let edges: usize = groups.iter().map(|group| group.graph.edges()).sum();

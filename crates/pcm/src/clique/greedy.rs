@@ -1,13 +1,13 @@
-//! First cliques.
+//! Greedy cliques to start from.
 
 use super::buckets::Buckets;
 use super::degeneracy::Degeneracy;
 use super::{BitGraph, BitSet};
 
-/// Starts of [`along_degeneracy`]. More find nothing that local search does not find sooner.
+/// Starts of [`along_degeneracy`]. More would find nothing that local search does not find sooner.
 const STARTS: usize = 4;
 
-/// The largest of some greedy cliques, each begun at another vertex and filled with its neighbours along the reversed
+/// The largest of several greedy cliques. Each starts at another vertex and takes its neighbours along the reversed
 /// degeneracy order, the densest part first. O(starts * clique * N / 64).
 pub(super) fn along_degeneracy(graph: &BitGraph, degeneracy: &Degeneracy) -> Vec<usize> {
     let mut best = Vec::new();

@@ -1,11 +1,11 @@
-//! Vertices that no larger clique needs.
+//! Removes vertices that no larger clique needs.
 
 use super::colouring::{Colouring, Rows};
 use super::degeneracy::Degeneracy;
 use super::propagation::Contradictions;
 use super::{BitGraph, BitSet};
 
-/// Drops vertices by core numbers, by colours and by dominance until none of them finds any.
+/// Removes vertices by core numbers, by colours and by dominance until none of these finds more.
 pub(super) fn shrink(graph: &BitGraph, alive: &mut BitSet, incumbent: usize) {
     loop {
         let before = alive.count();
@@ -13,7 +13,7 @@ pub(super) fn shrink(graph: &BitGraph, alive: &mut BitSet, incumbent: usize) {
         keep_core(&degeneracy, alive, incumbent);
         drop_by_colours(graph, alive, degeneracy.order.iter().rev().copied(), incumbent);
         if alive.count() * 10 < before * 9 {
-            // Dominance takes longest, and is quicker on less.
+            // Dominance is the slowest test, and faster on fewer vertices.
             continue;
         }
         drop_dominated(graph, alive);
@@ -23,7 +23,7 @@ pub(super) fn shrink(graph: &BitGraph, alive: &mut BitSet, incumbent: usize) {
     }
 }
 
-/// Keeps the vertices that may lie in a clique of more than `incumbent` vertices by their core number.
+/// Keeps the vertices whose core number allows a clique of more than `incumbent` vertices.
 pub(super) fn keep_core(degeneracy: &Degeneracy, alive: &mut BitSet, incumbent: usize) {
     for &vertex in &degeneracy.order {
         if degeneracy.core[vertex] < incumbent {
@@ -32,15 +32,15 @@ pub(super) fn keep_core(degeneracy: &Degeneracy, alive: &mut BitSet, incumbent: 
     }
 }
 
-/// Drops vertices that no clique of more than `incumbent` vertices has, going by colours: a clique through a
-/// vertex has none of the classes that conflict with it as a whole (Rossi, Gleich, Gebremedhin, Patwary 2014, who
-/// count the colours of its neighbours).
+/// Removes vertices that cannot lie in a clique of more than `incumbent` vertices, by colours: a clique through a vertex
+/// uses no class that conflicts as a whole with this vertex (Rossi, Gleich, Gebremedhin, Patwary 2014, who count the
+/// colours of its neighbours).
 ///
-/// `order` is that of the colouring and holds all vertices alive, and possibly others.
+/// `order` is the order of colouring. It contains all vertices alive, and possibly others.
 ///
-/// A vertex in conflict with all of some region, as a false edge often is, costs all colours of that region: once the
-/// incumbent is close to the number of colours, few such vertices stay. A pass takes O(N^2 / 64 + edges of the
-/// complement); passes go on while each drops a tenth.
+/// A vertex that conflicts with a whole region, as a false edge often does, loses all colours of that region. Once the
+/// incumbent is close to the number of colours, few such vertices remain. A pass takes O(N^2 / 64 + edges of the
+/// complement); passes repeat while each removes a tenth.
 pub(super) fn drop_by_colours(
     graph: &BitGraph,
     alive: &mut BitSet,
@@ -52,8 +52,8 @@ pub(super) fn drop_by_colours(
     drop_by_classes(graph, alive, colouring, Contradictions::default(), incumbent);
 }
 
-/// As [`drop_by_colours`], with a colouring of the vertices `alive` and contradictions between its classes: of each set of
-/// these that a vertex takes no class away from, one more class goes unused.
+/// As [`drop_by_colours`], with a given colouring of the vertices `alive` and contradictions between its classes. If a
+/// vertex removes no class of such a contradiction, one more class goes unused.
 pub(super) fn drop_by_classes(
     graph: &BitGraph,
     alive: &mut BitSet,
@@ -68,7 +68,7 @@ pub(super) fn drop_by_classes(
         for &vertex in &members {
             let own = colouring.class_of[vertex];
             let conflicts = Rows { graph, alive };
-            // Its own class is used, by the vertex itself.
+            // The class of the vertex is not lost: the vertex itself uses it.
             let lost = colouring.classes_in_conflict(vertex, &conflicts).filter(|&class| class != own);
             let lost: Vec<u32> = lost.collect();
             let touched = contradictions.touched(lost.iter().copied());
@@ -88,11 +88,11 @@ pub(super) fn drop_by_classes(
     }
 }
 
-/// Drops dominated vertices: u and v are no neighbours, and every neighbour of u is one of v. A clique through u stays a
-/// clique with v in its place, so a largest one survives. Repeated until nothing changes.
+/// Removes dominated vertices: u, if u and v are not neighbours and every neighbour of u is also one of v. A clique through
+/// u remains a clique with v in its place, so a largest one survives. Repeats until nothing changes.
 ///
-/// In the complement this is the dominance rule of vertex cover; it takes pendant vertices, vertices whose neighbours
-/// all agree, and twins. O(edges of the complement) tests a round, most of which end at their first words.
+/// In the complement this is the dominance rule of vertex cover. It removes pendant vertices, vertices whose neighbours all
+/// agree, and twins. O(edges of the complement) tests a round, most of which end at their first words.
 pub(super) fn drop_dominated(graph: &BitGraph, alive: &mut BitSet) {
     let mut conflicts = vec![0_usize; graph.len()];
     let mut remaining = alive.count();
@@ -122,7 +122,7 @@ pub(super) fn drop_dominated(graph: &BitGraph, alive: &mut BitSet) {
             remaining -= 1;
             for &rival in &rivals {
                 conflicts[rival] -= 1;
-                // With one conflict less, the rival may dominate what it conflicts with.
+                // With one conflict less, the rival may dominate the vertices that it conflicts with.
                 alive.members_outside(graph.neighbours(rival)).for_each(|other| pending.insert(other));
             }
         }
@@ -156,7 +156,7 @@ mod tests {
         assert_eq!(left_by_colours(&graph, 4), [0_usize; 0]);
     }
 
-    /// Colours with the conflicts of `coarser`, a graph with more edges, which takes more colours.
+    /// Uses a colouring of `coarser`, a graph with more edges, which needs more colours.
     fn left_by_classes_of(graph: &BitGraph, coarser: &BitGraph, incumbent: usize) -> Vec<usize> {
         let mut alive = BitSet::full(graph.len());
         let mut colouring = Colouring::new(graph.len());

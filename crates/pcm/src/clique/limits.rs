@@ -1,4 +1,4 @@
-//! When a search must end.
+//! Limits on the effort of a search.
 
 use std::time::Instant;
 
@@ -9,7 +9,7 @@ use std::time::Instant;
 pub struct Limits {
     /// Branch-and-bound nodes.
     pub work: u64,
-    /// Nodes that one branch of the root may take: without an end by then, its bound has stalled, and the search ends.
+    /// Nodes that one branch of the root may take. If it has not ended by then, its bound has stalled, and the search ends.
     pub stall: u64,
     /// The moment to stop at.
     pub deadline: Option<Instant>,

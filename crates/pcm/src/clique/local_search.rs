@@ -5,27 +5,27 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{BitGraph, BitSet};
 
-/// Vertices drawn to force one of them in.
+/// The number of random vertices from which the one to force in is chosen.
 const DRAWS: usize = 8;
-/// Beyond so many free vertices, the first of them joins.
+/// With more free vertices than this, the first of them joins.
 const MANY: usize = 32;
 
 /// Iterated local search with (1,2)-swaps (Andrade, Resende, Werneck 2012, for independent sets of the complement).
 ///
-/// For every vertex it counts the members of the clique that it conflicts with, i.e. is no neighbour of. A vertex
-/// without conflicts joins; a member gives way to two vertices that conflict with it alone and agree with each other.
-/// Where no such swap is left, a vertex is forced in and the search goes on.
+/// For every vertex the search counts its conflicts: the members of the clique that are not its neighbours. A vertex
+/// without conflicts joins. A member gives way to two vertices that conflict with it alone and agree with each other. If no
+/// such swap remains, a vertex is forced in and the search continues.
 pub(super) struct LocalSearch<'a> {
     graph: &'a BitGraph,
     alive: BitSet,
     inside: BitSet,
     size: usize,
     conflicts: Vec<u32>,
-    /// Outside, without conflicts.
+    /// Vertices outside the clique without conflicts.
     free: BitSet,
-    /// Outside, in conflict with one member.
+    /// Vertices outside the clique in conflict with one member.
     single: BitSet,
-    /// Members whose swaps are to be tried.
+    /// Members whose swaps have not been tried yet.
     pending: BitSet,
     random: ChaCha8Rng,
 }
@@ -51,7 +51,8 @@ impl<'a> LocalSearch<'a> {
         search
     }
 
-    /// Runs until the clique has `goal` members or `rounds` rounds brought nothing larger; returns the largest found.
+    /// Runs until the clique has `goal` members, or until `rounds` rounds found nothing larger. Returns the largest clique
+    /// found.
     pub(super) fn run(mut self, goal: usize, rounds: usize) -> Vec<usize> {
         self.improve();
         let mut best: Vec<usize> = self.inside.members().collect();
@@ -76,7 +77,7 @@ impl<'a> LocalSearch<'a> {
         best
     }
 
-    /// Of some vertices drawn, the one outside that conflicts with fewest members.
+    /// Of several random vertices, the one outside the clique that conflicts with fewest members.
     fn draw_outside(&mut self, vertices: &[usize]) -> Option<usize> {
         (0..DRAWS)
             .map(|_| vertices[self.random.random_range(0..vertices.len())])
@@ -144,7 +145,7 @@ impl<'a> LocalSearch<'a> {
         }
     }
 
-    /// Puts a vertex in and what it conflicts with out.
+    /// Adds a vertex and removes the members that conflict with it.
     fn force(&mut self, vertex: usize) {
         let rivals: Vec<usize> = self
             .inside
@@ -187,7 +188,7 @@ impl<'a> LocalSearch<'a> {
         }
     }
 
-    /// The free vertex that conflicts with fewest others of them.
+    /// The free vertex that conflicts with fewest other free vertices.
     fn least_in_conflict(&self) -> Option<usize> {
         if self.free.count() > MANY {
             return self.free.members().next();
@@ -197,7 +198,7 @@ impl<'a> LocalSearch<'a> {
         })
     }
 
-    /// Two neighbours of each other that conflict with this member alone.
+    /// Two vertices that are neighbours and conflict with this member alone.
     fn pair_for(&self, member: usize) -> Option<(usize, usize)> {
         let row = self.graph.neighbours(member);
         let rivals: Vec<usize> = self.single.members_outside(row).collect();

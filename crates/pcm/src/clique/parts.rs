@@ -1,4 +1,4 @@
-//! The components of the complement of a kernel, bounded one by one and solved where their bounds leave a gap.
+//! The components of the complement of a kernel. Each gets bounds, and is solved if these leave a gap.
 
 use super::colouring::{Colouring, Lists};
 use super::component::complement_components;
@@ -8,11 +8,11 @@ use super::recolouring::Recolouring;
 use super::search::{Outcome, search};
 use super::{BitGraph, BitSet, Incumbent, Limits, ROUNDS, greedy, kernel};
 
-/// Rounds of local search without success on a component that still has a gap: they cost less than what branch and bound
-/// or a kernel that keeps too much would.
+/// Rounds of local search without success on a component that still has a gap. They cost less than branch and bound, or
+/// than a kernel that keeps too much.
 const LAST_ROUNDS: usize = 2000;
 
-/// Components, small ones first. A clique has one of each, and no clique is larger than their bounds together.
+/// Components, small ones first. A clique has a part in each, so no clique is larger than the sum of their bounds.
 pub(super) struct Parts {
     parts: Vec<Part>,
 }
@@ -20,15 +20,15 @@ pub(super) struct Parts {
 struct Part {
     vertices: Vec<usize>,
     graph: BitGraph,
-    /// A clique, in the part's own numbers.
+    /// A clique, in the vertex numbers of the component.
     clique: Vec<usize>,
     upper_bound: usize,
-    /// The order in which first fit takes as many colours as the bound.
+    /// An order in which first fit takes as many colours as the bound.
     order: Vec<usize>,
 }
 
 impl Parts {
-    /// The parts of the vertices `alive`; local search starts from what they have of the clique `known`.
+    /// The components of the vertices `alive`. Local search may start from their vertices in the clique `known`.
     pub(super) fn of(graph: &BitGraph, alive: &BitSet, known: &[usize]) -> Self {
         let mut inside = BitSet::new(graph.len());
         for &vertex in known {
@@ -50,7 +50,8 @@ impl Parts {
         self.parts.iter().flat_map(|part| part.clique.iter().map(|&vertex| part.vertices[vertex])).collect()
     }
 
-    /// Solves part after part until the bounds say that nothing exceeds the incumbent. Returns the nodes visited.
+    /// Solves one component after the other until the bounds show that nothing exceeds the incumbent. Returns the nodes
+    /// visited.
     pub(super) fn solve(&mut self, incumbent: &mut Incumbent, limits: Limits) -> u64 {
         let mut work = 0;
         incumbent.offer(self.clique());
@@ -63,7 +64,8 @@ impl Parts {
             if part.clique.len() == part.upper_bound {
                 continue;
             }
-            // With no more than this in here, all other parts at their bounds do not exceed the incumbent.
+            // A clique of at most this size here cannot exceed the incumbent, even with all other components at their
+            // bounds.
             let others = total - part.upper_bound;
             let known = part.clique.len().max(incumbent.size.saturating_sub(others));
             let outcome = part.solve(known, Limits { work: limits.work.saturating_sub(work), ..limits });
@@ -104,8 +106,8 @@ impl Part {
         Self { vertices, graph, clique, upper_bound: bound.colours(), order: bound.order() }
     }
 
-    /// Looks for a clique of more than `known` vertices: in the parts of the kernel that the bounds of this one leave, or
-    /// where they leave nearly all of it, by branch and bound.
+    /// Searches for a clique of more than `known` vertices: in the components of the kernel or, if the kernel keeps nearly
+    /// everything, by branch and bound.
     fn solve(&self, known: usize, limits: Limits) -> Outcome {
         if limits.is_over() {
             return Outcome { clique: None, upper_bound: self.upper_bound, work: 0 };

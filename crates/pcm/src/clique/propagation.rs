@@ -1,27 +1,28 @@
-//! Sets of colour classes of which no clique has one vertex each.
+//! Sets of colour classes such that no clique has a vertex in each class of a set.
 
 use super::colouring::{Colouring, Conflicts as _, Lists};
 
-/// Conflicts looked at from one vertex, and altogether: a second or so.
+/// The most conflicts examined from one vertex, and in total: about a second.
 const STEPS: usize = 100_000;
 const EFFORT: usize = 300_000_000;
-/// Members of the classes to begin with. The more there are, the more of them must fail.
+/// The most members of a class to start from. The more members it has, the more of them must fail.
 const MEMBERS: usize = 8;
 
-/// Disjoint sets of classes of which no clique has one vertex each: it has fewer vertices than there are classes, by one for
-/// each set.
+/// Disjoint sets of classes. No clique has a vertex in each class of a set, so a clique has fewer vertices than there are
+/// classes, by at least one for each set.
 #[derive(Default)]
 pub(super) struct Contradictions {
-    /// For each class the set that it belongs to; none beyond the end.
+    /// For each class the set that it belongs to; classes beyond the end have none.
     set_of: Vec<Option<u32>>,
     pub(super) count: usize,
 }
 
 impl Contradictions {
-    /// Looks for them by unit propagation and failed literals, as for MaxSAT (Li, Quan 2010): suppose that a clique has a
-    /// certain vertex; where all members of a class but one conflict with what it then has, it has that one, if it has one of
-    /// each class; and where a class has none left, the classes on the way contradict each other. They do so for good if
-    /// every member of the first class leads there. Deterministic; the effort is bounded.
+    /// Finds contradictions by unit propagation and failed literals, as for MaxSAT (Li, Quan 2010). Suppose that a clique
+    /// contains a certain vertex and has one vertex of each class. If all members of a class but one conflict with the
+    /// vertices chosen so far, the clique contains that one. If a class has no member left, the classes on the way
+    /// contradict each other under this assumption; if every member of the first class leads to a contradiction, they do so
+    /// without it. Deterministic; the effort is bounded.
     pub(super) fn of(colouring: &Colouring, conflicts: &Lists) -> Self {
         let mut search = Propagation::new(colouring, conflicts);
         let mut begin: Vec<usize> = (0..colouring.classes.len()).collect();
@@ -46,7 +47,7 @@ impl Contradictions {
         search.found
     }
 
-    /// How many of the sets have one of these classes.
+    /// The number of sets that contain at least one of these classes.
     pub(super) fn touched(&self, classes: impl Iterator<Item = u32>) -> usize {
         let mut sets: Vec<u32> = classes.filter_map(|class| *self.set_of.get(class as usize)?).collect();
         sets.sort_unstable();
@@ -54,7 +55,7 @@ impl Contradictions {
         sets.len()
     }
 
-    /// Forgets the set of a class that is no more.
+    /// Removes the set of a class that no longer exists.
     pub(super) fn retire(&mut self, class: u32) {
         if let Some(&Some(set)) = self.set_of.get(class as usize) {
             self.count -= 1;
@@ -72,11 +73,11 @@ struct Propagation<'a> {
     conflicts: &'a Lists,
     found: Contradictions,
     effort: usize,
-    /// For each vertex that is out the class whose choice put it out.
+    /// For each excluded vertex: the class whose choice excluded it.
     reason: Vec<u32>,
-    /// Vertices that are out.
+    /// Excluded vertices.
     trail: Vec<u32>,
-    /// Members of each class that are not out.
+    /// For each class: the number of members that are not excluded.
     left: Vec<u32>,
 }
 
@@ -94,10 +95,10 @@ impl<'a> Propagation<'a> {
         }
     }
 
-    /// Whether a vertex leads to a class that has none left; the classes on the way are added to those involved.
+    /// Whether the choice of a vertex leaves some class without members. Adds the classes on the way to `involved`.
     fn fails(&mut self, vertex: u32, involved: &mut Vec<u32>) -> bool {
         let empty = self.propagate(vertex);
-        // What put the members of one class out involves others, and so on.
+        // The choices that excluded the members of a class involve other classes, and so on.
         let mut way: Vec<u32> = empty.into_iter().collect();
         let mut next = 0;
         while let Some(&class) = way.get(next) {
@@ -117,7 +118,7 @@ impl<'a> Propagation<'a> {
         empty.is_some()
     }
 
-    /// Chooses a vertex and whatever follows, up to a class that has none left.
+    /// Chooses a vertex and all vertices that follow from it. Stops at a class that has no member left, and returns it.
     fn propagate(&mut self, vertex: u32) -> Option<u32> {
         let mut chosen = vec![vertex];
         let mut next = 0;

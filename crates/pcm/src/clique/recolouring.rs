@@ -8,13 +8,13 @@ use super::colouring::{Colouring, Lists};
 use super::degeneracy::Degeneracy;
 use super::{BitGraph, BitSet};
 
-/// Rounds without success after which a colouring is left as it is.
+/// The search for fewer colours ends after this many rounds without success.
 const PATIENCE: usize = 300;
-/// Conflicts looked at over all rounds: about a tenth of a second.
+/// The most conflicts examined over all rounds: about a tenth of a second.
 const EFFORT: usize = 50_000_000;
 
-/// A colouring of a whole graph that iterated greedy (Culberson 1992) can improve: vertices are coloured again class by
-/// class, in another order of the classes, which never takes more colours and now and then takes fewer.
+/// A colouring of a whole graph that iterated greedy (Culberson 1992) can improve. It colours the vertices again class by
+/// class, with the classes in another order. This never takes more colours, and sometimes fewer.
 pub(super) struct Recolouring {
     conflicts: Lists,
     colouring: Colouring,
@@ -35,12 +35,13 @@ impl Recolouring {
         self.colouring.classes.len()
     }
 
-    /// The vertices class by class: first fit in this order takes no more colours.
+    /// The vertices class by class. First fit in this order takes no more colours.
     pub(super) fn order(&self) -> Vec<usize> {
         self.colouring.classes.iter().flatten().map(|&vertex| vertex as usize).collect()
     }
 
-    /// Looks for fewer colours, down to `goal`, until it gets no further. A round takes O(edges of the complement).
+    /// Searches for fewer colours, down to `goal`, until there is no more progress. A round takes O(edges of the
+    /// complement).
     pub(super) fn improve(&mut self, goal: usize) {
         // A fixed seed: the same graph gives the same bound.
         let mut random = ChaCha8Rng::seed_from_u64(0);
@@ -58,7 +59,7 @@ impl Recolouring {
 }
 
 impl Colouring {
-    /// Another order of the classes: turned round, the largest first, or any.
+    /// Puts the classes into another order: reversed, the largest first, or random.
     fn shuffle(&mut self, random: &mut ChaCha8Rng) {
         match random.random_range(0..10) {
             0..5 => self.classes.reverse(),

@@ -6,19 +6,19 @@ use super::bits::contains;
 use super::degeneracy::Degeneracy;
 use super::{BitGraph, BitSet, Limits};
 
-/// Root branches searched at a time. All of them start from the largest clique known before the round, and the first
-/// of the largest that they find is taken: the answer does not depend on who finishes first.
+/// Root branches searched at a time. All of them start from the largest clique known before the round, and the first of the
+/// largest cliques that they find is taken. The result therefore does not depend on which branch finishes first.
 const ROUND: usize = 16;
 
-/// Members of classes that recolouring looks at, for each word of the candidates' rows: with hundreds of colours, all pairs
-/// of classes would take a hundred times as long as the colouring itself. So a node costs at most a few passes over these
-/// rows.
+/// The number of class members that recolouring may examine, for each word of the candidates' rows. With hundreds of
+/// colours, all pairs of classes would take a hundred times as long as the colouring itself. With this limit, a node costs
+/// at most a few passes over these rows.
 const CHECKS: usize = 4;
 
-/// What a search found out about one graph.
+/// The result of a search in one graph.
 #[derive(Clone, Debug)]
 pub(crate) struct Outcome {
-    /// A largest clique, if one has more vertices than was known.
+    /// A largest clique, if one has more vertices than the search started from.
     pub(crate) clique: Option<Vec<usize>>,
     /// No clique has more vertices than this.
     pub(crate) upper_bound: usize,
@@ -29,8 +29,8 @@ pub(crate) struct Outcome {
 /// Searches for a clique of more than `known` vertices (Tomita and Seki 2003; bit-parallel as San Segundo,
 /// Rodriguez-Losada, Jimenez 2011; recolouring as Tomita et al. 2010).
 pub(super) fn search(graph: &BitGraph, known: usize, limits: Limits) -> Outcome {
-    // Vertices of high core number first: greedy colouring in this order takes few colours, and vertices of few neighbours, whose
-    // subproblems are small, are coloured last and branched on first.
+    // Vertices of high core number come first. Greedy colouring in this order needs few colours. Vertices of few
+    // neighbours, whose subproblems are small, are coloured last and branched on first.
     let all = BitSet::full(graph.len());
     let mut order = Degeneracy::of(graph, &all).order;
     order.reverse();
@@ -45,7 +45,7 @@ pub(super) fn search(graph: &BitGraph, known: usize, limits: Limits) -> Outcome 
     let mut candidates = all;
     let mut left = &branches[..];
     while let Some(round) = next_round(&mut left, size) {
-        // Equal shares, so that how much a branch may do depends on no other branch of the round, nor on threads.
+        // Equal shares, so that the work of a branch does not depend on other branches of the round, nor on threads.
         let share = limits.work.saturating_sub(work).div_ceil(round.len() as u64).min(limits.stall);
         let run = |place: usize, share: u64| {
             let mut own = candidates.clone();
@@ -56,7 +56,7 @@ pub(super) fn search(graph: &BitGraph, known: usize, limits: Limits) -> Outcome 
             (0..round.len()).into_par_iter().map(|place| run(place, share)).collect();
         work += outcomes.iter().map(|found| found.work).sum::<u64>();
         for (place, found) in outcomes.iter_mut().enumerate() {
-            // A branch that used up its share may have what the others left, unless it has stalled.
+            // A branch that used up its share may use the work that the others did not need, unless it has stalled.
             let rest = limits.work.saturating_sub(work).min(limits.stall);
             if !found.complete && rest > share && !limits.is_over() {
                 *found = run(place, rest);
@@ -72,7 +72,8 @@ pub(super) fn search(graph: &BitGraph, known: usize, limits: Limits) -> Outcome 
                 best = Some(found.clique.clone());
             }
         }
-        // Branches come by falling numbers of colours: the colours of the first that was not finished bound it and all after it.
+        // Branches come in order of falling numbers of colours: the number of the first unfinished one bounds it and all
+        // after it.
         let open = round.iter().zip(&outcomes).find(|(_, found)| !found.complete);
         if let Some(((_, colours), _)) = open {
             upper_bound = *colours;
@@ -84,8 +85,8 @@ pub(super) fn search(graph: &BitGraph, known: usize, limits: Limits) -> Outcome 
     Outcome { clique, upper_bound: upper_bound.max(size), work }
 }
 
-/// Takes the next branches, those of most colours first, as far as they can lead to more than `size` vertices: each a
-/// vertex with its colours, to be joined by its neighbours among those not yet branched on.
+/// Takes the next branches, those of most colours first, if they can still lead to more than `size` vertices. A branch is a
+/// vertex with its number of colours; its candidates are the neighbours that have not been branched on.
 fn next_round(left: &mut &[(usize, usize)], size: usize) -> Option<Vec<(usize, usize)>> {
     let mut round = Vec::new();
     while round.len() < ROUND
@@ -150,9 +151,9 @@ impl State<'_> {
         let branches = std::mem::take(&mut self.colours.order);
         let mut candidates = candidates.clone();
         let mut next = BitSet::new(self.graph.len());
-        // Those coloured last need the most colours: a clique through them can be largest.
+        // Vertices coloured last need the most colours, and cliques through them can be the largest.
         for &(vertex, colours) in branches.iter().rev() {
-            // A clique takes one vertex of each colour at most, and all branches to come have no more colours.
+            // A clique has at most one vertex of each colour, and no later branch has more colours.
             if self.clique.len() + colours <= self.size {
                 return;
             }
@@ -168,15 +169,15 @@ impl State<'_> {
     }
 }
 
-/// Greedy colouring: neighbours get different colours, so a clique has no more vertices than there are colours.
+/// Greedy colouring: neighbours get different colours, so a clique has at most as many vertices as there are colours.
 struct Colours {
-    /// Vertices that need more colours than were `spare`, each with the number of colours used up to it.
+    /// Vertices that need more than `spare` colours, each with the number of colours used up to it.
     order: Vec<(usize, usize)>,
-    /// Their members: of dense graphs a few each, so that looking at them takes less than a row of bits.
+    /// The members of each class. In dense graphs these are few, and a list is read faster than a row of bits.
     classes: Vec<Vec<usize>>,
     uncoloured: BitSet,
     class: BitSet,
-    /// Members of classes that recolouring may still look at.
+    /// How many class members recolouring may still examine.
     budget: usize,
 }
 
@@ -191,7 +192,8 @@ impl Colours {
         }
     }
 
-    /// Colours the candidates. Those that fit into `spare` colours cannot lead to a larger clique and are not listed.
+    /// Colours the candidates. Those that get one of the first `spare` colours cannot lead to a larger clique and are not
+    /// listed.
     fn colour(&mut self, graph: &BitGraph, candidates: &BitSet, spare: usize) {
         self.order = Vec::new();
         self.budget = CHECKS * candidates.count() * candidates.words().len();
@@ -220,15 +222,15 @@ impl Colours {
                     self.order.push((vertex, colours));
                 }
             }
-            // Recolouring has emptied the class: the next one takes its number, and bounds stay tight.
+            // If recolouring has emptied the class, the next class takes its number, which keeps bounds tight.
             if colours > spare && self.order.len() == listed {
                 colours -= 1;
             }
         }
     }
 
-    /// Makes room for a vertex, the last of its class, in the first `spare` colours: where it has one neighbour there, and that
-    /// neighbour fits into another of them.
+    /// Tries to move a vertex, the last of its class, into one of the first `spare` colours. This works if it has a single
+    /// neighbour in a class there, and that neighbour fits into another of these classes.
     fn recolour(&mut self, graph: &BitGraph, vertex: usize, colours: usize, spare: usize) -> bool {
         for one in 0..spare {
             let class = &self.classes[one];

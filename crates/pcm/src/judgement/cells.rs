@@ -1,4 +1,4 @@
-//! Consistent sets of more candidates than a matrix of all pairs can hold.
+//! Consistent sets for more candidates than a matrix of all pairs can hold.
 
 use std::collections::BTreeMap;
 
@@ -11,53 +11,52 @@ use crate::clique::{BitGraph, BitSet, Limits, MaximumClique, maximum_clique};
 use crate::odometry::spread::Spatial;
 use crate::pairs::consistency::{PairCounts, Pairs};
 
-/// Hypotheses taken from a cell.
+/// The most hypotheses of a cell.
 const HYPOTHESES: usize = 3;
-/// A cell with more candidates is cut into pieces: a cell's cost is quadratic.
+/// A cell with more candidates is split, because the cost of a cell is quadratic.
 const LARGEST_CELL: usize = 512;
-/// Hypotheses that the clique is sought among: their matrix takes 2 MB.
+/// The most hypotheses in the search for the clique; their matrix takes 2 MB.
 const MOST_HYPOTHESES: usize = 4096;
 
-/// Rounds of growth: what grew in the first vouches in the second for places that no hypothesis stands for. Asked again are
-/// those alone that somebody has agreed with.
+/// Rounds of growth. Candidates that joined in the first round are witnesses in the second, at positions without a
+/// hypothesis. The second round tests only candidates that agreed with some member before.
 const ROUNDS: usize = 2;
 
-/// What the cells found.
+/// The result of the search by cells.
 #[derive(Clone, Debug, Default)]
 pub struct CellSolution {
-    /// The centres of the hypotheses in the maximum clique that agree not by chance alone, ascending.
+    /// The centres of the hypotheses in the maximum clique that agree better than by chance, ascending.
     pub members: Vec<usize>,
     /// Candidates that agree with the members near them, ascending.
     pub grown: Vec<usize>,
-    /// For each candidate the number of others of its cell that it agrees with.
+    /// For each candidate: the number of others in its cell that it agrees with.
     pub degrees: Vec<usize>,
     /// The clique over the hypotheses.
     pub clique: MaximumClique,
-    /// Cells that hold candidates.
+    /// The number of cells that contain candidates.
     pub cells: usize,
-    /// Hypotheses that the clique was sought among.
+    /// The number of hypotheses in the search for the clique.
     pub hypotheses: usize,
-    /// Hypotheses left out, those of least support.
+    /// The number of hypotheses left out, those of least support.
     pub hypotheses_left_out: usize,
-    /// Candidates that agree with these, but no better than chance, ascending.
+    /// Candidates that agree with the kept ones, but no better than chance, ascending.
     pub by_chance: Vec<usize>,
-    /// False alarms of all these; what is told last of a candidate counts.
+    /// The false alarms of all these candidates. If a candidate appears more than once, its last entry counts.
     pub false_alarms: Vec<(usize, f64)>,
-    /// How the pairs fared.
+    /// The numbers of pairs by result.
     pub counts: PairCounts,
 }
 
-/// Candidates that agree with one of them.
+/// A candidate, and how many candidates agree with it, itself included.
 struct Star {
     centre: usize,
     support: usize,
 }
 
-/// Sorts the candidates into cells of `size` metres travelled in either chain. Within a cell, the candidate that agrees
-/// with most others is a hypothesis together with them; up to three are taken. The maximum clique over the hypotheses'
-/// centres is sought. Of these, what agrees by chance alone goes, as `acceptance` says;
-/// then every candidate joins that agrees with three quarters of the eight members nearest to it, not by chance either, in
-/// two rounds.
+/// Sorts the candidates into cells of `size` metres travelled in either chain. In each cell, the candidate that agrees with
+/// most others forms a hypothesis with them; a cell has up to three. The maximum clique over the hypotheses' centres gives
+/// the members, without those that agree by chance alone according to `acceptance`. Then, in two rounds, every candidate
+/// joins that agrees with three quarters of the eight members nearest to it, and better than by chance.
 ///
 /// Memory: O(N). Time: O(N * candidates a cell + hypotheses^2), apart from the clique.
 pub fn solve_by_cells<G: Spatial<DOF>, const DOF: usize>(
@@ -140,7 +139,7 @@ fn cells<G: Spatial<DOF>, const DOF: usize>(
         .collect()
 }
 
-/// Up to three stars of a cell, each of the vertex with most neighbours among those left, and all degrees.
+/// Up to three stars of a cell, and all degrees. The centre of a star has most neighbours among the remaining vertices.
 fn stars<G: Spatial<DOF>, const DOF: usize>(
     pairs: &Pairs<'_, G, DOF>,
     cell: &[usize],

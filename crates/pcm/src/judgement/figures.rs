@@ -1,4 +1,4 @@
-//! Figures of what was judged.
+//! Figures about the judgement of groups.
 
 use std::ops::AddAssign;
 
@@ -16,7 +16,7 @@ pub struct Figures {
     pub groups_by_cells: usize,
     /// Candidates of one chain that disagree with its odometry alone.
     pub against_odometry: usize,
-    /// How the pairs fared.
+    /// The numbers of pairs by result.
     pub counts: PairCounts,
     /// Cells with candidates.
     pub cells: usize,
@@ -26,15 +26,15 @@ pub struct Figures {
     pub hypotheses_left_out: usize,
     /// Candidates in cliques.
     pub clique_size: usize,
-    /// No set of cliques has more candidates.
+    /// No choice of cliques has more candidates than this.
     pub clique_upper_bound: usize,
-    /// What the searches found.
+    /// The result of the searches.
     pub searched: Searched,
     /// Candidates that growth added.
     pub grown: usize,
     /// Candidates that agree no better than chance.
     pub by_chance: usize,
-    /// Candidates that stay.
+    /// Candidates that are kept.
     pub kept: usize,
     /// Branch-and-bound nodes.
     pub work: u64,
@@ -42,16 +42,16 @@ pub struct Figures {
     pub seconds_pairs: f64,
     /// Seconds of searching for cliques.
     pub seconds_clique: f64,
-    /// Seconds of growth, and of what agrees by chance.
+    /// Seconds of growth, and of the test for agreement by chance.
     pub seconds_growth: f64,
 }
 
-/// What the searches for cliques found, among candidates or hypotheses, and what their bounds leave possible.
+/// The cliques that the searches found, among candidates or hypotheses, and their upper bounds.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Searched {
     /// Candidates or hypotheses in the cliques.
     pub size: usize,
-    /// No cliques have more.
+    /// No cliques have more members than this.
     pub upper_bound: usize,
 }
 
@@ -70,7 +70,7 @@ impl AddAssign for Searched {
 
 impl AddAssign for Figures {
     fn add_assign(&mut self, group: Self) {
-        // All fields by name: one that is added later cannot be forgotten here.
+        // All fields by name, so that a new one cannot be forgotten here.
         let Self {
             candidates,
             lone_candidates,

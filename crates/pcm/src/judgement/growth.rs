@@ -1,4 +1,4 @@
-//! Growth: candidates that the clique lost by a pair or two.
+//! Growth: candidates that are missing from the clique because of a pair or two.
 
 use rayon::prelude::*;
 
@@ -8,35 +8,35 @@ use crate::odometry::spread::Spatial;
 use crate::pairs::consistency::{PairCounts, Pairs};
 use crate::pairs::nearest::Nearest;
 
-/// Members that a candidate is held against: enough that one or two wrong ones do not decide.
+/// The number of members that a candidate is tested against: enough that one or two wrong ones do not decide.
 const WITNESSES: usize = 8;
-/// How many of them must agree, of four: at a loose gate a correct candidate hardly disagrees with a correct member, but some of the
-/// members may be wrong.
+/// How many of every four members must agree. At a loose gate a correct candidate hardly ever disagrees with a correct
+/// member, but some of the members may be wrong.
 const QUARTERS: usize = 3;
-/// With fewer members there is nothing to hold a candidate against.
+/// The fewest members for growth: fewer are not enough to test a candidate against.
 const FEWEST: usize = 3;
 
-/// What grew.
+/// The result of growth.
 #[derive(Clone, Debug, Default)]
 pub struct Growth {
     /// The candidates that join, ascending.
     pub grown: Vec<usize>,
     /// Candidates that agree with members, but no better than chance, ascending.
     pub by_chance: Vec<usize>,
-    /// Each of both with the false alarms that it would cause; none where covariances are not looked at.
+    /// The candidates of both lists, each with the false alarms that it would cause; empty if covariances are not used.
     pub false_alarms: Vec<(usize, f64)>,
-    /// Candidates that agree with some member near them and do not join, ascending: more members may change that.
+    /// Candidates that agree with some member near them but do not join, ascending. More members may change that.
     pub open: Vec<usize>,
-    /// How the pairs fared.
+    /// The numbers of pairs by result.
     pub counts: PairCounts,
 }
 
-/// The candidates outside `members` that agree with three quarters of the eight members nearest to them by distance
-/// travelled, and not by chance, as `acceptance` says.
+/// Finds the candidates outside `members` that agree with three quarters of the eight members nearest to them by distance
+/// travelled, and that agree better than by chance, according to `acceptance`.
 ///
-/// Near members say most: the odometry between adds little to the covariance. Far from all members nearly everything
-/// agrees; there [`chance`](crate::chance) has to say. The members are not extended meanwhile: what grows does not depend on the order.
-/// O(N log N) time, 8 N pairs.
+/// Near members are the best witnesses, because the odometry between adds little to the covariance. Far from all members
+/// nearly everything agrees, and [`chance`](crate::chance) must decide. The members stay fixed during growth, so that the
+/// result does not depend on the order. O(N log N) time, 8 N pairs.
 pub fn grow<G: Spatial<DOF>, const DOF: usize>(
     pairs: &Pairs<'_, G, DOF>,
     members: &[usize],
@@ -47,7 +47,7 @@ pub fn grow<G: Spatial<DOF>, const DOF: usize>(
     grow_among(pairs, members, &everyone, gate, acceptance)
 }
 
-/// As [`grow`], of these candidates alone, which ascend.
+/// As [`grow`], but only for the given candidates, in ascending order.
 pub(crate) fn grow_among<G: Spatial<DOF>, const DOF: usize>(
     pairs: &Pairs<'_, G, DOF>,
     members: &[usize],
@@ -60,7 +60,7 @@ pub(crate) fn grow_among<G: Spatial<DOF>, const DOF: usize>(
         return growth;
     }
     let nearest = Nearest::new(pairs, members);
-    // Where covariances are not looked at, nothing tells what chance can do.
+    // Without covariances there is no measure of agreement by chance.
     let chance = gate.per_step.is_none().then(|| acceptance.chance(pairs));
     let mut inside = vec![false; pairs.len()];
     for &member in members {
@@ -76,7 +76,7 @@ pub(crate) fn grow_among<G: Spatial<DOF>, const DOF: usize>(
             let near = nearest.of(pairs.position(candidate), candidate, WITNESSES);
             let mut witnesses = Vec::with_capacity(near.len());
             for (place, &member) in near.iter().enumerate() {
-                // Too many have disagreed for three quarters still to agree.
+                // So many have disagreed that three quarters can no longer agree.
                 if 4 * (place - witnesses.len()) > (4 - QUARTERS) * near.len() {
                     break;
                 }
@@ -96,7 +96,7 @@ pub(crate) fn grow_among<G: Spatial<DOF>, const DOF: usize>(
             (verdict, counts)
         })
         .collect();
-    // The limit is that of all candidates together, since each that grows adds to the false alarms of the whole.
+    // One limit for all candidates, because each one that joins adds to the false alarms of the whole.
     let alarms = |&(verdict, _): &(Verdict, PairCounts)| match verdict {
         Verdict::Agrees(expected) => Some(expected),
         _ => None,
@@ -120,13 +120,13 @@ pub(crate) fn grow_among<G: Spatial<DOF>, const DOF: usize>(
     growth
 }
 
-/// What the members near a candidate say of it.
+/// The result of testing a candidate against the members near it.
 #[derive(Clone, Copy)]
 enum Verdict {
-    /// None agrees before too many disagree.
+    /// None agreed before too many disagreed.
     No,
-    /// Some agree, and too few.
+    /// Some agree, but too few.
     Open,
-    /// Enough agree; so many false alarms it would cause.
+    /// Enough agree. The candidate would cause this many false alarms.
     Agrees(f64),
 }

@@ -10,14 +10,14 @@ use posecut_graph::{Edge, EdgeKind, PoseGraph};
 
 use crate::PcmError;
 
-/// What a repaired information matrix has at least, as a share of its diagonal.
+/// The information added to each direction of a repaired matrix, as a share of its diagonal.
 const SINGULAR_SHARE: f64 = 1e-9;
 
-/// A stretch of nodes joined one to the next by odometry.
+/// Nodes in a row, each joined to the next by odometry.
 ///
-/// `poses[n]` is P_n in the frame of the chain's first node, `covariances[n]` the sum of the step covariances
-/// up to n, each carried to that frame: S_(n+1) = S_n + Ad(P_(n+1)) Q_n Ad(P_(n+1))^T. The covariance of the
-/// stretch from i to j, in that frame, is then S_j - S_i, exact to first order for independent steps.
+/// `poses[n]` is P_n in the frame of the chain's first node. `covariances[n]` is the sum of the step covariances up to n,
+/// each carried to that frame: S_(n+1) = S_n + Ad(P_(n+1)) Q_n Ad(P_(n+1))^T. In that frame, the covariance of the stretch
+/// from i to j is then S_j - S_i, exact to first order for independent steps.
 #[derive(Clone, Debug)]
 pub struct Chain<G, const DOF: usize> {
     /// Accumulated poses.
@@ -36,14 +36,14 @@ impl<G: LieGroup<DOF>, const DOF: usize> Default for Chain<G, DOF> {
 }
 
 impl<G: LieGroup<DOF>, const DOF: usize> Chain<G, DOF> {
-    /// The covariance of the stretch between two places of the chain, in the chain's frame. O(1).
+    /// The covariance between two nodes of the chain, in the chain's frame. O(1).
     #[inline(always)]
     pub fn covariance_between(&self, one: usize, other: usize) -> SMatrix<f64, DOF, DOF> {
         let (early, late) = (one.min(other), one.max(other));
         self.covariances[late] - self.covariances[early]
     }
 
-    /// Adds a node: the motion to it from the last one, with its covariance.
+    /// Adds a node, given the motion to it from the last node and the covariance of this motion.
     pub fn push(&mut self, motion: &G, covariance: &SMatrix<f64, DOF, DOF>) {
         let last = self.poses.len() - 1;
         let pose = self.poses[last].compose(motion);
@@ -55,18 +55,18 @@ impl<G: LieGroup<DOF>, const DOF: usize> Chain<G, DOF> {
     }
 }
 
-/// All chains of a graph, and where its nodes stand in them.
+/// All chains of a graph, and the position of each node in them.
 #[derive(Clone, Debug)]
 pub struct Chains<G, const DOF: usize> {
     /// The chains, by their node of lowest id.
     pub chains: Vec<Chain<G, DOF>>,
-    /// For each node of the graph: its chain and its place there.
+    /// For each node of the graph: its chain and its index there.
     pub places: Vec<(usize, usize)>,
-    /// Odometry edges that branch off or close a ring, and are in no chain.
+    /// The number of odometry edges that branch off or close a ring, and are in no chain.
     pub left_out: usize,
 }
 
-/// Whether covariances are needed: some tests look at the measurements alone.
+/// Whether covariances are needed: some tests use the measurements alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Covariances {
     /// Every information matrix must have an inverse.
@@ -79,13 +79,13 @@ pub enum Covariances {
 }
 
 impl<G: LieGroup<DOF>, const DOF: usize> Chains<G, DOF> {
-    /// Follows the odometry edges of a graph. Every node gets a place; one without odometry is a chain of its
-    /// own. Where odometry branches or closes a ring, edges of higher id are left out ([`Self::warning`]). O(edges).
+    /// Follows the odometry edges of a graph. Every node gets a position; a node without odometry is a chain of one. If
+    /// odometry branches or closes a ring, the edges of higher id are left out ([`Self::warning`]). O(edges).
     pub fn of(graph: &PoseGraph) -> Result<Self, PcmError> {
         Self::with(graph, Covariances::Needed)
     }
 
-    /// What to warn of: odometry edges that are in no chain.
+    /// A warning if some odometry edges are in no chain.
     pub fn warning(&self) -> Option<String> {
         (self.left_out > 0).then(|| {
             format!(
@@ -115,12 +115,12 @@ impl<G: LieGroup<DOF>, const DOF: usize> Chains<G, DOF> {
     }
 }
 
-/// The nodes of each chain of [`Chains`] from end to end, by their places in the graph. O(edges).
+/// The nodes of each chain of [`Chains`] from end to end, by their indices in the graph. O(edges).
 pub fn paths(graph: &PoseGraph) -> Vec<Vec<usize>> {
     Links::of(graph).paths().into_iter().map(|path| path.nodes).collect()
 }
 
-/// The motion along an odometry edge with its covariance, in the direction walked.
+/// The motion along an odometry edge with its covariance, in the direction in which the chain passes it.
 fn step<G: LieGroup<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     edge: &Edge,
@@ -156,7 +156,7 @@ pub fn covariance<const DOF: usize>(
     }
 }
 
-/// Adds 10^-9 of each diagonal entry to it, of the largest where an entry is zero.
+/// Adds 10^-9 of itself to each diagonal entry; to a zero entry, that share of the largest one.
 fn repaired<const DOF: usize>(mut information: SMatrix<f64, DOF, DOF>) -> SMatrix<f64, DOF, DOF> {
     let largest = information.diagonal().max().max(1.0);
     for axis in 0..DOF {
@@ -166,8 +166,8 @@ fn repaired<const DOF: usize>(mut information: SMatrix<f64, DOF, DOF>) -> SMatri
     information
 }
 
-/// log(E)^T Sigma^-1 log(E) by elimination of the lower triangle, L D L^T; `None` if Sigma is not positive definite. One
-/// division a column: a square root and a division an entry, as Cholesky's has, would take as long as all the rest.
+/// log(E)^T Sigma^-1 log(E) by elimination of the lower triangle, L D L^T; `None` if Sigma is not positive definite. Needs
+/// one division a column. Cholesky's square roots and one division an entry would take as long as all other steps.
 #[inline(always)]
 pub fn squared_mahalanobis<const DOF: usize>(
     covariance: &SMatrix<f64, DOF, DOF>,

@@ -1,16 +1,16 @@
-//! Cheap upper bounds of a covariance at a point.
+//! Cheap upper bounds on a covariance at a point.
 
 #![allow(clippy::inline_always, reason = "what is not inlined into the dispatched loop is compiled for SSE2")]
 
 use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3};
 use posecut_geometry::{LieGroup, SE2, SE3};
 
-/// A group of motions that can be seen as motions of space.
+/// A group of motions that can be embedded in the motions of space.
 pub trait Spatial<const DOF: usize>: LieGroup<DOF> {
-    /// Where each tangent axis stands among x, y, z, rx, ry, rz.
+    /// The index of each tangent axis among x, y, z, rx, ry, rz.
     const AXES: [usize; DOF];
 
-    /// The motion of space.
+    /// This motion as a motion of space.
     fn spatial(&self) -> SE3;
 }
 
@@ -30,26 +30,26 @@ impl Spatial<6> for SE3 {
     }
 }
 
-/// What bounds need to know of the covariance of a small motion (rho, omega), given in some frame.
+/// The terms that bounds need of the covariance of a small motion (rho, omega), in some frame.
 ///
 /// A point q of the frame moves by rho + omega x q. The trace of its covariance is
 ///
-/// tr S_rho + 2 q . c + q^T (tr S_omega I - S_omega) q,  c = sum over axes of e x Cov(omega, rho),
+/// tr S_rho + 2 q . c + q^T (tr S_omega I - S_omega) q,  c = sum over axes of e x Cov(omega, rho).
 ///
-/// a bound on the largest eigenvalue of the translation's covariance at q. All terms are linear in the covariance, so
-/// those of a stretch of odometry are differences of accumulated ones.
+/// This bounds the largest eigenvalue of the translation's covariance at q. All terms are linear in the covariance, so the
+/// terms of a stretch of odometry are differences of accumulated ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Spread {
     pub(crate) translation: f64,
     pub(crate) lever: [f64; 3],
     /// tr S_omega I - S_omega: xx, yy, zz, xy, xz, yz.
     pub(crate) rotation: [f64; 6],
-    /// A bound on the largest eigenvalue of S_omega; it adds up along a stretch.
+    /// A bound on the largest eigenvalue of S_omega. Along a stretch, bounds add up.
     pub(crate) turn: f64,
 }
 
 impl Spread {
-    /// The spread of a covariance; `turn` is its largest eigenvalue of rotation, or a bound on it.
+    /// The terms of a covariance; `turn` is the largest eigenvalue of its rotation, or a bound on it.
     pub(crate) fn of<G: Spatial<DOF>, const DOF: usize>(
         covariance: &SMatrix<f64, DOF, DOF>,
         turn: f64,
@@ -96,7 +96,7 @@ fn embedded<G: Spatial<DOF>, const DOF: usize>(covariance: &SMatrix<f64, DOF, DO
     whole
 }
 
-/// The largest eigenvalue of the covariance of rotation.
+/// The largest eigenvalue of the rotation's covariance.
 pub(crate) fn largest_turn<G: Spatial<DOF>, const DOF: usize>(covariance: &SMatrix<f64, DOF, DOF>) -> f64 {
     if DOF == 3 {
         return covariance[(DOF - 1, DOF - 1)];

@@ -1,8 +1,8 @@
-//! Candidates in blocks, whose pairs with one other candidate are tested together.
+//! Blocks of candidates, whose pairs with one other candidate are tested together.
 //!
-//! A [`Row`] is the one candidate, a [`Block`] eight others, one a lane. `pretest` has the bounds of the pre-test, `error` the loop's
-//! error, `covariance` its covariance and `shared` what stretches with common steps add to it; `elimination` makes the squared
-//! distance of both.
+//! A [`Row`] is the one candidate, a [`Block`] eight others, one in each lane. `pretest` computes the bounds of the
+//! pre-test, `error` the loop's error, `covariance` its covariance and `shared` the effect of shared steps on it.
+//! `elimination` computes the squared distance from both.
 
 mod covariance;
 mod elimination;
@@ -19,10 +19,10 @@ use crate::odometry::chain::Chain;
 pub(crate) use row::Row;
 use spread::WideSpread;
 
-/// Eight candidates; of symmetric matrices the lower triangle is read.
+/// Eight candidates. Of symmetric matrices only the lower triangle is used.
 pub(crate) struct Block<const DOF: usize> {
     quaternion: [Wide; 4],
-    /// Bounds on the turn: own, and accumulated along chains A and B.
+    /// Bounds on the rotation: own, and accumulated along chains A and B.
     turns: [Wide; 3],
     rotation: [[Wide; 3]; 3],
     translation: [Wide; 3],

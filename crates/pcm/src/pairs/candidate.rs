@@ -9,16 +9,16 @@ use posecut_graph::{EdgeKind, PoseGraph};
 use crate::PcmError;
 use crate::odometry::chain::{Chain, Chains, Covariances, covariance};
 
-/// A landmark edge between place `i` of chain A and place `k` of chain B.
+/// A landmark edge between index `i` of chain A and index `k` of chain B.
 #[derive(Clone, Debug)]
 pub struct Candidate<G, const DOF: usize> {
-    /// Its place among the graph's edges.
+    /// Its index among the graph's edges.
     pub edge: usize,
-    /// The place in chain A.
+    /// The index in chain A.
     pub i: usize,
-    /// The place in chain B.
+    /// The index in chain B.
     pub k: usize,
-    /// The alignment of B to A that it claims: T = P_i Z Q_k^-1.
+    /// The alignment of B to A that it measures: T = P_i Z Q_k^-1.
     pub alignment: G,
     /// Its inverse, the alignment of A to B.
     pub from_a: G,
@@ -29,8 +29,8 @@ pub struct Candidate<G, const DOF: usize> {
 }
 
 impl<G: LieGroup<DOF>, const DOF: usize> Candidate<G, DOF> {
-    /// A candidate from a place of chain A to a place of chain B, with the measured pose of the latter in the frame of
-    /// the former. `edge` is its number among the caller's edges.
+    /// A candidate from a node of chain A to a node of chain B, with the measured pose of the second node in the frame of
+    /// the first. `edge` is its index among the caller's edges.
     pub fn new(
         edge: usize,
         (chain_a, i): (&Chain<G, DOF>, usize),
@@ -53,7 +53,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Candidate<G, DOF> {
     }
 }
 
-/// Z^-1 with Ad(Z) Sigma Ad(Z)^T.
+/// Reverses a measurement: Z^-1 with Ad(Z) Sigma Ad(Z)^T.
 fn turned_round<G: LieGroup<DOF>, const DOF: usize>(
     measurement: &G,
     covariance: &SMatrix<f64, DOF, DOF>,
@@ -73,18 +73,18 @@ pub struct Group<G, const DOF: usize> {
     pub candidates: Vec<Candidate<G, DOF>>,
 }
 
-/// What became of the graph's landmark edges.
+/// The landmark edges of a graph, in groups.
 #[derive(Clone, Debug)]
 pub struct Grouped<G, const DOF: usize> {
     /// Groups in ascending order of their chains.
     pub groups: Vec<Group<G, DOF>>,
-    /// Landmark edges without a measurement: nothing to test.
+    /// Landmark edges without a measurement, which cannot be tested.
     pub unmeasured: usize,
     /// Landmark edges that an earlier stage has rejected.
     pub rejected_before: usize,
 }
 
-/// Groups the landmark edges in use. An edge stored from B to A is turned round: Z^-1, Ad(Z) Sigma Ad(Z)^T.
+/// Groups the landmark edges in use. An edge stored from B to A is reversed: Z^-1, Ad(Z) Sigma Ad(Z)^T.
 pub fn group<G: LieGroup<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     chains: &Chains<G, DOF>,

@@ -1,4 +1,4 @@
-//! Which candidates agree: pairs, and the graph of those that do.
+//! Tests which candidates agree in pairs, and builds the graph of those that do.
 
 #![allow(clippy::inline_always, reason = "what is not inlined into the dispatched loop is compiled for SSE2")]
 
@@ -16,20 +16,19 @@ use crate::odometry::chain::{Chain, Chains};
 use crate::odometry::spread::Spatial;
 use crate::{Gate, PerStep};
 
-/// Blocks of columns that are held against 64 rows before the next ones are: what the tests read of them stays in the
-/// nearest cache.
+/// Blocks of columns that are tested against 64 rows before the next blocks: their data stays in the nearest cache.
 const TILE: usize = 4;
 
-/// How many pairs were tested, and how they fared.
+/// How many pairs were tested, and with which result.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct PairCounts {
-    /// Pairs looked at.
+    /// Pairs tested.
     pub pairs: usize,
-    /// Those that the pre-test of rotations rejected.
+    /// Pairs that the pre-test of rotations rejected.
     pub skipped_by_rotation: usize,
-    /// Those that the pre-test of positions rejected.
+    /// Pairs that the pre-test of positions rejected.
     pub skipped_by_translation: usize,
-    /// Pairs whose covariance is not positive definite: never consistent.
+    /// Pairs whose covariance is not positive definite; they are never consistent.
     pub indefinite: usize,
     /// Pairs that are consistent.
     pub consistent: usize,
@@ -45,7 +44,7 @@ impl std::ops::AddAssign for PairCounts {
     }
 }
 
-/// The candidates of a group with all that testing a pair needs.
+/// The candidates of a group, with all data that the test of a pair needs.
 pub struct Pairs<'a, G, const DOF: usize> {
     pub(crate) chain_a: &'a Chain<G, DOF>,
     pub(crate) chain_b: &'a Chain<G, DOF>,
@@ -55,7 +54,8 @@ pub struct Pairs<'a, G, const DOF: usize> {
     odometry_test: bool,
 }
 
-/// Another candidate of `count`, mostly far away: steps of the golden section spread over all of them without a pattern.
+/// Another of `count` candidates, mostly far away. Steps of the golden section spread over all candidates without a
+/// pattern.
 pub fn elsewhere(count: usize, candidate: usize, turn: usize) -> usize {
     (candidate + (count as f64 * (0.618_034 * turn as f64).fract()) as usize) % count
 }
@@ -78,7 +78,7 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
         self.candidates.len()
     }
 
-    /// Whether there is no candidate.
+    /// Whether the group has no candidates.
     pub fn is_empty(&self) -> bool {
         self.candidates.is_empty()
     }
@@ -90,8 +90,8 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
         squared_distance(self.chain_a, self.chain_b, self.same_chain, a, b)
     }
 
-    /// Whether a candidate within one chain agrees with the odometry alone, which closes a loop with it; between two
-    /// chains, and with `--no-odometry-test`, every candidate does. O(1).
+    /// Whether a candidate within one chain agrees with the odometry alone, which closes a loop with it. Between two
+    /// chains, or with `--no-odometry-test`, the answer is always yes. O(1).
     pub fn agrees_with_odometry(&self, candidate: usize, gate: Gate) -> bool {
         if !self.same_chain || !self.odometry_test {
             return true;
@@ -110,37 +110,37 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
         }
     }
 
-    /// Whether candidates within one chain are held against the odometry alone too, as they are unless told otherwise.
+    /// Sets whether candidates within one chain are also tested against the odometry alone; the default is that they are.
     #[must_use]
     pub fn with_odometry_test(mut self, odometry_test: bool) -> Self {
         self.odometry_test = odometry_test;
         self
     }
 
-    /// The verdict of the pre-test alone.
+    /// The result of the pre-test alone.
     pub fn pretest(&self, one: usize, other: usize, squared_distance: f64) -> Verdict {
         self.pretest.verdict(one, other, squared_distance)
     }
 
-    /// Distance travelled between the candidates' places, in chain A plus in chain B, metres.
+    /// Distance travelled between the ends of two candidates, in chain A plus in chain B, metres.
     pub fn travelled(&self, one: usize, other: usize) -> f64 {
         let ([a, b], [c, d]) = (self.position(one), self.position(other));
         (a - c).abs() + (b - d).abs()
     }
 
-    /// Distance travelled up to the candidate's places in chain A and in chain B, metres.
+    /// Distance travelled up to the candidate's ends in chain A and in chain B, metres.
     pub fn position(&self, candidate: usize) -> [f64; 2] {
         let candidate = &self.candidates[candidate];
         [self.chain_a.travelled[candidate.i], self.chain_b.travelled[candidate.k]]
     }
 
-    /// As the function of this name, among the candidates of this group.
+    /// The free function of this name, for the candidates of this group.
     pub(crate) fn elsewhere(&self, candidate: usize, turn: usize) -> usize {
         elsewhere(self.len(), candidate, turn)
     }
 
-    /// Whether two different candidates agree. To first order their order does not matter to a squared distance; here it is
-    /// that of the earlier candidate with the later, and so is an error per step. O(1).
+    /// Whether two different candidates agree. To first order, a squared distance does not depend on the order of the two.
+    /// Both tests put the earlier candidate first. O(1).
     pub fn consistent(&self, one: usize, other: usize, gate: Gate, counts: &mut PairCounts) -> bool {
         let (one, other) = (one.min(other), one.max(other));
         counts.pairs += 1;
@@ -173,7 +173,7 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
         consistent
     }
 
-    /// The candidates that the odometry alone does not refute, and their consistency graph.
+    /// The candidates that the odometry alone does not reject, and their consistency graph.
     pub fn tested_graph(&self, gate: Gate) -> (Vec<usize>, BitGraph, PairCounts) {
         let tested: Vec<usize> =
             (0..self.len()).filter(|&candidate| self.agrees_with_odometry(candidate, gate)).collect();
@@ -181,19 +181,19 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
         (tested, graph, counts)
     }
 
-    /// The consistency graph: N (N - 1) / 2 pairs in tiles, strips of 64 rows in parallel; the same at any number of
-    /// threads. Memory: N^2 / 8 bytes.
+    /// The consistency graph: N (N - 1) / 2 pairs in tiles, with strips of 64 rows in parallel. The result does not depend
+    /// on the number of threads. Memory: N^2 / 8 bytes.
     pub fn graph(&self, gate: Gate) -> (BitGraph, PairCounts) {
         let all: Vec<usize> = (0..self.candidates.len()).collect();
         self.graph_of(&all, gate)
     }
 
-    /// The consistency graph of some of the candidates, numbered in the order given.
+    /// The consistency graph of some of the candidates, numbered in the given order.
     pub fn graph_of(&self, chosen: &[usize], gate: Gate) -> (BitGraph, PairCounts) {
         if chosen.is_sorted() {
             return self.graph_of_ascending(chosen, gate);
         }
-        // A pair is that of the earlier candidate with the later, whatever order they are numbered in.
+        // A pair puts the earlier candidate first, in whatever order the candidates are numbered.
         let mut ascending = chosen.to_vec();
         ascending.sort_unstable();
         let (graph, counts) = self.graph_of_ascending(&ascending, gate);
@@ -232,8 +232,8 @@ impl<'a, G: Spatial<DOF>, const DOF: usize> Pairs<'a, G, DOF> {
     }
 }
 
-/// 64 rows of the upper triangle, for one set of vector instructions. Not a closure: the call of one is not inlined, and
-/// what it calls would be compiled for the least of all machines.
+/// 64 rows of the upper triangle, for one set of vector instructions. This is not a closure, because calls of a closure are
+/// not inlined, and the functions that it calls would be compiled for the oldest supported machine.
 struct Strip<'a, 'b, G, const DOF: usize> {
     pairs: &'a Pairs<'b, G, DOF>,
     chosen: &'a [usize],
@@ -279,7 +279,7 @@ impl<G: Spatial<DOF>, const DOF: usize> WithSimd for Strip<'_, '_, G, DOF> {
     }
 }
 
-/// The lanes of a register that stand for columns above the row.
+/// The lanes of a register that hold columns above the diagonal of this row.
 #[inline(always)]
 fn asked(row: usize, column: usize, lanes: usize, count: usize) -> u64 {
     let all = |lanes: usize| (1_u64 << lanes) - 1;
@@ -325,7 +325,7 @@ impl<G: Spatial<DOF>, const DOF: usize> Pairs<'_, G, DOF> {
         )
     }
 
-    /// The lanes of a register that are consistent with a row, among those asked for.
+    /// The lanes of a register that are consistent with a row, among the requested ones.
     #[inline(always)]
     #[allow(clippy::too_many_arguments, reason = "what a pair is made of")]
     fn block<S: Simd>(
@@ -360,9 +360,9 @@ impl<G: Spatial<DOF>, const DOF: usize> Pairs<'_, G, DOF> {
 /// The consistency graph of a group of candidates.
 #[derive(Clone, Debug)]
 pub struct Consistency {
-    /// One vertex a candidate, an edge between those that are consistent.
+    /// One vertex for each candidate, and an edge between two that are consistent.
     pub graph: BitGraph,
-    /// How the pairs fared.
+    /// The numbers of pairs by result.
     pub counts: PairCounts,
 }
 

@@ -8,17 +8,18 @@ use posecut_geometry::LieGroup;
 use super::candidate::Candidate;
 use crate::odometry::chain::{Chain, squared_mahalanobis};
 
-/// The loop through candidates a = (i, k, `Z_a`) and b = (j, l, `Z_b`) and the odometry between them,
+/// The squared Mahalanobis distance from zero of Log(E), where E is the loop through candidates a = (i, k, `Z_a`) and b =
+/// (j, l, `Z_b`) and the odometry between them:
 ///
 /// E = `Z_a`^-1 (P_i^-1 P_j) `Z_b` (Q_l^-1 Q_k)            (Mangelson et al., equation 6)
 ///
-/// with its covariance, told by the squared Mahalanobis distance of Log(E) from zero. The distance does not
-/// change when the loop is conjugated by Q_k, which gives Q_k E Q_k^-1 = T_a^-1 T_b for the alignments T and
+/// The distance does not change when the loop is conjugated by Q_k. This gives Q_k E Q_k^-1 = T_a^-1 T_b for the alignments
+/// T, with the covariance
 ///
-/// Sigma = C_a + C_b + Ad(T_a^-1) dS_A Ad(T_a^-1)^T + dS_B,
+/// Sigma = C_a + C_b + Ad(T_a^-1) dS_A Ad(T_a^-1)^T + dS_B.
 ///
-/// one change of frame a pair. Within one chain the two stretches of odometry may share steps: those enter
-/// once, through the sum of both their effects, each with its sign.
+/// A pair thus needs a single change of frame. Within one chain the two stretches of odometry may share steps: a shared
+/// step enters once, through the sum of both its effects, each with its sign.
 ///
 /// `None` if Sigma is not positive definite. O(1).
 #[inline(always)]
@@ -70,8 +71,8 @@ pub(crate) fn add_odometry<G: LieGroup<DOF>, const DOF: usize>(
     }
 }
 
-/// The loop through one candidate of a chain and the odometry between its own places, as for a pair: E = Z^-1 P_i^-1 P_k,
-/// conjugated by P_k the inverse of the alignment, with covariance C + S_k - S_i. O(1).
+/// The squared distance of the loop through one candidate of a chain and the odometry between its own ends, as for a pair.
+/// The loop E = Z^-1 P_i^-1 P_k, conjugated by P_k, is the inverse of the alignment, with covariance C + S_k - S_i. O(1).
 pub fn squared_distance_to_odometry<G: LieGroup<DOF>, const DOF: usize>(
     chain: &Chain<G, DOF>,
     candidate: &Candidate<G, DOF>,
@@ -90,7 +91,7 @@ pub(crate) fn loop_through_odometry<G: LieGroup<DOF>, const DOF: usize>(
 }
 
 /// Adds F S F^T to a sum, at least to its lower triangle, for an F whose block below the diagonal is zero, as in an
-/// adjoint. By columns, so that the inner loops run along memory.
+/// adjoint. Works by columns, so that the inner loops run along memory.
 #[inline(always)]
 fn add_congruence<const DOF: usize>(
     sum: &mut SMatrix<f64, DOF, DOF>,
@@ -123,7 +124,7 @@ fn add_congruence<const DOF: usize>(
     }
 }
 
-/// Steps that belong to both stretches of odometry, i to j and l to k.
+/// The steps that both stretches of odometry, i to j and l to k, contain.
 pub(crate) struct Shared {
     first: usize,
     last: usize,
@@ -139,7 +140,7 @@ impl Shared {
         (first < last).then_some(Self { first, last, same_direction: (a.i < b.i) == (b.k < a.k) })
     }
 
-    /// The error of a shared step acts through the stretch of A and through that of B at once.
+    /// The error of a shared step acts through the stretch of A and through that of B at the same time.
     #[inline(always)]
     fn effect<const DOF: usize>(&self, to_b: &SMatrix<f64, DOF, DOF>) -> SMatrix<f64, DOF, DOF> {
         if self.same_direction { to_b + SMatrix::identity() } else { to_b - SMatrix::identity() }

@@ -30,10 +30,10 @@ pub enum Correction {
     Group,
 }
 
-/// When a pair is consistent.
+/// The condition for a consistent pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gate {
-    /// The largest squared Mahalanobis distance; not looked at where errors per step count.
+    /// The largest squared Mahalanobis distance; not used if `per_step` is set.
     pub squared_distance: f64,
     /// The largest error of a loop per step, in place of the distance (`Test::Threshold`).
     pub per_step: Option<PerStep>,
@@ -63,22 +63,22 @@ impl Gate {
     }
 }
 
-/// The probability with which one pair must pass, so that all pairs of N candidates do with the given probability:
+/// The probability with which each pair must pass, so that all pairs of N candidates pass with the given probability:
 /// 1 - (1 - P) / (N (N - 1) / 2).
 pub fn corrected(probability: f64, correction: Correction, candidates: usize) -> f64 {
     match correction {
         Correction::Pair => probability,
         Correction::Group => {
             let pairs = (candidates * candidates.saturating_sub(1) / 2).max(1);
-            // Below this the complement of the probability has no digits left.
+            // A smaller complement of the probability would be lost in rounding.
             1.0 - ((1.0 - probability) / pairs as f64).max(1e-14)
         }
     }
 }
 
-/// The value that a chi-square variable stays below with this probability.
+/// The value that a chi-square variable is below with this probability.
 ///
-/// By bisection of the upper tail, which keeps its digits where the probability is near 1.
+/// Uses bisection of the upper tail, which keeps its digits if the probability is near 1.
 pub fn chi_square_quantile(probability: f64, degrees_of_freedom: usize) -> Result<f64, PcmError> {
     let refused = PcmError::Probability { value: probability };
     if !(probability > 0.0 && probability < 1.0) {

@@ -1,4 +1,4 @@
-//! Numbers of several pairs at once, one in each lane of a vector register.
+//! Numbers of several pairs, one in each lane of a vector register.
 
 #![allow(clippy::inline_always, reason = "what is not inlined into the dispatched loop is compiled for SSE2")]
 
@@ -6,10 +6,10 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use pulp::Simd;
 
-/// Lanes that are stored together: the widest register of any machine.
+/// The number of lanes that are stored together: the widest register of any machine.
 pub const WIDTH: usize = 8;
 
-/// Eight numbers on one line of the cache.
+/// Eight numbers on one cache line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
 pub struct Wide(pub [f64; WIDTH]);
@@ -20,8 +20,8 @@ impl Default for Wide {
     }
 }
 
-/// As many numbers as a register holds. No operation is fused with another, so that lanes round as single numbers do,
-/// on every machine.
+/// As many numbers as a register holds. Operations are never fused, so that lanes round like single numbers on every
+/// machine.
 #[derive(Clone, Copy, Debug)]
 pub struct Lanes<S: Simd> {
     simd: S,
@@ -41,13 +41,14 @@ impl<S: Simd> Lanes<S> {
         Self { simd, values: S::as_simd_f64s(&wide.0[first..]).0[0] }
     }
 
-    /// Three vectors at once. Written out: an array's `map` is a call, compiled for the least of all machines.
+    /// Loads three vectors. Written out, because an array's `map` is a call, which would be compiled for the oldest
+    /// machine.
     #[inline(always)]
     pub fn load_three(simd: S, [x, y, z]: &[Wide; 3], first: usize) -> [Self; 3] {
         [Self::load(simd, x, first), Self::load(simd, y, first), Self::load(simd, z, first)]
     }
 
-    /// Four at once.
+    /// Loads four vectors.
     #[inline(always)]
     pub fn load_four(simd: S, [w, x, y, z]: &[Wide; 4], first: usize) -> [Self; 4] {
         [
@@ -78,7 +79,7 @@ impl<S: Simd> Lanes<S> {
         Self { values: self.simd.sqrt_f64s(self.values), ..self }
     }
 
-    /// Where these are less than others.
+    /// The lanes where these are less than others.
     #[inline(always)]
     pub fn less_than(self, other: Self) -> Mask<S> {
         Mask { simd: self.simd, lanes: self.simd.less_than_f64s(self.values, other.values) }
@@ -96,7 +97,7 @@ impl<S: Simd> Lanes<S> {
     }
 }
 
-/// A truth value a lane.
+/// A truth value for each lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Mask<S: Simd> {
     simd: S,
@@ -104,20 +105,20 @@ pub struct Mask<S: Simd> {
 }
 
 impl<S: Simd> Mask<S> {
-    /// Where both hold.
+    /// The lanes where both hold.
     #[must_use]
     #[inline(always)]
     pub fn and(self, other: Self) -> Self {
         Self { lanes: self.simd.and_m64s(self.lanes, other.lanes), ..self }
     }
 
-    /// One number or the other.
+    /// For each lane, one number or the other.
     #[inline(always)]
     pub fn select(self, if_true: Lanes<S>, if_false: Lanes<S>) -> Lanes<S> {
         Lanes { simd: self.simd, values: self.simd.select_f64s(self.lanes, if_true.values, if_false.values) }
     }
 
-    /// One bit a lane.
+    /// One bit for each lane.
     #[inline(always)]
     pub fn bits(self) -> u64 {
         let one = Lanes::splat(self.simd, 1.0);

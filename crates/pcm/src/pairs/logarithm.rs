@@ -1,4 +1,4 @@
-//! The logarithm of a rigid motion, for several at once.
+//! The logarithm of a rigid motion, for several motions at once.
 
 #![allow(clippy::inline_always, reason = "what is not inlined into the dispatched loop is compiled for SSE2")]
 
@@ -6,12 +6,12 @@ use pulp::Simd;
 
 use super::lanes::Lanes;
 
-/// The cosine of half a radian: of shorter turns all is a series.
+/// The cosine of half a radian. For rotations of less than a radian, series are enough.
 const HALF_COSINE: f64 = 0.877_582_561_890_372_8;
 
-/// Terms whose sum is exact to rounding where u = tan(pi / 8).
+/// The number of terms whose sum is exact to rounding at u = tan(pi / 8).
 const TERMS: usize = 21;
-/// Where u = tan(1 / 4).
+/// The same at u = tan(1 / 4).
 const TERMS_NEAR: usize = 14;
 
 /// atan(u) / u = sum (-1)^k y^k / (2k + 1), y = u^2.
@@ -54,11 +54,11 @@ const HALF_COTANGENT: [f64; BERNOULLI.len()] = {
     coefficients
 };
 
-/// Log of motions of space by translation and quaternion (w, x, y, z), as (translation, rotation).
+/// The logarithm of motions of space, given by translation and quaternion (w, x, y, z), as (translation, rotation).
 ///
-/// With s = sin(a/2), w = cos(a/2) the rotation is (x, y, z) a / s, and a / s = 4 atan(u) / (u (1 + w)) for
-/// u = tan(a/4) = s / (1 + w): up to a radian without a branch, a root or a call. Only the lanes of `asked`, a bit each, need
-/// be right.
+/// With s = sin(a/2) and w = cos(a/2), the rotation is (x, y, z) a / s. For u = tan(a/4) = s / (1 + w), the factor a / s is
+/// 4 atan(u) / (u (1 + w)): up to a radian this needs no branch, no root and no call. Only the lanes of `asked`, one bit
+/// each, must be right.
 #[inline(always)]
 pub(crate) fn logarithm<S: Simd>(
     simd: S,
@@ -67,7 +67,7 @@ pub(crate) fn logarithm<S: Simd>(
     asked: u64,
 ) -> ([Lanes<S>; 3], [Lanes<S>; 3]) {
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-    // q and -q are the same rotation; w >= 0 is the shorter way.
+    // q and -q are the same rotation; the one with w >= 0 is the shorter way.
     let sign = w.less_than(zero).select(-one, one);
     let w = w * sign;
     let squared_sine = x * x + y * y + z * z;
@@ -77,7 +77,7 @@ pub(crate) fn logarithm<S: Simd>(
     let mut curvature = (ratio * ratio * squared_sine).polynomial(&HALF_COTANGENT);
     let near = Lanes::splat(simd, HALF_COSINE).less_than(w);
     if asked & !near.bits() != 0 {
-        // The angle is halved once more: tan(a/8) = u / (1 + sqrt(1 + u^2)).
+        // Halves the angle once more: tan(a/8) = u / (1 + sqrt(1 + u^2)).
         let half = one / (one + (one + squared_tangent).sqrt());
         let far = (squared_tangent * half * half).polynomial(&ARCTANGENT) * inverse * half * 8.0;
         ratio = near.select(ratio, far);

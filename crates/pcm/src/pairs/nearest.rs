@@ -3,8 +3,8 @@
 use super::consistency::Pairs;
 use crate::odometry::spread::Spatial;
 
-/// Some candidates as a balanced tree of planes (Bentley, CACM 1975) over the distances travelled in both chains: the middle
-/// of a slice divides the rest, by one chain and the other in turn.
+/// Some candidates in a balanced k-d tree (Bentley, CACM 1975) over the distances travelled in both chains. The middle of a
+/// slice divides the rest, alternately by one chain and by the other.
 pub struct Nearest {
     tree: Vec<([f64; 2], usize)>,
 }
@@ -18,8 +18,8 @@ impl Nearest {
         Self { tree }
     }
 
-    /// Up to `count` members nearest to a position by the sum of both distances (the candidate `but` left out), nearest
-    /// first, equal ones by number. O(count log n) where members lie evenly.
+    /// Up to `count` members nearest to a position by the sum of both distances, without the candidate `but`. Nearest
+    /// first, equal ones by number. O(count log n) for evenly spread members.
     pub fn of(&self, position: [f64; 2], but: usize, count: usize) -> Vec<usize> {
         let mut query = Query { position, but, count, found: Vec::with_capacity(count + 1) };
         query.search(&self.tree, 0, [0.0; 2]);
@@ -100,7 +100,7 @@ mod tests {
             count in 1_usize..20,
             seed in 0_u64..1000,
         ) {
-            // Places are a metre apart and shared by several candidates: many distances are equal.
+            // Positions are a metre apart and shared by several candidates, so that many distances are equal.
             let scenario = Scenario { candidates, outliers: 0.5, falsehood: Falsehood::Uniform, seed };
             let graph = scenario.draw::<SE2, 3>();
             let chains = Chains::<SE2, 3>::of(&graph).unwrap();

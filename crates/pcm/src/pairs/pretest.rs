@@ -1,4 +1,4 @@
-//! A cheap test that most inconsistent pairs fail, and no consistent one.
+//! A cheap test that most inconsistent pairs fail and every consistent pair passes.
 
 #![allow(clippy::inline_always, reason = "what is not inlined into the dispatched loop is compiled for SSE2")]
 
@@ -8,38 +8,39 @@ use super::candidate::Group;
 use crate::odometry::chain::Chains;
 use crate::odometry::spread::{Spatial, Spread, largest_turn};
 
-/// Rounding must not turn a bound into a rejection.
+/// A factor on the bounds, so that rounding never rejects a consistent pair.
 pub(crate) const SLACK: f64 = 1.0 + 1e-6;
 
-/// What an earlier test said about a pair.
+/// The result of the pre-test of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// The rotations disagree by more than any covariance within the bounds allows.
     Rotation,
-    /// The positions do.
+    /// The positions disagree by more than any covariance within the bounds allows.
     Translation,
-    /// The full test has to say.
+    /// The full test must decide.
     Open,
 }
 
-/// Bounds of a group of candidates.
+/// Bounds for a group of candidates.
 ///
 /// A marginal of a Gaussian error has at most the squared Mahalanobis distance of the whole, and x^T S^-1 x is at least
-/// |x|^2 / (largest eigenvalue of S). So a pair is inconsistent if
+/// |x|^2 / (largest eigenvalue of S). A pair is therefore inconsistent in either of these cases:
 ///
-/// - 4 sin^2(angle / 2) > gate * (bound on the rotation's largest eigenvalue): one product of quaternions; or
-/// - |t|^2 > gate * (trace of the translation's covariance), seen at the place k of the first candidate in chain B:
-///   its positions according to either candidate are |t| apart, and the logarithm's translation is no shorter than t,
-///   because the left Jacobian of a rotation lengthens nothing.
+/// - 4 sin^2(angle / 2) > gate * (bound on the rotation's largest eigenvalue). This takes one product of quaternions.
+/// - |t|^2 > gate * (trace of the translation's covariance), in the frame of position k of the first candidate in chain B.
+///   The two candidates give this position two values, which are |t| apart. The logarithm's translation is no shorter than
+///   t, because the left Jacobian of a rotation lengthens nothing.
 ///
-/// Within one chain, steps that both stretches share may count up to four times instead of twice: both are doubled.
+/// Within one chain, steps that both stretches share may count up to four times instead of twice: the odometry's part of
+/// both bounds is doubled.
 pub struct PreTest {
     pub(crate) turns: Vec<Turn>,
     pub(crate) places: Vec<Place>,
     pub(crate) doubled: f64,
 }
 
-/// What the test of rotations reads.
+/// The data of the rotation test.
 pub(crate) struct Turn {
     pub(crate) quaternion: [f64; 4],
     pub(crate) own: f64,
@@ -47,13 +48,13 @@ pub(crate) struct Turn {
     pub(crate) b: f64,
 }
 
-/// What the test of positions reads.
+/// The data of the position test.
 pub(crate) struct Place {
     pub(crate) rotation: Matrix3<f64>,
     pub(crate) translation: Vector3<f64>,
-    /// The place k in the frame of chain B.
+    /// Position k in the frame of chain B.
     pub(crate) point: Vector3<f64>,
-    /// The same in the frame of chain A, as the candidate claims.
+    /// The same position in the frame of chain A, according to the candidate.
     pub(crate) claimed: Vector3<f64>,
     pub(crate) own: Spread,
     pub(crate) a: Spread,
@@ -115,14 +116,14 @@ impl PreTest {
         4.0 * (1.0 - half_cosine * half_cosine)
     }
 
-    /// The squared distance between the two places that the candidates give to the first one's place in chain B.
+    /// The squared distance between the two positions that the candidates give to the first one's end in chain B.
     #[inline(always)]
     pub(crate) fn squared_shift(&self, one: usize, other: usize) -> f64 {
         let (a, b) = (&self.places[one], &self.places[other]);
         (b.rotation * a.point + b.translation - a.claimed).norm_squared()
     }
 
-    /// Steps of the loop through both candidates: the odometry's and the two landmark edges.
+    /// The number of steps of the loop through both candidates: the odometry's and the two landmark edges.
     #[inline(always)]
     pub(crate) fn steps(&self, one: usize, other: usize) -> usize {
         let (a, b) = (&self.places[one].steps, &self.places[other].steps);

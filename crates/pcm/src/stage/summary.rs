@@ -1,11 +1,11 @@
-//! What the stage says about its work.
+//! Reports the results of the stage.
 
 use posecut_stage::{Context, Doubt, counted, info, warn};
 
 use crate::Rejection;
 use crate::calibration::{Ended, FEWEST, NoScales, ScaleEstimate};
 
-/// Notes what PCM did and doubts it where it should not be believed.
+/// Reports the results of PCM, and raises doubts if they may be wrong.
 pub(crate) struct Summary<'a>(pub(crate) &'a Rejection);
 
 impl Summary<'_> {
@@ -17,7 +17,7 @@ impl Summary<'_> {
         }
     }
 
-    /// Says what was kept, doubts it where it should not be believed, and notes the figures.
+    /// Reports what was kept, raises doubts, and notes the figures.
     pub(crate) fn note(&self, context: &mut Context) {
         let exact = self.0.judged.groups_by_cells == 0;
         let optimal = exact && self.0.judged.clique_size == self.0.judged.clique_upper_bound;

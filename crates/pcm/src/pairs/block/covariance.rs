@@ -1,4 +1,4 @@
-//! The covariance of the loops through a candidate and those of a register.
+//! The covariance of the loops through a candidate and each lane of a register.
 
 #![allow(clippy::inline_always, reason = "what is not inlined into the dispatched loop is compiled for SSE2")]
 #![allow(
@@ -12,7 +12,8 @@ use super::{Block, Row};
 use crate::pairs::lanes::{Lanes, Wide};
 
 impl<const DOF: usize> Row<'_, DOF> {
-    /// The covariance of a stretch is that of the later end minus that of the earlier: 1 where the block's is the later.
+    /// The covariance of a stretch is that of the later end minus that of the earlier end: 1 if the block's end is the
+    /// later one, else -1.
     #[inline(always)]
     fn sign<S: Simd>(&self, simd: S, block: &Block<DOF>, first: usize, chain: usize) -> Lanes<S> {
         let one = Lanes::splat(simd, 1.0);
@@ -20,7 +21,7 @@ impl<const DOF: usize> Row<'_, DOF> {
         there.less_than(Lanes::splat(simd, self.places[chain])).select(-one, one)
     }
 
-    /// C_a + C_b + Ad(T_a^-1) dS_A Ad(T_a^-1)^T + dS_B, the lower triangle: stretches that share no step.
+    /// The lower triangle of C_a + C_b + Ad(T_a^-1) dS_A Ad(T_a^-1)^T + dS_B, for stretches that share no step.
     #[inline(always)]
     pub(super) fn covariance<S: Simd>(
         &self,

@@ -10,7 +10,7 @@ use pulp::Simd;
 
 use crate::pairs::lanes::Lanes;
 
-/// As [`crate::odometry::chain::squared_mahalanobis`]; NaN where the covariance is not positive definite.
+/// As [`crate::odometry::chain::squared_mahalanobis`]; NaN if the covariance is not positive definite.
 #[inline(always)]
 pub(super) fn squared_mahalanobis<S: Simd, const DOF: usize>(
     simd: S,

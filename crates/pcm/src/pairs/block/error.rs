@@ -1,4 +1,4 @@
-//! The error of the loops through a candidate and those of a register.
+//! The error of the loops through a candidate and each lane of a register.
 
 #![allow(clippy::inline_always, reason = "what is not inlined into the dispatched loop is compiled for SSE2")]
 

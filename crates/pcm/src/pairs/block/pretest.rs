@@ -9,7 +9,7 @@ use crate::pairs::lanes::{Lanes, Mask};
 use crate::pairs::pretest::SLACK;
 
 impl<const DOF: usize> Row<'_, DOF> {
-    /// As the pre-test of rotations.
+    /// The pre-test of rotations.
     #[inline(always)]
     pub(super) fn turned_apart<S: Simd>(
         &self,
@@ -30,7 +30,7 @@ impl<const DOF: usize> Row<'_, DOF> {
         (bound * (gate * SLACK)).less_than(turned)
     }
 
-    /// As the pre-test of positions.
+    /// The pre-test of positions.
     #[inline(always)]
     pub(super) fn shifted_apart<S: Simd>(
         &self,

@@ -1,4 +1,4 @@
-//! One candidate against blocks of others.
+//! Tests one candidate against blocks of others.
 
 #![allow(clippy::inline_always, reason = "what is not inlined into the dispatched loop is compiled for SSE2")]
 
@@ -13,11 +13,11 @@ use crate::pairs::candidate::Candidate;
 use crate::pairs::lanes::{Lanes, Wide};
 use crate::pairs::pretest::{Place, Turn};
 
-/// One candidate, to be held against blocks of others.
+/// One candidate, to be tested against blocks of others.
 pub(crate) struct Row<'a, const DOF: usize> {
     pub(super) turn: &'a Turn,
     pub(super) place: &'a Place,
-    /// The candidate's own spreads at its own place: as measured, along chain A, along chain B.
+    /// The candidate's own spreads at its own position: as measured, along chain A, along chain B.
     pub(super) spreads: [f64; 3],
     /// i and k.
     pub(super) places: [f64; 2],
@@ -29,14 +29,14 @@ pub(crate) struct Row<'a, const DOF: usize> {
     pub(super) same_chain: bool,
 }
 
-/// What became of the lanes of a register, a bit each.
+/// The results for the lanes of a register, one bit each.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Verdicts {
     /// Rejected by rotation.
     pub(crate) rotation: u64,
     /// Rejected by position.
     pub(crate) translation: u64,
-    /// Squared Mahalanobis distances of the rest; NaN where the covariance is not positive definite.
+    /// Squared Mahalanobis distances of the other lanes; NaN if the covariance is not positive definite.
     pub(crate) distances: Wide,
 }
 impl<'a, const DOF: usize> Row<'a, DOF> {
@@ -59,8 +59,8 @@ impl<'a, const DOF: usize> Row<'a, DOF> {
         }
     }
 
-    /// Tests the pairs with a register's lanes of a block, those in `asked` alone: the pre-test, and the squared distances
-    /// of those that it leaves open. `doubled` as for the pre-test.
+    /// Tests the pairs with the lanes of a register in a block, only those in `asked`: the pre-test, and the squared
+    /// distances of the pairs that it leaves open. `doubled` is that of the pre-test.
     #[inline(always)]
     pub(crate) fn test<G: Spatial<DOF>, S: Simd>(
         &self,

@@ -1,4 +1,4 @@
-//! Steps that both stretches of a loop run along.
+//! Steps that both stretches of a loop contain.
 
 #![allow(clippy::inline_always, reason = "what is not inlined into the dispatched loop is compiled for SSE2")]
 #![allow(
@@ -12,8 +12,8 @@ use super::{Block, Row};
 use crate::pairs::lanes::{Lanes, Wide};
 
 impl<const DOF: usize> Row<'_, DOF> {
-    /// What steps that both stretches share add to their covariance. Each acts through T + I where both run the same way and
-    /// through T - I where they do not, T = Ad(T_a^-1); with S the covariance of the shared steps,
+    /// Adds the effect of steps that both stretches share. A shared step acts through T + I if both stretches run the same
+    /// way, and through T - I if they do not, where T = Ad(T_a^-1). With S the covariance of the shared steps,
     ///
     /// (T +- I) S (T +- I)^T - T S T^T - S = +- (T S + S T^T).
     #[inline(always)]
