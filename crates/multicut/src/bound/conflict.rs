@@ -20,8 +20,8 @@ pub(crate) enum Conflict {
 /// on to `v_{i+1}`, and let `z_i` be 1 if the centre and `v_i` are apart, else 0. The spoke to `v_i` is paid at least `z_i`.
 /// If `z_i` and `z_{i+1}` are both 0, then `q_i` is at least 1: either the centre's cluster contains `w_i` as well, and the
 /// repulsive edge is paid, or the walk returns to the centre's cluster from outside. Let `s` of the `z_i` be 1. They are in
-/// at most `2 s` of the `k` pairs `(z_i, z_{i+1})`, so at least `s + max(0, k - 2 s)` is paid. As `k` is odd, this is `(k +
-/// 1) / 2` or more for each `s`.
+/// at most `2 s` of the `k` pairs `(z_i, z_{i+1})`, so at least `s + max(0, k - 2 s)` is paid. As `k` is odd, this is
+/// `(k + 1) / 2` or more for each `s`.
 ///
 /// Conflicted cycles alone, one for each `i`, add up to `k / 2`.
 #[derive(Debug, Clone, PartialEq)]

@@ -222,8 +222,8 @@ impl<'a> NewtonSystem<'a> {
         }
     }
 
-    /// The Newton direction for the complementarity right-hand sides `t` of rows and columns: `s dw + w ds = t_rows`, `x dr +
-    /// r dx = t_columns`. The eliminated unknowns follow from the constraints, so that iterates stay feasible even if the
+    /// The Newton direction for the complementarity right-hand sides `t` of rows and columns: `s dw + w ds = t_rows`,
+    /// `x dr + r dx = t_columns`. The eliminated unknowns follow from the constraints, so that iterates stay feasible even if the
     /// factorisation is inaccurate.
     fn direction(
         &mut self,
