@@ -131,8 +131,7 @@ fn the_truth_is_not_looked_at() {
     assert_eq!(records("g.jsonl"), records("lies.jsonl"));
 }
 
-/// One session whose second half repeats the first: a closure at every `every`-th frame, and `false_ones` false ones
-/// elsewhere.
+/// One session whose second half repeats the first: a closure at every `every`-th frame, and `false_ones` false ones elsewhere.
 fn spaced(every: usize, false_ones: usize) -> String {
     let mut text =
         String::from("{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":2}\n");

@@ -76,7 +76,7 @@ struct Search<'a, G, const DOF: usize> {
     rounds: &'a Rounds<'a, G, DOF>,
     poses: &'a [G],
     held: Vec<Vec<usize>>,
-    /// Evidence at which less than a third of a group is expected to agree by chance.
+    /// Evidence at which less than a third of one group is expected to agree by chance.
     enough: f64,
 }
 
@@ -125,8 +125,7 @@ impl<G: Motion<DOF>, const DOF: usize> Search<'_, G, DOF> {
         (!steps.is_empty()).then_some(steps)
     }
 
-    /// Whether the usual motion explains most members better than chance: the robot moves from an accepted position to
-    /// theirs.
+    /// Whether the usual motion explains most members better than chance: the robot moves from an accepted position to theirs.
     fn is_usual(
         &self,
         (chain, side): (usize, usize),

@@ -104,8 +104,7 @@ impl Calibration {
         Self { odometry: part(&self.odometry), coherent: part(&self.coherent), ..*self }
     }
 
-    /// Odds of a local error against a correct closure, from the log-likelihood ratio of a correct closure against a local
-    /// error.
+    /// Odds of a local error against a correct closure, from the log-likelihood ratio of a correct closure against a local error.
     pub(crate) fn wrong(&self, against_local: f64) -> f64 {
         self.local * (-against_local).exp()
     }

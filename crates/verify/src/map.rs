@@ -163,8 +163,7 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
         Some(error.dot(&covariance.cholesky()?.solve(&error)))
     }
 
-    /// Bounds the covariance of closures near an accepted one, from its relative pose in the map and the odometry between
-    /// both.
+    /// Bounds the covariance of closures near an accepted one, from its relative pose in the map and the odometry between both.
     fn neighbours(
         &self,
         partners: &Partners,
@@ -265,8 +264,7 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
         let left = (left + left.transpose()) * 0.5;
         let held = (0..DOF).all(|axis| left[(axis, axis)] >= SHARE_LEFT * own[(axis, axis)]);
         let Some(inverse) = left.cholesky().filter(|_| held).map(|cholesky| cholesky.inverse()) else {
-            // The residual's squared distance under S is less than the innovation's, so it is enough if it already
-            // contradicts.
+            // The residual's squared distance under S is less than the innovation's, so it is enough if it already contradicts.
             let bound = Innovation { error: residual, covariance: own };
             return self
                 .evidence(closure, &bound)

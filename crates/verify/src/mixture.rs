@@ -168,8 +168,7 @@ impl<const DOF: usize> Class<DOF> {
     }
 }
 
-/// The classes of loops: within a chain, single closures and neighbours; between chains, pairs of near and of random
-/// partners.
+/// The classes of loops: within a chain, single closures and neighbours; between chains, pairs of near and of random partners.
 pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
     model: &Model<G, DOF>,
     partners: &Partners,

@@ -47,8 +47,7 @@ pub(crate) struct Model<G, const DOF: usize> {
     pub(crate) chains: Chains<G, DOF>,
     /// The graph's node at each position of each chain.
     nodes: Vec<Vec<usize>>,
-    /// Prefix sums over each chain of Ad(P_k) (m_k, 0), where m_k is the step's translation turned into each coherent
-    /// direction.
+    /// Prefix sums over each chain of Ad(P_k) (m_k, 0), where m_k is the step's translation turned into each coherent direction.
     drifts: Vec<Vec<Drift<DOF>>>,
     /// For each chain, the second moment of the relative pose of two positions anywhere on it.
     apart: Vec<SMatrix<f64, DOF, DOF>>,
@@ -270,8 +269,7 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         );
         let zero = SMatrix::zeros();
         let odometry = if span.a == span.b {
-            // Both stretches may share steps. Errors of shared steps act through both, so add their cross terms with the
-            // sign.
+            // Both stretches may share steps. Errors of shared steps act through both, so add their cross terms with the sign.
             let first = a.i.min(b.i).max(a.k.min(b.k));
             let last = a.i.max(b.i).min(a.k.max(b.k));
             let mut sum = to_b * chain_a.covariance_between(a.i, b.i) * to_b.transpose()

@@ -15,14 +15,14 @@ use crate::model::{Model, Motion, second_moment};
 use crate::partners::Partners;
 use crate::prior::{Prior, odds_among};
 
-/// /// Most rounds that do not mainly add closures.
+/// Most rounds that do not mainly add closures.
 const ROUNDS: usize = 12;
 /// Most rounds in all. A round mainly adds closures if it accepts this many times as many as the round before.
 const ROUNDS_IN_ALL: usize = 60;
 const GROWTH: f64 = 1.02;
 /// Log-likelihood ratio at which a closure contradicts the map.
 pub(crate) const CONTRADICTED: f64 = -3.0;
-/// Nats by which two places are more often near each other by chance than their second moment says: robots stay on roads, and
+/// Nats by which two positions are more often near each other by chance than their second moment says: robots stay on roads, and
 /// return to them. An edge that alone joins two sessions needs this much more evidence.
 const ROADS: f64 = 5.0;
 /// Largest probability of being wrong at which a closure is accepted.
@@ -180,8 +180,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         Ok(placed)
     }
 
-    /// Closures that alone join two sessions, where one session begins so soon after the other ended that this cannot be
-    /// chance.
+    /// Closures that alone join two sessions, where one session begins so soon after the other ended that this cannot be chance.
     fn continued(&mut self) -> Vec<usize> {
         let mut placed = Vec::new();
         for closure in 0..self.accepted.len() {

@@ -73,8 +73,7 @@ fn edges_behind_a_broken_step_are_accepted() {
     assert!(broken.is_empty());
 }
 
-/// Simulated session 2012-12-01: wheels turned while the robot stood still. This is not its usual motion, but not chance
-/// either.
+/// Simulated session 2012-12-01: wheels turned while the robot stood still. This is not its usual motion, but not chance either.
 #[test]
 fn edges_behind_a_broken_step_are_accepted_where_the_robot_was_slower_than_usual() {
     let graph = laps(&[(150, spun())], 0..0, Some(150));

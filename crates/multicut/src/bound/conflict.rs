@@ -5,8 +5,7 @@ use crate::graph::kernel::Kernel;
 /// An inequality in the payments of edges: `y` for an attractive edge, `1 - y` for a repulsive one.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Conflict {
-    /// A cycle with exactly one repulsive edge, which joins the last node to the first. Its edges are paid 1 or more in
-    /// total.
+    /// A cycle with exactly one repulsive edge, which joins the last node to the first. Its edges are paid 1 or more in total.
     Cycle(Vec<u32>),
     /// Edges around and towards a node.
     Wheel(Wheel),

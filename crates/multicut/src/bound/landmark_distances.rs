@@ -10,8 +10,7 @@ const WORTHWHILE: usize = 300;
 
 /// Distances from two nodes at opposite ends of a kernel. By the triangle inequality, two nodes are at least as far apart as
 /// their distances from either differ (Goldberg, Harrelson, SODA 2005, "ALT"). In a band, which results when one session
-/// follows another along its whole length, this bound is nearly the distance itself, and a path search hardly looks
-/// elsewhere.
+/// follows another along its whole length, this bound is nearly the distance itself, and a path search hardly looks elsewhere.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct LandmarkDistances {
     /// Two nodes, and distances from each; none for small kernels.

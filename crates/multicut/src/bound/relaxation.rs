@@ -73,8 +73,7 @@ impl Program {
         Covering { column, costs, rows }
     }
 
-    /// The packing by the dual weights, extended by cycles that still fit. Weights below a share of `scale` are rounding
-    /// errors.
+    /// The packing by the dual weights, extended by cycles that still fit. Weights below a share of `scale` are rounding errors.
     fn packing(&self, kernel: &Kernel, point: &Point, scale: f64, budget: &mut Budget) -> Packing {
         let weighted = self.conflicts.iter().zip(&self.uses).zip(&point.weights);
         let weighted = weighted.map(|((conflict, uses), &weight)| (conflict, uses.as_slice(), weight));

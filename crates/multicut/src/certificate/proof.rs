@@ -28,7 +28,7 @@ pub(crate) struct Reduced {
 
 /// A solution and the proof of its lower bound, to be written to a file and checked by [`verify`](crate::verify()).
 ///
-/// The format is text, with one statement on each line, followed by the numbers that it needs:
+/// The format is text, with one statement on each line, and with the numbers that it needs:
 ///
 /// ```text
 /// POSECUT-MULTICUT-CERTIFICATE 1

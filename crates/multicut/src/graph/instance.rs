@@ -3,8 +3,7 @@
 use super::error::{GraphError, LabelError, MAXIMUM_NODES};
 use super::sum::Sum;
 
-/// An edge with its cost: edges with positive costs attract (a multicut pays for cutting them), those with negative costs
-/// repel.
+/// An edge with its cost: edges with positive costs attract (a multicut pays for cutting them), those with negative costs repel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edge {
     /// One end.

@@ -1,7 +1,6 @@
 //! Disjoint sets of nodes.
 
-/// Union-find with path halving (Tarjan, van Leeuwen 1984). The smaller root remains, so that results depend only on the
-/// unions.
+/// Union-find with path halving (Tarjan, van Leeuwen 1984). The smaller root remains, so that results depend only on the unions.
 #[derive(Debug, Clone)]
 pub(crate) struct UnionFind {
     parent: Vec<u32>,
