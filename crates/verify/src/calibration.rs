@@ -135,7 +135,7 @@ const COHERENT: f64 = 1e-6;
 const COHERENT_MOST: f64 = 1e-2;
 /// A coherent variance without effect.
 const NEGLIGIBLE: f64 = 1e-12;
-/// The smallest factor of landmark edges: published information matrices claim up to a hundred times the true variance.
+/// The smallest factor of landmark edges: published matrices claim up to a hundred times the true variance.
 const LANDMARK_LEAST: f64 = 0.01;
 /// Evidence below which covariances are used as claimed, nats.
 const LEAST_EVIDENCE: f64 = 10.0;

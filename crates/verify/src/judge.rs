@@ -1,4 +1,4 @@
-//! From evidence to decisions.
+//! Judges a graph: takes evidence to decisions on all closures.
 
 use petgraph::unionfind::UnionFind;
 use posecut_graph::PoseGraph;

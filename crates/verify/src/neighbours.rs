@@ -1,4 +1,4 @@
-//! How much neighbouring candidates differ by chance.
+//! Errors of loops through wrong neighbouring candidates.
 
 use nalgebra::SMatrix;
 
