@@ -1,4 +1,4 @@
-//! Growth of the exact solver on graphs like those of the pipeline.
+//! Growth of the exact solver's time on graphs that resemble those of the pipeline.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};

@@ -1,4 +1,4 @@
-//! Writes a seeded graph like those of the pipeline in the mc format.
+//! Writes a seeded graph that resembles those of the pipeline, in the mc format.
 
 use std::io::Write as _;
 

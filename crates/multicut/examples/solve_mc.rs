@@ -1,4 +1,4 @@
-//! Solves an instance in the mc format and prints what is known about it.
+//! Solves an instance in the mc format and prints its solution and bound.
 #![allow(clippy::print_stdout)]
 
 use std::time::{Duration, Instant};

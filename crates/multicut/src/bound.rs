@@ -1,6 +1,6 @@
-//! Lower bounds: packings of conflicted cycles and odd wheels, and the linear program whose dual they are.
+//! Lower bounds: packings of conflicted cycles and odd wheels, and the linear program that is dual to packing.
 //!
-//! An edge is paid `y` if it attracts, `1 - y` if it repels. The cycle relaxation minimises `c^+ y + |c^-| (1 - y)`
+//! An edge is paid `y` if it attracts, and `1 - y` if it repels. The cycle relaxation minimises `c^+ y + |c^-| (1 - y)`
 //! subject to
 //!
 //! - cycle inequalities (Chopra, Rao 1993): `y(P) + (1 - y_f) >= 1` for each repulsive edge `f` and each attractive path
@@ -11,8 +11,8 @@
 //!   shortest walks of odd parity (after Deza, Groetschel, Laurent 1992).
 //!
 //! [`interior_point`] solves the program (Mehrotra, SIAM J. Optimization 2(4), 1992). Every dual point packs these conflicts
-//! into the capacities `|c|` and so is a lower bound; [`packing`] also makes one greedily (Lange, Karrenbauer, Andres, ICML
-//! 2018, algorithm 1).
+//! into the capacities `|c|`, and therefore is a lower bound. [`packing`] also builds a packing greedily (Lange, Karrenbauer,
+//! Andres, ICML 2018, algorithm 1).
 //!
 //! Depends on [`graph`](crate::graph).
 

@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-/// What a search may still spend: seconds, which stop it anywhere, and units of work (about one visited edge
-/// each), which stop it at the same place on every machine.
+/// The remaining budget of a search: seconds, which may end it anywhere, and units of work (about one visited edge each),
+/// which end it at the same point on every machine.
 #[derive(Debug, Clone)]
 pub(crate) struct Budget {
     deadline: Option<Instant>,
@@ -13,17 +13,17 @@ pub(crate) struct Budget {
     over: bool,
 }
 
-/// Units of work between two looks at the clock.
+/// Units of work between two readings of the clock.
 const LOOK: u64 = 1 << 16;
 
 impl Budget {
     pub(crate) fn new(time: Option<Duration>, work: Option<u64>) -> Self {
-        // A limit beyond the clock's range is none.
+        // A limit beyond the range of the clock counts as no limit.
         let deadline = time.and_then(|time| Instant::now().checked_add(time));
         Self { deadline, work, spent: 0, next_look: 0, over: false }
     }
 
-    /// Books work; true while the budget lasts.
+    /// Adds work; true while the budget lasts.
     pub(crate) fn spend(&mut self, work: u64) -> bool {
         self.spent = self.spent.saturating_add(work);
         if self.work.is_some_and(|limit| self.spent > limit) {
@@ -38,7 +38,7 @@ impl Budget {
         !self.over
     }
 
-    /// Whether a step of so much work, which cannot be interrupted, would end in time; if not, the budget is over.
+    /// Whether an uninterruptible step of this much work would end in time. If not, the budget is over.
     pub(crate) fn affords(&mut self, work: u64) -> bool {
         let time = Duration::from_nanos(work.saturating_mul(2));
         if self.work.is_some_and(|limit| self.spent.saturating_add(work) > limit)
@@ -54,7 +54,7 @@ impl Budget {
         self.over
     }
 
-    /// Work booked so far.
+    /// Work added so far.
     pub(crate) fn spent(&self) -> u64 {
         self.spent
     }

@@ -1,8 +1,8 @@
-//! Signed graphs: the instance to cut, and the forms in which the solver works on it.
+//! Signed graphs: the instance to cut, and the representations that the solver works on.
 //!
 //! A graph has nodes, and edges with a cost `c` for cutting them. A set of edges is a multicut if and only if no cycle meets
-//! it in exactly one edge (Chopra, Rao 1993). [`instance`] is the caller's graph, [`read`] and [`generate`] make one;
-//! [`signed_graph`] shrinks as reductions contract it, [`kernel`] numbers the edges of what they leave, and
+//! it in exactly one edge (Chopra, Rao 1993). [`instance`] is the caller's graph, which [`read`] reads and [`generate`]
+//! generates. [`signed_graph`] shrinks while reductions contract it, [`kernel`] numbers the edges that they leave, and
 //! [`cluster_graph`] sums the costs between clusters.
 //!
 //! Depends on no other module of this crate.

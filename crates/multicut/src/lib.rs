@@ -1,9 +1,9 @@
 //! Minimum-cost multicuts of signed graphs.
 //!
 //! A *multicut* is the set of edges between the clusters of a partition of the nodes. With a cost `c` for cutting each edge
-//! (positive: its ends attract each other; negative: they repel) the problem is to find the partition with
-//! the least total cost of cut edges: correlation clustering, with the number of clusters left free. It is NP-hard
-//! in general; on sparse graphs, reductions leave kernels so small that the optimum is found and proved.
+//! (positive: its ends attract each other; negative: they repel), the problem is to find the partition with the least total
+//! cost of cut edges. This is correlation clustering, with the number of clusters left free. It is NP-hard in general. On
+//! sparse graphs, reductions leave kernels so small that the solver finds the optimum and proves it.
 //!
 //! ```
 //! use posecut_multicut::{Graph, Options, solve};
@@ -15,12 +15,12 @@
 //! # Ok::<(), posecut_multicut::GraphError>(())
 //! ```
 //!
-//! # Where things are
+//! # Modules
 //!
-//! A folder of `src` is a piece of theory; the module of its name says which equations it rests on. Each depends only on
-//! those before it:
+//! Each folder of `src` covers one part of the theory, and the module of the same name states its equations. Each module
+//! depends only on those before it:
 //!
-//! - `graph`: signed graphs, and how they are read and generated.
+//! - `graph`: signed graphs, their input format and generators.
 //! - `bound`: packings, the cycle relaxation, odd wheels.
 //! - `reduce`: reductions that keep an optimum, and independent blocks.
 //! - `heuristics`: greedy contraction, Kernighan-Lin with joins, fusion moves.
@@ -29,7 +29,7 @@
 //! - `costs`: costs of landmark edges from support.
 //! - `stage`: the multicut of a pose graph, with the feature `cli`.
 //!
-//! `budget` limits the work of all of them, and `options` are the caller's choices.
+//! `budget` limits the work of all modules, and `options` holds the caller's choices.
 #![doc = include_str!("../docs/method.md")]
 
 mod bound;

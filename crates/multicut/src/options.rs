@@ -1,4 +1,4 @@
-//! How to solve.
+//! Options of the solver.
 
 use std::time::Duration;
 
@@ -23,13 +23,13 @@ pub enum Solver {
 pub struct Options {
     /// Algorithm for the kernels.
     pub solver: Solver,
-    /// Time after which the best solution and bound so far are returned. When it strikes, the result depends on
-    /// the machine; when the proof completes earlier, it does not.
+    /// Time after which the best solution and bound so far are returned. If it is reached, the result depends on the machine;
+    /// if the proof completes earlier, it does not.
     pub time_limit: Option<Duration>,
-    /// Work after which the same happens at the same place on every machine; one unit is about one visited edge, and
-    /// 10^8 units take seconds.
+    /// Work after which the best solution and bound so far are returned, with the same result on every machine. One unit is
+    /// about one visited edge, and 10^8 units take seconds.
     pub work_limit: Option<u64>,
-    /// Seed of the local search that improves what could not be proved optimal.
+    /// Seed of the local search, which improves solutions that are not proved optimal.
     pub seed: u64,
     /// Whether to record a [`Certificate`](crate::Certificate) of the lower bound.
     pub certificate: bool,

@@ -1,9 +1,9 @@
-//! Reductions: what an optimum is known to do, done before any search.
+//! Reductions: decisions that hold in some optimum, made before any search.
 //!
 //! [`reduction`] isolates, eliminates and contracts nodes: degrees one and two, dominance (Lange, Karrenbauer, Andres, ICML
-//! 2018), triangles (after Lange, Andres, Swoboda, CVPR 2019); it states and proves each rule. [`blocks`] splits a graph
-//! into biconnected blocks, which are independent because a cycle lies in one of them (Hopcroft, Tarjan, CACM 1973).
-//! [`decomposition`] alternates both until only kernels remain, and joins parts that a complete packing closes.
+//! 2018), triangles (after Lange, Andres, Swoboda, CVPR 2019); it states and proves each rule. [`blocks`] splits a graph into
+//! biconnected blocks, which are independent because every cycle lies in one block (Hopcroft, Tarjan, CACM 1973).
+//! [`decomposition`] alternates both until only kernels remain, and joins the nodes of blocks that a complete packing closes.
 //!
 //! Depends on [`graph`](crate::graph), and on [`bound`](crate::bound) for complete packings.
 

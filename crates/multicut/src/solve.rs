@@ -1,7 +1,7 @@
-//! The whole graph: conflicted components, one after the other.
+//! Solves the whole graph, one conflicted component after the other.
 //!
-//! Each component is reduced to kernels; [`search`] closes a kernel by branch and cut: a packing, the cycle relaxation with
-//! odd wheels, edges fixed by residual cost, branching. Depends on all theory of this crate: [`reduce`](crate::reduce),
+//! Each component is reduced to kernels. [`search`] closes a kernel by branch and cut: a packing, the cycle relaxation with
+//! odd wheels, edges fixed by residual cost, branching. Depends on all the theory of this crate: [`reduce`](crate::reduce),
 //! [`heuristics`](crate::heuristics), [`bound`](crate::bound), [`certificate`](crate::certificate).
 
 mod search;
@@ -20,20 +20,20 @@ use crate::options::{Options, Solver};
 use crate::reduce::decomposition::{Decomposition, decompose};
 use search::{State, close, improve, survey};
 
-/// A multicut, and how good it is known to be.
+/// A multicut and its lower bound.
 #[derive(Debug, Clone)]
 pub struct Solution {
-    /// Cluster of each node, numbered by first appearance. An edge is cut iff its ends have different labels; every
-    /// cluster is connected by edges that are not cut.
+    /// Cluster of each node, numbered by first appearance. An edge is cut if and only if its ends have different labels.
+    /// Every cluster is connected by edges that are not cut.
     pub labels: Vec<u32>,
-    /// Cost of the edges cut.
+    /// Cost of the cut edges.
     pub objective: f64,
     /// No multicut costs less than this.
     pub lower_bound: f64,
-    /// Whether the objective is proved to be minimal: integer costs exactly, others up to 10^-10 of the sum of
+    /// Whether the objective is proved to be minimal: exactly for integer costs, otherwise up to 10^-10 of the sum of
     /// absolute costs.
     pub optimal: bool,
-    /// Nodes of the kernels that reductions left.
+    /// Nodes of the kernels that remain after reductions.
     pub kernel_nodes: usize,
     /// Edges of those kernels.
     pub kernel_edges: usize,
@@ -43,7 +43,7 @@ pub struct Solution {
     pub certificate: Option<Certificate>,
     /// Work done, in the units of [`Options::work_limit`].
     pub work: u64,
-    /// Seconds it took.
+    /// Wall time in seconds.
     pub seconds: f64,
 }
 
@@ -54,7 +54,7 @@ impl Solution {
     }
 }
 
-/// One conflicted component: its nodes in canonical order, and what is left of it.
+/// One conflicted component: its nodes in canonical order, its decomposition, and the states of its kernels.
 struct Component {
     nodes: Vec<u32>,
     decomposition: Decomposition,
@@ -63,17 +63,17 @@ struct Component {
 
 /// Finds a minimum-cost multicut of `graph`, or the best one within the limits, and a lower bound.
 ///
-/// Edges that repel between different components of the attractive edges are cut; components without repulsive edges
-/// inside are joined. What is left is reduced to kernels (see the crate's documentation), and only these are searched.
-/// Near-linear where kernels are small.
+/// Repulsive edges between different components of the attractive edges are cut. Components without repulsive edges inside
+/// are joined. The rest is reduced to kernels (see the crate's documentation), and only these are searched. Near-linear where
+/// kernels are small.
 ///
-/// What numbering may change: the objective and bound of a completed proof never (but for the rounding of costs that
-/// are no integers); the partition never where the optimum is unique. Where several partitions are best, or no
-/// proof completes, ties are broken in an order of nodes taken from the graph itself. In each conflicted component that
-/// order is refined until it tells all nodes apart that are not images of each other (as far as colour refinement can
-/// see), or until 60 million nodes and edges were looked at: that is always enough up to 3,000 nodes and edges, and for most
-/// irregular graphs up to a million; in a larger one, nodes alike four edges far go by number, and renumbering may
-/// then give another partition. The order of edges, and the number of threads, change nothing.
+/// Renumbering the nodes never changes the objective and bound of a completed proof (except for rounding of costs that are
+/// not integers), nor the partition where the optimum is unique. If several partitions are optimal, or no proof completes,
+/// ties are broken by a node order computed from the graph itself. In each conflicted component, this order is refined until
+/// it distinguishes all nodes that are not images of each other (as far as colour refinement can see), or until it has
+/// visited 60 million nodes and edges. That always suffices up to 3,000 nodes and edges, and for most irregular graphs up to
+/// a million. In a larger component, nodes that look the same up to four edges away are ordered by number, and renumbering
+/// may then give another partition. The order of edges and the number of threads change nothing.
 pub fn solve(graph: &Graph, options: &Options) -> Solution {
     let start = Instant::now();
     let mut budget = Budget::new(options.time_limit, options.work_limit);
@@ -117,7 +117,7 @@ pub fn solve(graph: &Graph, options: &Options) -> Solution {
     Solution {
         labels,
         objective,
-        // A proof up to rounding is a proof: report the objective, not the last digits of a dual.
+        // A proof up to rounding is a proof: report the objective instead of a dual value that differs in the last digits.
         lower_bound: if closed { objective } else { lower_bound.min(objective) },
         optimal: closed,
         kernel_nodes,
@@ -138,8 +138,8 @@ fn certify(labels: &[u32], components: Vec<Component>) -> Certificate {
     Certificate { labels: labels.to_vec(), components: components.collect() }
 }
 
-/// Heuristic solutions and packing bounds. First a solution everywhere, then better ones, then bounds, so that a
-/// limit finds something sensible in every kernel.
+/// Heuristic solutions and packing bounds. First finds a solution everywhere, then better ones, then bounds, so that every
+/// kernel has a sensible solution when a limit is reached.
 fn survey_all(components: &mut [Component], options: &Options, budget: &mut Budget) {
     let mut labels = Vec::new();
     for component in components.iter() {
@@ -159,10 +159,10 @@ fn survey_all(components: &mut [Component], options: &Options, budget: &mut Budg
     }
 }
 
-/// Fusion moves before the exact search: a better solution prunes more.
+/// Fusion moves before the exact search, because a better solution prunes more.
 const ROUNDS: usize = 8;
 
-/// Closes kernels from small to large, so that a limit leaves as few open as possible.
+/// Closes kernels from small to large, so that few remain open when a limit is reached.
 fn close_all(components: &mut [Component], seed: u64, budget: &mut Budget) {
     let mut open: Vec<(usize, usize, usize)> = Vec::new();
     for (index, component) in components.iter().enumerate() {
@@ -194,8 +194,8 @@ fn attractive_components(graph: &Graph) -> UnionFind {
     sets
 }
 
-/// The components of the attractive edges with repulsive edges inside, as graphs of their own. Their nodes become
-/// single sets in `joined`; the cost of edges between components is added to `bound`.
+/// The components of the attractive edges that have repulsive edges inside, as separate graphs. Their nodes become single
+/// sets in `joined`. The cost of edges between components is added to `bound`.
 fn conflicted_components(
     graph: &Graph,
     joined: &mut UnionFind,

@@ -1,8 +1,7 @@
-//! The multicut as a stage: marks the landmark edges that an optimal multicut cuts, and labels the landmarks
-//! that remain.
+//! The multicut as a stage: marks the landmark edges that an optimal multicut cuts, and labels the landmarks that remain.
 //!
-//! [`cut_graph`] makes the signed graph of a pose graph. Depends on the costs and on [`solve`](crate::solve()) alone; the solver knows
-//! no pose graphs.
+//! [`cut_graph`] makes the signed graph of a pose graph. Depends only on the costs and on [`solve`](crate::solve()); the
+//! solver does not know pose graphs.
 
 pub mod cut_graph;
 pub(crate) mod landmarks;
@@ -23,7 +22,7 @@ use landmarks::{label_landmarks, mark};
 use moved::MovedOptions;
 use solver::{SolverOptions, note};
 
-/// What names the file of the certificate.
+/// The option that names the certificate's file.
 const CERTIFICATE: &str = "--certificate";
 
 /// The options of the multicut stage.
@@ -50,7 +49,7 @@ pub struct StageOptions {
 }
 
 impl StageOptions {
-    /// Cuts a pose graph: marks the landmark edges cut, labels the landmarks, notes figures.
+    /// Cuts a pose graph: marks the cut landmark edges, labels the landmarks, notes the statistics.
     fn cut(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<Solution> {
         let (costs, support) = self.cut.costs(graph)?;
         let instance = self.cut.graph_of(graph, &costs)?;
@@ -94,8 +93,8 @@ impl StageOptions {
         Ok(solution)
     }
 
-    /// Doubts a result where most edges are cut for want of a neighbour: that is a matter of their spacing, not of evidence.
-    /// Whether it is so.
+    /// Raises a doubt if most edges are cut because they have no neighbour: that follows from their spacing and is not
+    /// evidence. Returns whether it does.
     fn doubt_missing_support(&self, lone: usize, support: &Support, context: &mut Context) -> bool {
         let all = support.counts.len();
         let Some([smallest, largest]) = support.deltas.filter(|_| 2 * lone > all) else { return false };
@@ -121,7 +120,7 @@ impl StageOptions {
     }
 }
 
-/// Edges that are cut and have no support edge.
+/// The number of edges that are cut and have no support edge.
 fn unsupported_and_cut(graph: &PoseGraph, support: &Support) -> usize {
     support.counts.iter().filter(|&&(index, count)| count == 0 && !graph.edges[index].in_use()).count()
 }

@@ -1,4 +1,4 @@
-//! Every solver against all partitions of small graphs.
+//! Every solver compared with all partitions of small graphs.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use posecut_multicut::{Graph, Options, Solution, Solver, solve, verify};
@@ -20,7 +20,7 @@ fn partitions(count: usize, visit: &mut impl FnMut(&[u32])) {
     extend(&mut Vec::new(), 0, count, visit);
 }
 
-/// All cuts of the partitions of `count` nodes, as costs' selectors.
+/// The smallest objective over all these partitions.
 fn minimum(graph: &Graph, all: &[Vec<u32>]) -> f64 {
     all.iter().map(|labels| graph.objective(labels).unwrap()).fold(f64::INFINITY, f64::min)
 }
@@ -31,7 +31,7 @@ fn all_partitions(count: usize) -> Vec<Vec<u32>> {
     all
 }
 
-/// Labels are canonical, clusters are connected, and the objective is that of the labels.
+/// Checks that labels are canonical, clusters are connected, and the objective is that of the labels.
 fn check(graph: &Graph, solution: &Solution) {
     let mut next = 0;
     for &label in &solution.labels {

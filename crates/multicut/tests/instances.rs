@@ -1,11 +1,11 @@
-//! Published instances against their proven optima; skipped where the data are absent.
+//! Published instances compared with their proven optima; skipped if the data are missing.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use std::path::PathBuf;
 
 use posecut_multicut::{Options, read_mc, solve, verify};
 
-/// Instance and optimum, to the digits published.
+/// Instance, optimum, and tolerance by the published digits.
 const OPTIMA: [(&str, f64, f64); 20] = [
     ("sn_cloister", -45.0, 0.0),
     ("sn_gahuku", -27.0, 0.0),
@@ -25,7 +25,7 @@ const OPTIMA: [(&str, f64, f64); 20] = [
     ("pace_exact041", -1_502.0, 0.0),
     ("pace_exact061", -7_527.0, 0.0),
     ("pace_exact121", -15_063.0, 0.0),
-    // Not closed by anyone before: proved here, and so by the verifier.
+    // Nobody proved these optima before: the solver proves them, and the verifier confirms the proofs.
     ("em_SNEMI3D_test", -910_618.578_982, 1e-4),
     ("em_CREMI-C_train", -917_272.164_272_683, 1e-4),
 ];

@@ -1,4 +1,4 @@
-//! Numbering, order, seeds and limits: what may change an answer, and what may not.
+//! Numbering, order, seeds and limits: which changes of them may affect an answer, and which may not.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use posecut_multicut::generate::{Family, generate};
@@ -19,7 +19,7 @@ fn sparse(nodes: u64, edges: usize, attractive: f64, random: &mut ChaCha8Rng) ->
         .collect()
 }
 
-/// Other numbers for the nodes, another order and other directions for the edges.
+/// Renumbers the nodes, and changes the order and the directions of the edges.
 fn renumber(edges: &Edges, nodes: u64, random: &mut ChaCha8Rng) -> (Vec<u64>, Edges) {
     let mut numbers: Vec<u64> = (0..nodes).collect();
     numbers.shuffle(random);
@@ -34,7 +34,7 @@ fn renumber(edges: &Edges, nodes: u64, random: &mut ChaCha8Rng) -> (Vec<u64>, Ed
     (numbers, renumbered)
 }
 
-/// What symmetries of the graph leave alone: the sizes of the clusters.
+/// The sizes of the clusters, which symmetries of the graph do not change.
 fn sizes(labels: &[u32]) -> Vec<usize> {
     let mut sizes = vec![0; labels.len()];
     for &label in labels {
@@ -136,7 +136,7 @@ fn a_limit_is_overshot_by_little() {
         solve(&graph, &options)
     };
     let attractive = graph.edges().iter().filter(|edge| edge.cost > 0.0).count();
-    // Once over, nothing is taken apart, contracted or packed any more.
+    // Once the budget is over, nothing is decomposed, contracted or packed any more.
     let over = run(Solver::Exact, 0);
     assert!(over.kernel_edges >= attractive && over.work <= passes, "{} {}", over.kernel_edges, over.work);
     for solver in [Solver::Gaec, Solver::Klj, Solver::Exact] {
@@ -157,7 +157,7 @@ fn a_spoiled_certificate_is_refuted() {
     let text = String::from_utf8(text).unwrap();
     assert_eq!(verify(&graph, text.as_bytes()).unwrap().lower_bound, solution.lower_bound);
     assert!(text.contains("pack"), "{text}");
-    // No change of one number may prove more than the optimum.
+    // No change of a single number may prove a bound above the optimum.
     let lines: Vec<&str> = text.lines().collect();
     let mut refuted = 0;
     for (index, line) in lines.iter().enumerate().skip(2) {

@@ -1,10 +1,11 @@
-//! The program from end to end; certificates are checked in crates/contract, which has the program that does.
+//! The program from end to end. Tests in crates/contract check its certificates, because they have the program that verifies
+//! them.
 #![allow(clippy::unwrap_used)]
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// A folder of its own for each test.
+/// A separate folder for each test.
 fn folder(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = std::fs::remove_dir_all(&folder);
@@ -33,14 +34,14 @@ fn fails(folder: &Path, arguments: &str, status: i32) -> String {
     said + &String::from_utf8(output.stdout).unwrap()
 }
 
-/// Whether statistics hold `"key": value`.
+/// Asserts that the statistics contain `"key": value`.
 fn holds(folder: &Path, file: &str, key: &str, value: &str) {
     let text = std::fs::read_to_string(folder.join(file)).unwrap();
     let line = format!("\"{key}\": {value}");
     assert!(text.lines().any(|found| found.trim().trim_end_matches(',') == line), "no {line} in {text}");
 }
 
-/// Two sessions; 0-3, 1-4, 2-5 support each other, 0-6 stands alone.
+/// Two sessions; 0-3, 1-4, 2-5 support each other, 0-6 has no support.
 const POSES: &str = r#"{"kind":"header","format":"posecut","version":1,"dimension":2}
 {"kind":"node","id":0,"session":"a","frame":0,"pose":[0,0,0]}
 {"kind":"node","id":1,"session":"a","frame":1,"pose":[1,0,0]}
@@ -60,7 +61,7 @@ const POSES: &str = r#"{"kind":"header","format":"posecut","version":1,"dimensio
 {"kind":"landmark","id":23,"from":0,"to":6,"cost":5,"truth":{"correct":false}}
 "#;
 
-/// The line of an edge.
+/// The line with this id.
 fn line<'a>(text: &'a str, id: &str) -> &'a str {
     text.lines().find(|line| line.contains(&format!("\"id\":{id},"))).unwrap()
 }
@@ -95,7 +96,7 @@ fn cost_models_and_cut_graphs() {
     );
     let wide = succeed(&folder, "g.jsonl --delta 2");
     assert!(!wide.contains("rejected_by"), "{wide}");
-    // Odometry ties everything together and outweighs the repulsive edge.
+    // Odometry connects everything and outweighs the repulsive edge.
     let full = succeed(&folder, "g.jsonl --graph full --odometry-cost 2 --stats s.json");
     assert!(!full.contains("rejected_by"), "{full}");
     holds(&folder, "s.json", "landmarks", "1");
@@ -109,7 +110,7 @@ fn cost_models_and_cut_graphs() {
 #[test]
 fn options_of_another_program_name_it() {
     let folder = folder("moved");
-    // Before anything is read.
+    // The error comes before anything is read.
     let message = fails(&folder, "none.jsonl --format mc", 2);
     assert!(message.contains("posecut-partition solve INSTANCE"), "{message}");
     let message = fails(&folder, "none.jsonl --verify g.proof", 2);
@@ -124,13 +125,13 @@ fn the_truth_is_not_looked_at() {
     std::fs::write(folder.join("lies.jsonl"), &lies).unwrap();
     let records = |file: &str| {
         let text = succeed(&folder, file).replace("\"correct\":true", "\"correct\":false");
-        // The header's provenance has the digest of the input.
+        // Skip the header, whose provenance has the digest of the input.
         text.lines().skip(1).map(String::from).collect::<Vec<_>>()
     };
     assert_eq!(records("g.jsonl"), records("lies.jsonl"));
 }
 
-/// One session whose second half sees the first again: a closure at every `every`-th frame, and `false_ones` elsewhere.
+/// One session whose second half repeats the first: a closure at every `every`-th frame, and `false_ones` false ones elsewhere.
 fn spaced(every: usize, false_ones: usize) -> String {
     let mut text =
         String::from("{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":2}\n");
@@ -153,7 +154,7 @@ fn spaced(every: usize, false_ones: usize) -> String {
     text
 }
 
-/// What the program writes to standard error.
+/// The standard error of the program.
 fn said(folder: &Path, arguments: &str) -> String {
     let output = run(folder, arguments);
     assert!(output.status.success(), "{arguments}");

@@ -1,4 +1,4 @@
-//! Support of landmark edges against its definition.
+//! Support of landmark edges compared with its definition.
 #![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeSet;
@@ -9,7 +9,7 @@ use proptest::prelude::*;
 
 const FRAMES: u64 = 7;
 
-/// Two sessions of seven frames; edges by node, whichever way round, within a session too.
+/// Two sessions of seven frames. Edges are given by nodes, in either direction, also within a session.
 fn pose_graph(edges: &[(u64, u64, bool)]) -> PoseGraph {
     let mut graph = PoseGraph::new(Header::new(Dimension::Two));
     for id in 0..2 * FRAMES {
@@ -27,7 +27,7 @@ fn pose_graph(edges: &[(u64, u64, bool)]) -> PoseGraph {
     graph
 }
 
-/// Straight from the definition: every other pair of places, in either direction.
+/// Counts by the definition: every other pair of frames, in either direction.
 fn by_definition(edges: &[(u64, u64, bool)], delta: u32) -> Vec<(usize, usize)> {
     let used = || edges.iter().enumerate().filter(|(_, edge)| edge.2);
     let pair = |edge: &(u64, u64, bool)| (edge.0.min(edge.1), edge.0.max(edge.1));
@@ -45,8 +45,8 @@ fn by_definition(edges: &[(u64, u64, bool)], delta: u32) -> Vec<(usize, usize)> 
 }
 
 proptest! {
-    // A window of (2 delta + 1)^2 places is looked up place by place if there are more pairs than that, and
-    // searched pair by pair else: 0 to 60 edges and delta 0 to 4 take both ways.
+    // If there are more pairs than the (2 delta + 1)^2 positions of a window, each position is looked up; otherwise the pairs
+    // are searched. 0 to 60 edges and delta 0 to 4 test both ways.
     #[test]
     fn support_is_what_its_definition_says(
         edges in prop::collection::vec((0..2 * FRAMES, 0..2 * FRAMES, prop::bool::weighted(0.9)), 0..60),
@@ -59,7 +59,7 @@ proptest! {
 
 #[test]
 fn directions_and_duplicates_do_not_count_twice() {
-    // 0-7 three times, once backwards; its only other pair is 1-8.
+    // 0-7 occurs three times, once backwards; the only other pair is 1-8.
     let edges = [(0, 7, true), (7, 0, true), (0, 7, true), (8, 1, true)];
     let counts = support_counts(&pose_graph(&edges), 1).unwrap();
     assert_eq!(counts, [(0, 1), (1, 1), (2, 1), (3, 1)]);

@@ -1,4 +1,4 @@
-//! Odd wheels in certificates: what the solver writes, and what the verifier refuses.
+//! Odd wheels in certificates: those that the solver writes, and those that the verifier rejects.
 #![allow(clippy::unwrap_used)]
 
 use posecut_multicut::{Graph, Options, Verified, VerifyError, solve, verify};
@@ -18,7 +18,7 @@ fn check(conflict: &str) -> Result<Verified, VerifyError> {
 
 #[test]
 fn proofs_hold_wheels_where_cycles_are_not_enough() {
-    // Cycles give half a spoke for each node of the ring, and an odd ring pays half a spoke more.
+    // Cycles give half a spoke for each node of the ring, and an odd ring costs half a spoke more.
     for (ring, optimum) in [(3, -5.0), (5, -9.0), (7, -13.0)] {
         let graph = wheel_graph(ring);
         let solution = solve(&graph, &Options { certificate: true, ..Options::default() });
@@ -35,7 +35,7 @@ fn proofs_hold_wheels_where_cycles_are_not_enough() {
 fn a_sound_wheel_is_accepted() {
     let verified = check("wheel 2 1 2 3 / 0 1 / 0 2 / 0 3").unwrap();
     assert_eq!((verified.lower_bound, verified.optimal), (-5.0, true));
-    // Spokes belong to the nodes from which the walk enters repulsive edges, and may pass through the ring's attraction.
+    // Spokes end at the nodes where the walk enters repulsive edges, and may pass through attractive edges of the ring.
     assert!(check("wheel 1 3 2 1 / 0 3 / 0 2 / 0 1").is_ok());
 }
 

@@ -1,4 +1,4 @@
-//! A signed graph to the labels of its nodes.
+//! Solves a signed graph and writes the labels of its nodes.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;

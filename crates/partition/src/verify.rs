@@ -1,4 +1,4 @@
-//! What a certificate proves.
+//! Checks a certificate and reports what it proves.
 
 use std::io::BufRead as _;
 use std::path::PathBuf;
@@ -63,8 +63,8 @@ fn note(verified: &Verified, context: &mut Context) {
     statistics.note("optimal", verified.optimal);
 }
 
-/// The signed graph, or that of a pose graph. JSON starts with a brace and an instance with a word, so the first byte tells them
-/// apart.
+/// The signed graph of the input, which is an instance or a pose graph. JSON starts with a brace and an instance with a word,
+/// so the first byte distinguishes them.
 fn read(arguments: &Arguments, context: &mut Context) -> anyhow::Result<Graph> {
     let mut input = posecut_stage::open(&arguments.input)?;
     let name = input.name.clone();

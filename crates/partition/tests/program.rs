@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// A folder of its own for each test.
+/// A separate folder for each test.
 fn folder(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = std::fs::remove_dir_all(&folder);
@@ -33,7 +33,7 @@ fn fails(folder: &Path, arguments: &str, status: i32) -> String {
     said + &String::from_utf8(output.stdout).unwrap()
 }
 
-/// Whether statistics hold `"key": value`.
+/// Asserts that the statistics contain `"key": value`.
 fn holds(folder: &Path, file: &str, key: &str, value: &str) {
     let text = std::fs::read_to_string(folder.join(file)).unwrap();
     let line = format!("\"{key}\": {value}");
@@ -62,7 +62,7 @@ fn a_plain_instance_gives_one_label_a_line() {
         let text = std::fs::read_to_string(folder.join("s.json")).unwrap();
         assert!(["seconds", "kernel_nodes", "kernel_edges"].iter().all(|key| text.contains(key)), "{text}");
     }
-    // A limit that is over at once leaves the plainest multicut: nothing that is conflicted is cut.
+    // A limit that is reached at once leaves the simplest multicut: no edge inside a conflicted component is cut.
     assert_eq!(succeed(&folder, "solve t.mc --work-limit 0 --time-limit 0"), "0\n0\n0\n");
 }
 
@@ -115,11 +115,11 @@ fn certificates_are_written_and_checked() {
     holds(&folder, "v.json", "optimal", "true");
     holds(&folder, "v.json", "holds", "true");
     let text = std::fs::read_to_string(folder.join("t.proof")).unwrap();
-    // The same labels are not optimal for other costs.
+    // For other costs, the same labels are not optimal.
     let other = run(&folder, "verify t.proof other.mc");
     let said = String::from_utf8(other.stdout).unwrap();
     assert!(!said.contains("no multicut costs less\n"), "{said}");
-    // A part with a node that is not there.
+    // A part with a node that does not exist.
     let component = text.lines().nth(2).unwrap();
     std::fs::write(folder.join("spoiled"), text.replace(component, "component 0 1 9")).unwrap();
     assert!(fails(&folder, "verify spoiled t.mc", 1).contains("spoiled: proves nothing: line 3"));

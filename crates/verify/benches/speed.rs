@@ -1,4 +1,4 @@
-//! Verification beside PCM, with its defaults and with `--chance`, on drawn scenarios of two sessions.
+//! Verification, with its defaults, and PCM, with its defaults and with `--chance`, on random scenarios of two sessions.
 //!
 //! `cargo bench -p posecut-verify -- /1000/` runs one size. The two large sizes take minutes each, and need
 //! `POSECUT_BENCH_LARGE` in the environment; `cargo xtask measure verify` measures whole processes.
@@ -14,10 +14,10 @@ use posecut_graph::PoseGraph;
 use posecut_pcm::generate::{Falsehood, Scenario};
 use posecut_stage::{CommonArguments, Context, GraphStage, Identity};
 
-/// Candidates. The third is the number in five whole NCLT sessions, with a tenth of them false.
+/// Numbers of candidates. The third is that of five whole NCLT sessions, a tenth of them false.
 const SIZES: [usize; 4] = [1000, 5000, 41_142, 100_000];
 
-/// Sizes above need `POSECUT_BENCH_LARGE`.
+/// Larger sizes need `POSECUT_BENCH_LARGE`.
 const LARGEST: usize = 5000;
 
 #[derive(clap::Parser)]

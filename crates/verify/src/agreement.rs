@@ -1,4 +1,4 @@
-//! What the map says of whole hypotheses.
+//! Whether the map agrees with whole hypotheses.
 
 use crate::islands::Hypothesis;
 use crate::model::Motion;
@@ -6,8 +6,8 @@ use crate::rivals::COMPARABLE;
 use crate::rounds::{CONTRADICTED, DOUBT, Rounds};
 
 impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
-    /// The odds against a hypothesis before the map is asked: of those with comparable evidence, how many the map does not hold for each
-    /// that it does. Never below one: a group that agrees with itself may be one of false edges wherever it is.
+    /// The prior odds against a hypothesis: among those with comparable evidence, the number that the map does not hold for
+    /// each one that it holds. Never below one, because a group that agrees with itself may always consist of false edges.
     fn odds_against(&self, hypothesis: &Hypothesis) -> f64 {
         let comparable =
             self.hypotheses.iter().filter(|other| other.evidence >= COMPARABLE * hypothesis.evidence);
@@ -15,7 +15,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         ((others.len() + 1) as f64 / (held.len() + 1) as f64).max(1.0)
     }
 
-    /// The numbers of hypotheses within parts of the graph that the map does not hold.
+    /// The numbers of hypotheses within components of the graph that the map does not hold.
     pub(crate) fn open(&self) -> Vec<usize> {
         let part = self.parts.clone().into_labeling();
         let within = |hypothesis: &Hypothesis| {
@@ -26,24 +26,25 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         (0..self.hypotheses.len()).filter(|&number| is_open(&self.hypotheses[number])).collect()
     }
 
-    /// Whether the map has at least half of a hypothesis.
+    /// Whether the map holds at least half of a hypothesis.
     fn holds(&self, hypothesis: &Hypothesis) -> bool {
         let accepted = hypothesis.members.iter().filter(|&&member| self.accepted[member]).count();
         2 * accepted >= hypothesis.members.len()
     }
 
-    /// Evidence of the map that leaves little doubt of a hypothesis.
+    /// Evidence of the map above which little doubt of a hypothesis remains.
     fn enough(&self, hypothesis: &Hypothesis) -> f64 {
         (self.odds_against(hypothesis) * (1.0 - DOUBT) / DOUBT).ln()
     }
 
-    /// Whether a map leaves little doubt of most members of a hypothesis, by their evidence.
+    /// Whether the evidence of a map leaves little doubt of most members of a hypothesis.
     pub(crate) fn agrees(&self, hypothesis: &Hypothesis, evidence: impl Fn(usize) -> Option<f64>) -> bool {
         let enough = self.enough(hypothesis);
         hypothesis.is_mostly(|member| evidence(member).is_some_and(|evidence| evidence > enough))
     }
 
-    /// Whether the map could hardly support most members of a hypothesis if they were correct, and does not contradict them.
+    /// Whether the map is too uncertain to support most members of a hypothesis, even without any error, and does not
+    /// contradict them.
     pub(crate) fn unplaced(&self, hypothesis: &Hypothesis) -> bool {
         let enough = self.enough(hypothesis);
         hypothesis.is_mostly(|member| {

@@ -1,8 +1,8 @@
 //! Where the odometry of a chain is broken.
 //!
-//! Wheels slip and robots are turned by hand: a step or two are wrong beyond all claims, and what lies behind them contradicts the map,
-//! correct as it is. False edges that agree with each other contradict it, too. What tells them apart is the motion that they make
-//! of the broken steps: correct ones have the robot move as it does elsewhere, or slower, false ones have it jump anywhere.
+//! Wheels slip and robots are turned by hand: a step or two are wrong far beyond their covariances, and correct edges behind
+//! them contradict the map. Groups of false edges contradict it, too. The motion over the broken steps distinguishes the two:
+//! with correct edges the robot moves as usual or slower, with false edges it jumps anywhere.
 
 use nalgebra::{SMatrix, SVector};
 use posecut_geometry::covariance::{inverse, to_body};
@@ -16,20 +16,20 @@ use crate::model::Motion;
 use crate::rounds::Rounds;
 use crate::usual::usual_motion;
 
-/// Members of a group next to a break that are looked at.
+/// Members of a group that are examined next to a break.
 const WITNESSES: usize = 9;
-/// Most steps that a break may have: over more of them, chance is as near as the usual motion.
+/// Most steps of a break. Over more steps, chance is as close as the usual motion.
 const LONGEST: usize = 10;
 
-/// The places among the graph's edges of the odometry before and after groups that the map does not support, where these lie on
-/// stretches of a chain of which the map holds nothing, and the robot gets there by a motion that is no chance. Where it does so
-/// from one side only, the other side may be part of the same error.
+/// Indices, among the graph's edges, of the broken odometry before and after groups that the map does not support. Such a
+/// group lies on a stretch of a chain without accepted closures, and the robot reaches it by a motion that chance does not
+/// explain. If this holds on one side only, the other side may be part of the same error.
 pub(crate) fn breaks<G: Motion<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     rounds: &Rounds<'_, G, DOF>,
 ) -> Vec<usize> {
     let Some(poses) = &rounds.poses else { return Vec::new() };
-    // Each group is looked at from both sides.
+    // Each group is examined from both sides.
     let strong = || rounds.hypotheses.iter().filter(|hypothesis| hypothesis.is_strong());
     let enough = (COST * 2.0 * strong().count() as f64).ln();
     let search = Search { rounds, poses, held: held(rounds), enough };
@@ -50,14 +50,14 @@ pub(crate) fn breaks<G: Motion<DOF>, const DOF: usize>(
         .collect()
 }
 
-/// A step of a chain, by its later place.
+/// A step of a chain, named by its later position.
 #[derive(Clone, Copy, PartialEq)]
 struct Step {
     chain: usize,
     later: usize,
 }
 
-/// The places of each chain that accepted closures lead from or to, in order.
+/// The positions of each chain where accepted closures end, in order.
 fn held<G: Motion<DOF>, const DOF: usize>(rounds: &Rounds<'_, G, DOF>) -> Vec<Vec<usize>> {
     let mut held = vec![Vec::new(); rounds.model.chains.chains.len()];
     for closure in (0..rounds.accepted.len()).filter(|&closure| rounds.accepted[closure]) {
@@ -76,14 +76,14 @@ struct Search<'a, G, const DOF: usize> {
     rounds: &'a Rounds<'a, G, DOF>,
     poses: &'a [G],
     held: Vec<Vec<usize>>,
-    /// Evidence at which fewer than a third of a group is expected to be there by chance.
+    /// Evidence at which less than a third of one group is expected to agree by chance.
     enough: f64,
 }
 
 impl<G: Motion<DOF>, const DOF: usize> Search<'_, G, DOF> {
-    /// The broken steps around a group's ends on one side, if there are any.
+    /// The broken steps around a group's ends in chain A (`side` 0) or B (1), if there are any.
     fn around(&self, hypothesis: &Hypothesis, side: usize) -> Option<Vec<Step>> {
-        // Judged by the map, and not accepted.
+        // Members that the map judged and did not accept.
         let left_out =
             |member: &usize| !self.rounds.accepted[*member] && self.rounds.ratio[*member].is_some();
         let end = |closure: usize| self.rounds.model.ends(closure)[side];
@@ -98,7 +98,7 @@ impl<G: Motion<DOF>, const DOF: usize> Search<'_, G, DOF> {
         }
         members.sort_unstable();
         let (chain, _) = end(hypothesis.members[0]);
-        // The stretch without accepted closures around most members; a few may lie beside it.
+        // The stretch without accepted closures around most members. A few members may lie outside it.
         let (middle, all) = (members[members.len() / 2].0, members.len());
         let held = &self.held[chain];
         let next = held.partition_point(|&place| place < middle);
@@ -125,7 +125,7 @@ impl<G: Motion<DOF>, const DOF: usize> Search<'_, G, DOF> {
         (!steps.is_empty()).then_some(steps)
     }
 
-    /// Whether most members have the robot move from a place that the map holds to theirs as it usually moves, rather than anywhere.
+    /// Whether the usual motion explains most members better than chance: the robot moves from an accepted position to theirs.
     fn is_usual(
         &self,
         (chain, side): (usize, usize),
@@ -148,15 +148,15 @@ impl<G: Motion<DOF>, const DOF: usize> Search<'_, G, DOF> {
         2 * fit > all
     }
 
-    /// The motion between two places of a chain, the first where the map has it, the second where a closure puts it, and its
-    /// covariance: of the measurement, twice, since the map's own errors are about as large where it holds a place, and of the
-    /// odometry from the closure's end to the second place.
+    /// The motion between two positions of a chain: the first as in the map, the second where a closure puts it. Its
+    /// covariance is twice that of the measurement, because the map's own errors are about as large at accepted positions,
+    /// plus that of the odometry from the closure's end to the second position.
     fn motion(&self, side: usize, [from, to]: [usize; 2], closure: usize) -> (G, SMatrix<f64, DOF, DOF>) {
         let (model, factors) = (self.rounds.model, &self.rounds.random);
         let edge = self.rounds.drawing.landmark(closure);
         let (chain, place) = model.ends(closure)[side];
         let covariance = model.measurement_covariance(&model.closures[closure]);
-        // The edge may lead either way.
+        // The edge may point either way.
         let (end, covariance) = if model.chains.places[edge.to] == (chain, place) {
             (self.poses[edge.from].compose(&edge.measurement), covariance)
         } else {
@@ -174,7 +174,8 @@ impl<G: Motion<DOF>, const DOF: usize> Search<'_, G, DOF> {
     }
 }
 
-/// Mean and covariance of the motion over as many steps in the same direction: anywhere on a chain, or on all where it is short.
+/// Mean and covariance of the motion over as many steps in the same direction, anywhere on the chain, or on all chains if it
+/// is too short.
 fn motion_over<G: Motion<DOF>, const DOF: usize>(
     chains: &[Chain<G, DOF>],
     own: usize,

@@ -1,9 +1,10 @@
-//! Where odometry is interrupted: how far the robot usually moves in such a time.
+//! Bridges over interrupted odometry: how far the robot usually moves in such a time.
 //!
-//! A landmark edge that alone joins two parts of a graph has no loop to be judged by. If the parts follow each other in one
-//! session, or a session begins after another one has ended, the motion over the interruption is not unknown: it is as in other
-//! stretches that took as long. Such a bridge is weak and rejects nothing by itself: somebody may have carried the robot, or it may
-//! be another one. A bridge between two sessions holds the map only after other edges have confirmed it.
+//! A landmark edge that alone joins two components of a graph has no loop to be judged by. But if the components follow each
+//! other in one session, or a session begins after another one has ended, the motion over the interruption is roughly known:
+//! it is as in other stretches of the same duration. Such a bridge is weak and rejects nothing by itself, because somebody
+//! may have carried the robot, or the sessions may belong to different robots. A bridge between two sessions joins the map
+//! only after other edges have confirmed it.
 
 use std::collections::BTreeMap;
 
@@ -19,10 +20,10 @@ use crate::map::Map;
 use crate::model::{Model, Motion};
 use crate::usual::usual_motion;
 
-/// How much longer than the interruption a stretch may be that shows the motion over it.
+/// Largest duration of a stretch that shows the motion over an interruption, relative to the interruption.
 const LONGER: f64 = 1.5;
 
-/// What stands for the missing odometry between two chains.
+/// A motion that replaces the missing odometry between two chains.
 pub(crate) struct Bridge<G, const DOF: usize> {
     pub(crate) chains: [usize; 2],
     pub(crate) edge: Edge<G, DOF>,
@@ -30,14 +31,15 @@ pub(crate) struct Bridge<G, const DOF: usize> {
     length: i64,
 }
 
-/// The bridges between sessions that no map has confirmed yet, and those that one has: they hold further maps as odometry does.
+/// The bridges between sessions: those that no map has confirmed yet, and those that later maps use like odometry.
 pub(crate) struct Seams<G, const DOF: usize> {
     pub(crate) open: Vec<Bridge<G, DOF>>,
     pub(crate) confirmed: Vec<Edge<G, DOF>>,
 }
 
 impl<G: Motion<DOF>, const DOF: usize> Seams<G, DOF> {
-    /// Confirms those within one part whose squared distance from what the map says is usual. Returns whether there are any.
+    /// Confirms the bridges within one component whose squared distance from the map's prediction is usual. Returns whether
+    /// there are any.
     pub(crate) fn confirm(&mut self, map: &mut Map<'_, G, DOF>, part: &[usize], usual: f64) -> bool {
         let before = self.confirmed.len();
         self.open.retain(|bridge| {
@@ -51,7 +53,7 @@ impl<G: Motion<DOF>, const DOF: usize> Seams<G, DOF> {
     }
 }
 
-/// The bridges within sessions, the shortest interruption first, and those between sessions.
+/// The bridges within sessions, shortest interruption first, and those between sessions.
 pub(crate) fn bridges<G: Motion<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     chains: &Chains<G, DOF>,
@@ -71,8 +73,8 @@ pub(crate) fn bridges<G: Motion<DOF>, const DOF: usize>(
     [within, between(graph, &sessions, chains)]
 }
 
-/// The bridges between a session's last place and the first of the session that starts next: a robot that lost its map, and began
-/// another one, has not moved far.
+/// The bridges between the last position of a session and the first of the session that starts next. A robot that lost its
+/// map and began another one has not moved far.
 fn between<G: Motion<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     sessions: &BTreeMap<&str, Vec<usize>>,
@@ -94,19 +96,19 @@ fn between<G: Motion<DOF>, const DOF: usize>(
         .collect()
 }
 
-/// Nodes with their frames, or with their times where a frame is missing; `None` where neither gives an order.
+/// Nodes with their frames, or with their times if a frame is missing; `None` if neither gives an order.
 fn in_order(graph: &PoseGraph, nodes: &[usize]) -> Option<Vec<(i64, usize)>> {
     by(nodes, |node| graph.nodes[node].frame).or_else(|| by(nodes, |node| graph.nodes[node].utime))
 }
 
-/// Nodes in the order of a key; `None` where one has none, or two have the same.
+/// Nodes in the order of a key; `None` if a node has none, or two have the same.
 fn by(nodes: &[usize], key: impl Fn(usize) -> Option<i64>) -> Option<Vec<(i64, usize)>> {
     let mut keys = nodes.iter().map(|&node| Some((key(node)?, node))).collect::<Option<Vec<_>>>()?;
     keys.sort_unstable();
     keys.windows(2).all(|pair| pair[0].0 < pair[1].0).then_some(keys)
 }
 
-/// What bridges say of each candidate between their chains, where they say something.
+/// For each candidate, the strongest evidence of a bridge between its chains, where there is one.
 pub(crate) fn bridged<'a, G: Motion<DOF>, const DOF: usize>(
     bridges: impl Iterator<Item = &'a Bridge<G, DOF>>,
     model: &Model<G, DOF>,
@@ -148,10 +150,10 @@ fn of<G: Motion<DOF>, const DOF: usize>(
     nodes.windows(2).filter_map(|pair| over([pair[0], pair[1]], nodes, chains, &mut known)).collect()
 }
 
-/// Mean and information of a motion, where there is one.
+/// Mean and information of a motion, if it is known.
 type Known<G, const DOF: usize> = Option<(G, SMatrix<f64, DOF, DOF>)>;
 
-/// The bridge between two nodes that follow each other, unless odometry joins them; `known` has the motions of each length.
+/// The bridge between two consecutive nodes, unless odometry joins them. `known` caches the motion for each length.
 fn over<G: Motion<DOF>, const DOF: usize>(
     [(before, from), (after, to)]: [(i64, usize); 2],
     nodes: &[(i64, usize)],
@@ -169,7 +171,7 @@ fn over<G: Motion<DOF>, const DOF: usize>(
     Some(Bridge { chains: joined, edge, length })
 }
 
-/// Mean and information of the motion over stretches of a length; `None` where there are too few.
+/// Mean and information of the motion over stretches of one length; `None` if there are too few.
 fn motion_over<G: Motion<DOF>, const DOF: usize>(
     nodes: &[(i64, usize)],
     chains: &Chains<G, DOF>,
@@ -182,7 +184,7 @@ fn motion_over<G: Motion<DOF>, const DOF: usize>(
         while nodes.get(end).is_some_and(|(key, _)| key.saturating_sub(start) < length) {
             end += 1;
         }
-        // No later node is far enough either.
+        // No later node is far enough either, so stop.
         let Some(&(key, to)) = nodes.get(end) else { break };
         let ((number, one), (same, other)) = (chains.places[from], chains.places[to]);
         if number != same || key.saturating_sub(start) as f64 > LONGER * length as f64 {

@@ -1,4 +1,4 @@
-//! How far covariances are off, for each chain, against what shuffled closures would say.
+//! How far covariances are wrong, for each chain, estimated from loops in contrast to shuffled loops.
 
 use nalgebra::SMatrix;
 use rayon::prelude::*;
@@ -13,26 +13,27 @@ use crate::partners::Partners;
 /// Factors on covariances.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Calibration {
-    /// For each chain: on the covariance of its odometry.
+    /// For each chain, the factor on the covariance of its odometry.
     pub odometry: Vec<f64>,
-    /// For each chain: variance of a coherent error, squared share of the distance travelled.
+    /// For each chain, the variance of a coherent error, as the square of a share of the distance travelled.
     pub coherent: Vec<f64>,
-    /// On the covariance of landmark edges.
+    /// The factor on the covariance of landmark edges.
     pub landmark: f64,
-    /// Share of candidates taken for correct.
+    /// Estimated share of correct candidates.
     pub correct: f64,
-    /// Local errors (a landmark edge that is wrong by up to thirty standard deviations) over correct loops, as counted.
+    /// Counted ratio of local errors (a landmark edge is wrong by up to thirty standard deviations) to correct loops.
     pub local: f64,
-    /// Nats that the closures have over shuffled ones.
+    /// Evidence of the loops above that of shuffled ones, nats.
     pub evidence: f64,
-    /// Whether this was too little for an estimate.
+    /// Whether the evidence was too little for an estimate, so that covariances are used as claimed.
     pub on_prior: bool,
-    /// Degrees of freedom of errors' t distribution.
+    /// Degrees of freedom of the t distribution of errors.
     #[serde(skip)]
     pub(crate) tail: f64,
 }
 
-/// Factors for loops, with coherent errors, and for the map, without: its odometry's errors are random, step by step.
+/// Factors for loops, with coherent errors, and for the map, without: the optimiser takes odometry errors as independent per
+/// step.
 #[derive(Clone, Debug)]
 pub(crate) struct Factors {
     pub(crate) loops: Calibration,
@@ -49,18 +50,18 @@ impl Factors {
         Self { loops, random }
     }
 
-    /// The same for chains that are parts of those it was made for, by the numbers of these.
+    /// The same factors for chains that are pieces of the calibrated ones. `whole` has the calibrated chain of each piece.
     pub(crate) fn of_parts(&self, whole: &[usize]) -> Self {
         Self { loops: self.loops.of_parts(whole), random: self.random.of_parts(whole) }
     }
 }
 
-/// How much more a local error varies than the noise of landmark edges: thirty standard deviations.
+/// Variance of a local error over that of landmark noise: thirty standard deviations, squared.
 const LOCAL: f64 = 900.0;
 
 impl Calibration {
-    /// The factor that turns the claimed covariance of a loop's landmark edges into that of a local error: at least as wide as
-    /// the claim has it. Narrower ones would explain the odometry's gross errors, and make all other noise small.
+    /// The factor that turns the claimed covariance of a loop's landmark edges into that of a local error, never below the
+    /// claim times `LOCAL`. A narrower local error would explain gross errors of odometry, and make all other noise small.
     pub(crate) fn local_factor(&self) -> f64 {
         self.landmark.max(1.0) * LOCAL
     }
@@ -81,13 +82,13 @@ impl Calibration {
         sum
     }
 
-    /// What a loop says; `None` where its covariance is not positive definite.
+    /// The evidence of a loop; `None` where its covariance is not positive definite.
     pub(crate) fn evidence<const DOF: usize>(&self, closed: &Loop<DOF>) -> Option<Evidence> {
         let local = self.local(&closed.landmark);
         compare(&closed.error, &self.covariance(closed), &closed.apart, &local, self.tail)
     }
 
-    /// The same with these factors for all chains.
+    /// The same calibration with these factors for all chains.
     fn with(&self, point: Point) -> Self {
         let chains = self.odometry.len();
         Self {
@@ -103,7 +104,7 @@ impl Calibration {
         Self { odometry: part(&self.odometry), coherent: part(&self.coherent), ..*self }
     }
 
-    /// How likely a local error is over a correct closure, by the log-likelihood ratio of the closure against one.
+    /// Odds of a local error against a correct closure, from the log-likelihood ratio of a correct closure against a local error.
     pub(crate) fn wrong(&self, against_local: f64) -> f64 {
         self.local * (-against_local).exp()
     }
@@ -114,8 +115,9 @@ impl Calibration {
     }
 }
 
-/// What the odds of a candidate are multiplied by of which neither the map nor another candidate says anything. Correct candidates
-/// mostly have company: one in all accepted ones is taken to be alone, against the share of the others that is.
+/// Factor on the prior odds of a candidate that neither the map nor another candidate can judge. Correct candidates mostly
+/// have company: one among all accepted candidates is assumed to be alone, compared with the share of unjudged ones among the
+/// others.
 pub(crate) fn alone(ratio: &[Option<f64>], accepted: &[bool]) -> f64 {
     let silent = ratio.iter().zip(accepted).filter(|(ratio, accepted)| ratio.is_none() && !**accepted);
     let silent = silent.count() as f64;
@@ -124,18 +126,18 @@ pub(crate) fn alone(ratio: &[Option<f64>], accepted: &[bool]) -> f64 {
     (others + 1.0) / (silent + 1.0) / (agreed + 1.0)
 }
 
-/// Standard deviation of the logarithm of a factor, a priori.
+/// Prior standard deviation of the logarithm of a factor.
 const PRIOR: f64 = 2.0;
-/// The same of a chain's own factor beside the common one.
+/// The same of a chain's own factor relative to the common one.
 const PRIOR_CHAIN: f64 = 1.0;
-/// Coherent variance that is likely a priori, and the largest.
+/// The coherent variance with the highest prior, and the largest one allowed.
 const COHERENT: f64 = 1e-6;
 const COHERENT_MOST: f64 = 1e-2;
-/// Coherent variance that has no effect.
+/// A coherent variance without effect.
 const NEGLIGIBLE: f64 = 1e-12;
-/// The smallest factor of landmark edges: published matrices claim up to a hundred times the variance.
+/// The smallest factor of landmark edges: published matrices claim up to a hundred times the true variance.
 const LANDMARK_LEAST: f64 = 0.01;
-/// Evidence below which the prior is used, nats.
+/// Evidence below which covariances are used as claimed, nats.
 const LEAST_EVIDENCE: f64 = 10.0;
 
 #[derive(Clone, Copy, Debug)]
@@ -145,7 +147,7 @@ struct Point {
     coherent: f64,
 }
 
-/// Common factors first, then each chain's own.
+/// Estimates the common factors first, then those of each chain.
 fn calibrate<G: Motion<DOF>, const DOF: usize>(
     model: &Model<G, DOF>,
     classes: &[Class<DOF>],
@@ -168,7 +170,7 @@ fn calibrate<G: Motion<DOF>, const DOF: usize>(
     if loops == 0 || model.without(Ingredient::Calibration) {
         return calibration;
     }
-    // Loops through the same closures are not independent.
+    // Loops through the same closures are not independent, so each counts for less.
     let tempering = (candidates.min(SAMPLE) as f64 / loops as f64).min(1.0);
     let starts = [(0.0, 0.0), (-4.0, 0.0), (4.0, 0.0), (0.0, 5.0), (0.0, -3.0)]
         .map(|(odometry, landmark)| Point { odometry, landmark, coherent: coherent.ln() });
@@ -191,7 +193,7 @@ fn calibrate<G: Motion<DOF>, const DOF: usize>(
     calibration
 }
 
-/// Each chain's own factors, from the loops that it takes part in, beside the common ones.
+/// Estimates the factors of each chain from the loops that it takes part in, near the common factors.
 fn refine<const DOF: usize>(
     calibration: &mut Calibration,
     classes: &[Class<DOF>],
@@ -205,7 +207,7 @@ fn refine<const DOF: usize>(
     let common = (calibration.odometry[0].ln(), calibration.coherent[0].ln());
     let owned: Vec<Vec<_>> =
         (0..chains).map(|chain| classes.iter().map(|class| class.of(chain)).collect()).collect();
-    // Then again, since the others have changed, from where each chain is.
+    // The second pass starts each chain from its current factors, because those of the other chains have changed.
     for starts in [2, 1] {
         for (chain, own) in owned.iter().enumerate() {
             if own.iter().all(|class| class.real.is_empty()) {
@@ -238,8 +240,8 @@ fn square(value: f64) -> f64 {
     value * value
 }
 
-/// Coordinate ascent by steps that halve: with wide ones from every start over some of the loops, and with fine ones over all from
-/// where these end highest.
+/// Coordinate ascent with steps that halve. Coarse steps over a sample of the loops run from every start; fine steps over all
+/// loops then continue from the best result.
 fn highest(
     starts: &[Point],
     axes: &[usize],
@@ -250,7 +252,7 @@ fn highest(
         let (point, _) = ascend((start, some(start)), axes, &[2.0, 1.0], some);
         (point, all(point))
     });
-    // The first of the highest, whichever thread is done first.
+    // The first of the highest, independent of the order in which threads finish.
     let best = ascended
         .collect::<Vec<_>>()
         .into_iter()
@@ -265,7 +267,7 @@ fn ascend(
     objective: impl Fn(Point) -> Contrast,
 ) -> (Point, Contrast) {
     let (mut point, mut value) = start;
-    // Where it has been it was not higher.
+    // Points already evaluated were not higher.
     let mut seen = vec![point];
     for step in steps {
         let mut improved = true;
@@ -288,7 +290,7 @@ fn ascend(
 }
 
 impl Point {
-    /// Whether it is another but for rounding.
+    /// Whether two points are equal up to rounding.
     fn is(&self, other: &Self) -> bool {
         let apart =
             [self.odometry - other.odometry, self.landmark - other.landmark, self.coherent - other.coherent];

@@ -5,9 +5,9 @@ use posecut_multicut::{Graph, Options, solve};
 
 use crate::evidence::CLIP;
 
-/// Work after which the best multicut found is taken, the same on every machine.
+/// Work after which the best multicut so far is taken. Unlike a time limit, it gives the same result on every machine.
 const WORK: u64 = 30_000_000;
-/// What accepting a wrong candidate weighs, in correct ones.
+/// Cost of accepting a wrong candidate, in correct candidates lost.
 pub(crate) const COST: f64 = 3.0;
 
 /// Evidence that two closures are both correct, nats.
@@ -18,17 +18,17 @@ pub(crate) struct Tie {
     pub(crate) ratio: f64,
 }
 
-/// Clusters of closures, and of the anchors that stand for maps.
+/// Clusters of closures, and of the anchors that represent chains.
 pub(crate) struct Clusters {
     /// Label of each closure, then of each anchor.
     pub(crate) labels: Vec<u32>,
-    /// By how much the cost may exceed the minimum, as a share of it; 0 where it is proved to be minimal, infinite
+    /// Bound on the excess of the cost over the minimum, as a share of it; 0 where the cost is proved to be minimal, infinite
     /// without a multicut.
     pub(crate) gap: f64,
 }
 
-/// Cuts the graph whose nodes are closures and anchors: `anchored[c]` is the anchor of closure c and the log-likelihood
-/// ratio that c agrees with its map.
+/// Cuts the graph whose nodes are closures and anchors. `anchored[c]` is the anchor of closure c and the log-likelihood ratio
+/// of c against its odometry.
 pub(crate) fn cut(
     closures: usize,
     anchors: usize,
@@ -41,17 +41,18 @@ pub(crate) fn cut(
     match Graph::new(closures + anchors, edges) {
         Ok(graph) => {
             let solution = solve(&graph, &options);
-            // The larger one: the bound may be zero.
+            // Divide by the larger of the two, because the bound may be zero.
             let cost = solution.objective.abs().max(solution.lower_bound.abs());
             let gap = if solution.optimal { 0.0 } else { solution.gap() / cost };
             Clusters { labels: solution.labels, gap }
         }
-        // Costs are clipped and nodes are ours: only more nodes than fit is left, and nothing holds together then.
+        // Costs are clipped and nodes are numbered here, so the only possible error is too many nodes. Then each node is a
+        // cluster.
         Err(_) => Clusters { labels: (0..(closures + anchors) as u32).collect(), gap: f64::INFINITY },
     }
 }
 
-/// Clusters without a cut: whatever evidence in favour ties together, against all that speaks against it.
+/// Clusters without a cut: any positive evidence joins two nodes, whatever contradicts it.
 pub(crate) fn tied(
     closures: usize,
     anchors: usize,
@@ -68,7 +69,7 @@ pub(crate) fn tied(
     Clusters { labels: clusters.into_labeling(), gap: f64::INFINITY }
 }
 
-/// What cutting each pair of nodes costs.
+/// The cost of cutting each pair of nodes.
 fn costs(
     closures: usize,
     ties: &[Tie],
@@ -77,7 +78,7 @@ fn costs(
 ) -> Vec<(u64, u64, f64)> {
     let prior = (COST * (1.0 - correct) / correct).ln();
     let clipped = |ratio: f64| ratio.clamp(-CLIP, CLIP);
-    // What says nothing neither ties nor parts.
+    // A pair with too little evidence neither attracts nor repels.
     let pair = |ratio: f64| if ratio > 0.0 { (ratio - COST.ln()).max(0.0) } else { ratio };
     let pairs = ties.iter().map(|tie| (tie.one as u64, tie.other as u64, clipped(pair(tie.ratio))));
     let single = anchored.iter().enumerate().filter_map(|(closure, anchored)| {

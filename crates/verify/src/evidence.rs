@@ -1,39 +1,39 @@
-//! Log-likelihood ratios: correct against chance.
+//! Log-likelihood ratios of correct loops against chance.
 
 use nalgebra::{SMatrix, SVector};
 
-/// Degrees of freedom of the t distribution of errors: tails that a few gross errors do not beat.
+/// Degrees of freedom of the t distribution of errors: its heavy tails withstand a few gross errors.
 pub(crate) const TAIL: f64 = 4.0;
-/// The same for errors as good as Gaussian.
+/// Degrees of freedom at which errors are practically Gaussian.
 pub(crate) const GAUSSIAN: f64 = 1e6;
-/// Squared distance per degree of freedom beyond which an error contradicts, whatever chance says: without this limit the
-/// heavy tail of a correct error outweighs chance where chance is spread widely.
+/// Squared distance per degree of freedom beyond which an error contradicts in any case. Without this limit, the heavy tail
+/// of a correct error outweighs chance where chance is spread widely.
 const GATE: f64 = 100.0 / 3.0;
-/// Largest weight of one comparison in either direction, nats: no single loop decides alone.
+/// Largest weight of one comparison in either direction, nats, so that no single loop decides alone.
 pub(crate) const CLIP: f64 = 20.0;
 
-/// What the error of one loop says.
+/// The evidence of one loop's error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Evidence {
     /// ln t(e; S) - ln t(e; S + R)
     pub(crate) chance: f64,
-    /// ln t(e; S) - ln t(e; S + L'), L' a local error: the right neighbourhood, wrongly measured.
+    /// ln t(e; S) - ln t(e; S + L'), where L' is a local error: the right neighbourhood, measured wrongly.
     pub(crate) local: f64,
-    /// What `chance` would be without any error: how well the prediction can tell correct from chance.
+    /// The value of `chance` without any error: how well the prediction can distinguish correct from chance.
     pub(crate) most: f64,
     /// e^T S^-1 e
     pub(crate) squared_distance: f64,
-    /// Whether the squared distance contradicts, whatever the alternatives say.
+    /// Whether the squared distance alone contradicts, whatever the alternatives are.
     beyond: bool,
 }
 
 impl Evidence {
-    /// The weight of a comparison where local errors are out of sight.
+    /// The weight of a comparison that ignores local errors.
     pub(crate) fn distant(&self) -> f64 {
         if self.beyond { -CLIP } else { self.chance }
     }
 
-    /// The weight of a comparison: what speaks against chance, unless a local error explains the loop better.
+    /// The weight of a comparison: the evidence against chance, or against a local error if this explains the loop better.
     pub(crate) fn weight(&self) -> f64 {
         if self.beyond {
             -CLIP
@@ -48,8 +48,8 @@ impl Evidence {
 /// Log-likelihood ratio below which a local error explains a loop better than noise.
 const LOCAL_DOUBT: f64 = -2.0;
 
-/// Compares a correct loop, whose error is multivariate t with scale matrix S, with one that closes by chance, whose
-/// error has the scale matrix S + R; `tail` degrees of freedom. `None` where S is not positive definite.
+/// Compares a correct loop, whose error is multivariate t with scale matrix S, with a loop that closes by chance, whose error
+/// has the scale matrix S + R. Both have `tail` degrees of freedom. `None` where S is not positive definite.
 pub(crate) fn compare<const DOF: usize>(
     error: &SVector<f64, DOF>,
     correct: &SMatrix<f64, DOF, DOF>,
@@ -75,13 +75,14 @@ pub(crate) fn compare<const DOF: usize>(
     })
 }
 
-/// Determinants whose logarithm is taken once: a product of pivots must neither overflow nor vanish, whatever the units.
+/// Range in which the determinant stays a plain product of pivots. Outside it, its logarithm is split off, so that the
+/// product neither overflows nor vanishes, whatever the units.
 const RANGE: std::ops::Range<f64> = 1e-150..1e150;
 
-/// L D L^T of a covariance, with a right-hand side carried along.
+/// L D L^T of a covariance, applied to a right-hand side at the same time.
 struct Elimination {
     determinant: f64,
-    /// The logarithm of what the determinant is to be multiplied by: 0 unless it would be out of range.
+    /// The logarithm of the factor split off from the determinant: 0 unless the determinant would be out of range.
     log_rest: f64,
     squared: f64,
 }
@@ -119,7 +120,7 @@ impl Elimination {
     }
 }
 
-/// The quantile of chi-square at that of the normal distribution, which is 0 for the median (Wilson and Hilferty 1931).
+/// The quantile of chi-square at the probability of a normal quantile, which is 0 for the median (Wilson and Hilferty 1931).
 pub(crate) fn chi_square_quantile(degrees: usize, normal: f64) -> f64 {
     let degrees = degrees as f64;
     let spread = 2.0 / (9.0 * degrees);

@@ -1,4 +1,4 @@
-//! What the multicut says of the closures before any map is drawn.
+//! The first pass: verdicts by the multicut alone, before any map is optimised.
 
 use rayon::prelude::*;
 
@@ -9,17 +9,17 @@ use crate::islands::{Hypothesis, islands, support};
 use crate::model::{Model, Motion};
 use crate::partners::Partners;
 
-/// Clusters of closures that agree with each other, and what follows from them alone.
+/// Clusters of closures that agree with each other, and the conclusions from them alone.
 pub(crate) struct FirstPass {
     /// Evidence of the pairs compared.
     pub(crate) ties: Vec<Tie>,
-    /// By how much the cost of the multicut may exceed the minimum, as a share of it.
+    /// Bound on the excess of the multicut's cost over the minimum, as a share of it.
     pub(crate) cut_gap: f64,
-    /// The bound on chance for one closure, nats.
+    /// Evidence above which one closure is unlikely to agree by chance, nats.
     pub(crate) threshold: f64,
-    /// Log-likelihood ratio of each closure by its own odometry, where there is one.
+    /// Log-likelihood ratio of each closure against the odometry of its own chain, where there is one.
     pub(crate) ratio: Vec<Option<f64>>,
-    /// Which closures hang together with their odometry.
+    /// Whether each closure is in one cluster with its odometry, with enough evidence.
     pub(crate) accepted: Vec<bool>,
     /// Groups that agree with each other, the heaviest first.
     pub(crate) hypotheses: Vec<Hypothesis>,
@@ -48,12 +48,12 @@ impl FirstPass {
         let together = if model.without(Ingredient::Multicut) { tied } else { cut };
         let clusters = together(count, chains, &ties, &anchored, calibration.correct);
         let support = support(&clusters, &ties, &anchored);
-        // Islands that hang together closely are as many chances to agree by chance, and no more.
+        // A tightly connected island has only one chance to agree by chance, so the bound counts islands instead of closures.
         let close = islands(&clusters, &ties, &support, threshold, threshold);
         let loose = bound(close.count(&support, threshold) as f64);
         let islands = islands(&clusters, &ties, &support, threshold, loose);
         let best = islands.best(&ratio);
-        // What an island says of the trajectory shares its odometry: it counts once, as its best member does.
+        // The members of an island share odometry, so their evidence against the chain counts once: that of the best member.
         let anchored_well = |closure: usize| {
             anchored[closure]
                 .is_some_and(|(anchor, _)| clusters.labels[closure] == clusters.labels[count + anchor])

@@ -1,4 +1,4 @@
-//! Closures of one cluster that hang together, and the hypotheses that they make.
+//! Islands: closures of one cluster that strong ties connect, and the hypotheses that they form.
 
 use std::collections::BTreeMap;
 
@@ -8,44 +8,44 @@ use crate::cut::{Clusters, Tie};
 use crate::evidence::{CLIP, Evidence};
 use crate::rounds::CONTRADICTED;
 
-/// Evidence along a spanning tree that is enough to join two parts, or to contradict odometry, nats.
+/// Evidence along a spanning tree that suffices to join two components, or to contradict odometry, nats.
 const STRONG: f64 = 20.0;
-/// Members of a cluster that are looked at to tell whether all of it agrees with the map.
+/// Members of a cluster that are sampled to decide whether all of it agrees with the map.
 const WITNESSES: usize = 16;
 
-/// A cluster of closures between two parts that agree on how these lie.
+/// A cluster of closures between two components that agree on their relative pose.
 #[derive(Clone, Debug)]
 pub(crate) struct Hypothesis {
-    /// Nats along a spanning tree, which counts every odometry once.
+    /// Nats along a spanning tree, which counts each stretch of odometry once.
     pub(crate) evidence: f64,
     pub(crate) members: Vec<usize>,
 }
 
 impl Hypothesis {
-    /// Whether it may join two parts, and may contradict odometry. The map decides on others.
+    /// Whether it may join two components, and may contradict odometry. The map decides on weaker ones.
     pub(crate) fn is_strong(&self) -> bool {
         self.evidence > STRONG
     }
 
-    /// Members spread over the whole.
+    /// A sample of the members, spread evenly.
     pub(crate) fn witnesses(&self) -> Vec<usize> {
         let step = self.members.len().div_ceil(WITNESSES).max(1);
         self.members.iter().copied().step_by(step).collect()
     }
 
-    /// Whether something holds for most members.
+    /// Whether a condition holds for most members, by a sample.
     pub(crate) fn is_mostly(&self, holds: impl Fn(usize) -> bool) -> bool {
         let witnesses = self.witnesses();
         2 * witnesses.iter().filter(|&&member| holds(member)).count() > witnesses.len()
     }
 
-    /// Whether evidence contradicts most members.
+    /// Whether the evidence contradicts most members.
     pub(crate) fn contradicted(&self, evidence: &[Option<Evidence>]) -> bool {
         self.is_mostly(|member| evidence[member].is_some_and(|found| found.weight() <= CONTRADICTED))
     }
 }
 
-/// Sum of the evidence that each closure has within its cluster.
+/// For each closure, the sum of its evidence within its cluster.
 pub(crate) fn support(clusters: &Clusters, ties: &[Tie], anchored: &[Option<(usize, f64)>]) -> Vec<f64> {
     let count = anchored.len();
     let mut support: Vec<f64> = anchored
@@ -65,8 +65,8 @@ pub(crate) fn support(clusters: &Clusters, ties: &[Tie], anchored: &[Option<(usi
     support
 }
 
-/// Closures of one cluster that hang together by ties which chance hardly makes: each weighs more than the least evidence
-/// of a member. What only weak ties join to a cluster is judged by the map that the rest makes.
+/// Closures of one cluster that are connected by ties which chance hardly makes: each tie weighs more than `least`. The map
+/// of the others judges closures that only weak ties connect to the cluster.
 pub(crate) fn islands(
     clusters: &Clusters,
     ties: &[Tie],
@@ -92,14 +92,14 @@ pub(crate) fn islands(
     Islands { forest, evidence }
 }
 
-/// Sets of closures, each with its evidence along a spanning tree, which counts every odometry once.
+/// Sets of closures, each with its evidence along a spanning tree, which counts each stretch of odometry once.
 pub(crate) struct Islands {
     pub(crate) forest: UnionFind<usize>,
     evidence: Vec<f64>,
 }
 
 impl Islands {
-    /// How many there are among members.
+    /// The number of islands with enough support.
     pub(crate) fn count(&self, support: &[f64], threshold: f64) -> usize {
         (0..support.len())
             .filter(|&closure| support[closure] > threshold && self.forest.find(closure) == closure)
@@ -116,7 +116,7 @@ impl Islands {
         best
     }
 
-    /// Islands of at least so much evidence, or strong, the heaviest first.
+    /// Islands with more evidence than `least`, or strong ones, the heaviest first.
     pub(crate) fn hypotheses(&self, least: f64) -> Vec<Hypothesis> {
         let mut found: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for closure in 0..self.evidence.len() {

@@ -1,4 +1,4 @@
-//! From evidence to decisions.
+//! Judges a graph: takes evidence to decisions on all closures.
 
 use petgraph::unionfind::UnionFind;
 use posecut_graph::PoseGraph;
@@ -16,52 +16,52 @@ use crate::model::{Model, Motion};
 use crate::partners::Partners;
 use crate::rounds::Rounds;
 
-/// The normal quantile of 99 %, the share of correct closures whose error is usual.
+/// The normal quantile of 99 %, the share of correct closures whose error counts as usual.
 const USUAL: f64 = 2.326;
 
-/// What was found.
+/// The results of judging a graph.
 pub(crate) struct Judged {
     pub(crate) accepted: Vec<bool>,
     /// Log-likelihood ratio of each closure in the last round, where there is one.
     pub(crate) ratio: Vec<Option<f64>>,
-    /// Prior odds that each is correct, where there is one.
+    /// Prior odds that each closure is correct.
     pub(crate) odds: Vec<f64>,
-    /// How likely a local error of each closure is, over a correct closure.
+    /// Odds of a local error of each closure against a correct closure.
     pub(crate) local: Vec<f64>,
     pub(crate) factors: Factors,
     pub(crate) rounds: usize,
     pub(crate) hypotheses: Vec<Hypothesis>,
-    /// By how much the cost of the multicut may exceed the minimum, as a share of it.
+    /// Bound on the excess of the multicut's cost over the minimum, as a share of it.
     pub(crate) cut_gap: f64,
     /// Evidence of the pairs compared.
     pub(crate) ties: Vec<Tie>,
-    /// Parts of the graph that closures could join, and those that they do.
+    /// How many connections between components the closures could make, and how many the accepted ones make.
     pub(crate) joinable: usize,
     pub(crate) joined: usize,
-    /// Places among the graph's edges of odometry that is broken.
+    /// Indices of broken odometry edges in the graph.
     pub(crate) breaks: Vec<usize>,
 }
 
 impl Judged {
-    /// Hypotheses that the map has nothing of, the heaviest first: number 1, 2 and so on.
+    /// Strong hypotheses of which the map holds no member, the heaviest first: numbers 1, 2 and so on.
     pub(crate) fn others(&self) -> impl Iterator<Item = &Hypothesis> {
         self.hypotheses.iter().filter(|hypothesis| hypothesis.is_strong() && !self.holds(hypothesis))
     }
 
-    /// Whether the map has any of it.
+    /// Whether the map holds any member of it.
     pub(crate) fn holds(&self, hypothesis: &Hypothesis) -> bool {
         hypothesis.members.iter().any(|&member| self.accepted[member])
     }
 }
 
-/// What is known of a graph before it is judged: factors, and the indices of the edges to start from, in ascending order.
+/// Prior knowledge about a graph: factors, and the indices of the edges to start from, in ascending order.
 pub(crate) struct Known {
     pub(crate) factors: Factors,
     pub(crate) accepted: Vec<usize>,
 }
 
-/// Judges all closures. Of the hypotheses that join two parts, the preferred one, named by its members, goes before heavier ones.
-/// Factors that are known are not estimated again, and the map starts from closures known to be accepted.
+/// Judges all closures. The preferred hypothesis, given by its members, joins two components before heavier ones. Known
+/// factors are not estimated again, and the map starts from the known accepted closures.
 pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     model: &Model<G, DOF>,
@@ -87,7 +87,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     let FirstPass { ties, cut_gap, threshold, ratio, mut accepted, mut hypotheses } = first;
     accepted.iter_mut().zip(&known).for_each(|(accepted, &known)| *accepted |= known);
     let begun = bridged(between.iter(), model, &factors.loops);
-    // What the usual motion from one session to the next contradicts joins them only where nothing else does.
+    // A hypothesis that contradicts the usual motion from one session to the next joins them only if no other one does.
     hypotheses.sort_by_key(|hypothesis| hypothesis.contradicted(&begun));
     if let Some(preferred) = preferred {
         hypotheses.sort_by_key(|hypothesis| hypothesis.members != preferred);
@@ -138,8 +138,8 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     })
 }
 
-/// Rounds until nothing changes, then the odometry that is broken, and what the map contradicts on trial. Returns how many rounds there
-/// were, and the places of broken odometry.
+/// Runs rounds until nothing changes, then looks for broken odometry, and tries hypotheses that the map contradicts. Returns
+/// the number of rounds, and the indices of broken odometry edges.
 fn settle<G: Motion<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     rounds: &mut Rounds<'_, G, DOF>,
@@ -150,7 +150,7 @@ fn settle<G: Motion<DOF>, const DOF: usize>(
     };
     let mut number = rounds.all(within)?;
     let mut found = broken(rounds);
-    // Where odometry is broken everything is judged again, and what it contradicts now may agree with the map.
+    // If odometry is broken, the caller judges everything again: a hypothesis contradicted now may then agree with the map.
     if found.is_empty() && !rounds.model.without(Ingredient::Trials) {
         while rounds.try_others()? {
             number += rounds.all(within)?;
@@ -160,7 +160,7 @@ fn settle<G: Motion<DOF>, const DOF: usize>(
     Ok((number, found))
 }
 
-/// The parts that some closures make of the chains, and how many of these closures join two.
+/// The components that some closures make of the chains, and how many of these closures join two components.
 fn joined<G: Motion<DOF>, const DOF: usize>(
     model: &Model<G, DOF>,
     is_among: impl Fn(usize) -> bool,

@@ -1,18 +1,19 @@
-//! Judges every landmark edge of a pose graph by evidence: log-likelihood ratios between candidates, correct against
-//! chance, a minimum-cost multicut over the candidates, and the map that the accepted ones make.
+//! Judges every landmark edge of a pose graph by evidence: log-likelihood ratios of correct candidates against chance, a
+//! minimum-cost multicut over the candidates, and the map of the accepted ones.
 //!
 //! - `model`: chains, candidates, and the loops that they close with their covariances.
 //! - `evidence`: log-likelihood ratios of a loop.
-//! - `calibration`, `mixture`, `neighbours`: factors on the covariances, for each chain, against shuffled candidates.
-//! - `renumber`: the order of nodes, whatever their ids.
-//! - `partners`, `cut`: which pairs are compared, and the multicut of the graph of evidence.
+//! - `calibration`, `mixture`, `neighbours`: factors on the covariances of each chain, estimated in contrast to shuffled
+//!   candidates.
+//! - `renumber`: an order of nodes that does not depend on their ids.
+//! - `partners`, `cut`: the pairs that are compared, and the multicut of the graph of evidence.
 //! - `judge`, `islands`, `rounds`, `map`: hypotheses, and rounds of optimisation and verdicts.
-//! - `prior`: how many candidates are correct where the map says little.
-//! - `usual`, `bridges`: where odometry is missing, how far the robot usually moves in such a time.
-//! - `breaks`: where odometry is broken, so that correct edges contradict it.
-//! - `ingredients`: what can be left out, to see what it is worth.
+//! - `prior`: the share of correct candidates where the map is uncertain.
+//! - `usual`, `bridges`: the usual motion of a robot, where odometry is missing.
+//! - `breaks`: broken odometry, which correct edges contradict.
+//! - `ingredients`: the ingredients that can be left out, to measure their worth.
 //! - `rivals`: other ways to join two chains.
-//! - [`verdict`], [`stage`]: what is said of every edge, on a pose graph.
+//! - [`verdict`], [`stage`]: the verdict on every edge, and the stage on a pose graph.
 
 mod agreement;
 mod breaks;

@@ -1,4 +1,4 @@
-//! What likelihoods of many loops say of a mixture.
+//! Sums over the likelihoods of many loops under a mixture.
 
 #![allow(
     clippy::inline_always,
@@ -10,26 +10,26 @@ use std::ops::Range;
 use posecut_pcm::lanes::{Lanes, WIDTH, Wide};
 use pulp::{Arch, Simd, WithSimd};
 
-/// How likely each of a few loops is as a correct one, as one with a local error, and as a shifted one, each over chance.
+/// Likelihoods of a few loops as correct ones, with a local error, and shifted, each relative to chance.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Likelihoods {
     pub(crate) parts: [Wide; 3],
-    /// 1 for a loop, 0 where there is none or its covariance is not positive definite.
+    /// 1 for a loop, 0 in an unused lane or where the covariance is not positive definite.
     pub(crate) used: Wide,
 }
 
-/// Mixing proportions in the order of [`Likelihoods::parts`]; chance has the rest.
+/// Mixing proportions in the order of [`Likelihoods::parts`]; the rest is chance.
 pub(crate) type Shares = [f64; 3];
 
-/// Products whose logarithm need not be taken yet.
+/// Range in which products of likelihoods stay plain products. Outside it, their logarithm is taken.
 const RANGE: Range<f64> = 1e-100..1e100;
 
-/// How many loops are correct, wrong nearby and shifted, each counted by its posterior probabilities.
+/// Numbers of loops that are correct, locally wrong and shifted, each counted by its posterior probabilities.
 pub(crate) fn counts(packs: &[Likelihoods], shares: &Shares) -> Shares {
     Arch::new().dispatch(Counts { packs, shares })
 }
 
-/// Log-likelihood of the mixture over that of chance alone.
+/// Log-likelihood of the mixture against that of chance alone.
 pub(crate) fn gain(packs: &[Likelihoods], shares: &Shares) -> f64 {
     Arch::new().dispatch(Gain { packs, shares })
 }
@@ -48,7 +48,7 @@ impl<S: Simd> Mixture<S> {
         Self { shares: shares.map(|share| Lanes::splat(simd, share)), chance }
     }
 
-    /// What each part contributes to the likelihood of a few loops, and the likelihood.
+    /// The contribution of each part to the likelihood of a few loops, and the likelihood.
     #[inline(always)]
     fn weigh(&self, simd: S, parts: &[Wide; 3], lane: usize) -> ([Lanes<S>; 3], Lanes<S>) {
         let [first, second, third] = Lanes::load_three(simd, parts, lane);

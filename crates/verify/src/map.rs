@@ -1,4 +1,4 @@
-//! The map that accepted closures make, and what it says of each closure.
+//! The map of the accepted closures, and its evidence for each closure.
 
 use nalgebra::{SMatrix, SVector};
 use posecut_graph::PoseGraph;
@@ -11,15 +11,16 @@ use crate::model::{Model, Motion};
 use crate::partners::Partners;
 use crate::rounds::CONTRADICTED;
 
-/// Closures without an accepted neighbour whose covariance is computed exactly, a round. Each costs a triangular solve.
+/// Closures without an accepted neighbour whose covariance is computed exactly in one round. Each costs a triangular solve.
 const EXACT: usize = 400;
-/// The largest scale of the map's own errors. The least is one: innovations may be better than their covariances in the middle, and
-/// have the longer tails for it.
+/// The largest scale of the map's own errors. The smallest is one, because the middle of the innovations may be better than
+/// their covariances say while the tails are longer.
 const SCALE_MOST: f64 = 30.0;
-/// Share of its own variance that a measurement must have left beside the rest of the map to be judged by it.
+/// Smallest share of a measurement's variance that must remain after subtracting the map's. With less, the rest of the map
+/// cannot judge the measurement.
 const SHARE_LEFT: f64 = 1e-8;
 
-/// All that the optimiser needs of a graph, read once.
+/// All that the optimiser needs from a graph, read once.
 pub(crate) struct Drawing<G, const DOF: usize> {
     start: Vec<G>,
     odometry: Vec<(usize, Edge<G, DOF>)>,
@@ -28,7 +29,7 @@ pub(crate) struct Drawing<G, const DOF: usize> {
     covariances: Vec<SMatrix<f64, DOF, DOF>>,
 }
 
-/// Optimised poses with their covariances.
+/// Optimised poses and their covariances.
 pub(crate) struct Map<'a, G, const DOF: usize> {
     drawing: &'a Drawing<G, DOF>,
     model: &'a Model<G, DOF>,
@@ -36,11 +37,11 @@ pub(crate) struct Map<'a, G, const DOF: usize> {
     accepted: &'a [bool],
     pub(crate) poses: Vec<G>,
     marginals: Marginals<G, DOF>,
-    /// Factor on covariances, from the innovations of accepted closures.
+    /// Factor on covariances, estimated from the innovations of accepted closures.
     pub(crate) scale: f64,
-    /// Evidence that is enough to accept a closure.
+    /// Evidence above which a closure is accepted.
     pub(crate) enough: f64,
-    /// The second moment of relative poses by chance, if not that along a closure's own chains.
+    /// The second moment of relative poses by chance; `None` takes that of a closure's own chains.
     pub(crate) apart: Option<SMatrix<f64, DOF, DOF>>,
 }
 
@@ -75,7 +76,7 @@ impl<G: Motion<DOF>, const DOF: usize> Drawing<G, DOF> {
         &self.landmarks[closure]
     }
 
-    /// Optimises the odometry with the accepted closures, and with bridges where odometry is missing.
+    /// Optimises the odometry, the accepted closures, and bridges where odometry is missing.
     pub(crate) fn map<'a>(
         &'a self,
         model: &'a Model<G, DOF>,
@@ -118,8 +119,9 @@ impl<G: Motion<DOF>, const DOF: usize> Drawing<G, DOF> {
 }
 
 impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
-    /// Evidence of every closure asked for, without its own part in the map; `first` are those to be judged exactly before
-    /// others. `None` where nothing else holds both ends, or where it would cost too much this round.
+    /// Evidence for every closure in `asked`, leaving out its own contribution to the map. Closures in `first` are judged
+    /// exactly before others. `None` where nothing else joins both ends, or where the exact computation exceeds this round's
+    /// limit.
     pub(crate) fn judge(
         &mut self,
         partners: &Partners,
@@ -150,7 +152,8 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
             .collect()
     }
 
-    /// The squared distance of a motion that is no part of the map from what that says; `None` where it does not hold both ends.
+    /// The squared distance between a motion outside the map and the map's prediction; `None` where the map does not join its
+    /// ends.
     pub(crate) fn distance(&mut self, motion: &Edge<G, DOF>) -> Option<f64> {
         let predicted = self.marginals.relative(&[(motion.from, motion.to)])[0]?;
         let error =
@@ -160,7 +163,7 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
         Some(error.dot(&covariance.cholesky()?.solve(&error)))
     }
 
-    /// Those near an accepted closure: its relative pose in the map, and odometry from there, bound their covariance.
+    /// Bounds the covariance of closures near an accepted one, from its relative pose in the map and the odometry between both.
     fn neighbours(
         &self,
         partners: &Partners,
@@ -180,7 +183,8 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
         }
     }
 
-    /// Others: contradicted already by a bound, or by their exact covariance, as many as a round allows.
+    /// Judges the remaining closures: by a bound where this already contradicts them, else by exact covariances, up to the
+    /// limit of a round.
     fn exactly(&mut self, asked: &[usize], first: &[usize], found: &mut [Option<Innovation<DOF>>]) {
         let open: Vec<usize> = asked
             .iter()
@@ -252,15 +256,15 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
         Innovation { error, covariance: self.own(closure) + carried::<G, DOF>(&error, predicted) }
     }
 
-    /// The innovation of a measurement with covariance S that takes part in the map, for the map without it: with P the
-    /// posterior covariance and r the residual, S (S - P)^-1 r, of covariance S (S - P)^-1 S.
+    /// The innovation of a measurement that takes part in the map, for the map without it. With S the measurement's
+    /// covariance, P the posterior covariance and r the residual, it is S (S - P)^-1 r, of covariance S (S - P)^-1 S.
     fn without(&self, closure: usize, posterior: &SMatrix<f64, DOF, DOF>) -> Option<Innovation<DOF>> {
         let (own, residual) = (self.own(closure), self.residual(closure));
         let left = own - carried::<G, DOF>(&residual, posterior);
         let left = (left + left.transpose()) * 0.5;
         let held = (0..DOF).all(|axis| left[(axis, axis)] >= SHARE_LEFT * own[(axis, axis)]);
         let Some(inverse) = left.cholesky().filter(|_| held).map(|cholesky| cholesky.inverse()) else {
-            // The residual's squared distance under S is less than the innovation's: enough where it contradicts already.
+            // The residual's squared distance under S is less than the innovation's, so it is enough if it already contradicts.
             let bound = Innovation { error: residual, covariance: own };
             return self
                 .evidence(closure, &bound)
@@ -297,7 +301,7 @@ fn spread<const DOF: usize>(innovations: impl Iterator<Item = Innovation<DOF>>) 
     median.map_or(1.0, |median| (median / chi_square_quantile(DOF, 0.0)).clamp(1.0, SCALE_MOST))
 }
 
-/// The covariance of Log(Z^-1 X) for that of a right perturbation of X, at an error that need not be small.
+/// The covariance of Log(Z^-1 X), given that of a right perturbation of X, also at large errors.
 fn carried<G: Motion<DOF>, const DOF: usize>(
     error: &SVector<f64, DOF>,
     covariance: &SMatrix<f64, DOF, DOF>,

@@ -1,4 +1,4 @@
-//! Loops as a mixture of correct ones, chance, and errors between the two, against the same loops shuffled.
+//! Loops as a mixture of correct ones, chance, and errors between the two, in contrast to the same loops shuffled.
 
 use std::borrow::{Borrow, Cow};
 
@@ -12,43 +12,44 @@ use crate::neighbours::{Neighbours, RANKS};
 use crate::packs::Sample;
 use crate::partners::Partners;
 
-/// Closures whose loops are looked at.
+/// Closures whose loops are sampled.
 pub(crate) const SAMPLE: usize = 400;
 /// Rounds of expectation maximisation.
 const ROUNDS: usize = 12;
 
-/// Loops of a kind that share a mixing proportion, with their shuffled twins.
+/// Loops of one kind that share mixing proportions, with their shuffled twins.
 #[derive(Clone)]
 pub(crate) struct Class<const DOF: usize> {
-    /// Whether it tells how many candidates are correct.
+    /// Whether its loops are used to estimate how many candidates are correct.
     counts: bool,
-    /// Most local errors and shifts, as a share of the correct loops: they are the exception, or they would be the noise.
+    /// Most local errors and shifts, relative to the correct loops. They must remain the exception, or they would take over
+    /// the noise.
     wrong_most: f64,
-    /// Whether loops may be shifted: false closures between chains come in groups that agree within themselves, and lie a
-    /// corridor's or a crossing's width beside the correct ones.
+    /// Whether loops may be shifted. False closures between chains come in groups that agree with each other and lie the
+    /// width of a corridor or a crossing beside the correct ones.
     shifted: bool,
-    /// Whether these are loops of wrong neighbours instead, of which there may be any number.
+    /// Whether the third explanation is wrong neighbours instead of a shift. Their number is not limited.
     neighbours: bool,
     pub(crate) real: Sample<DOF>,
     shuffled: Sample<DOF>,
 }
 
-/// What loops gain over their shuffled twins.
+/// Evidence of loops, compared with that of their shuffled twins.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Contrast {
-    /// Log-likelihood of the mixture over chance alone, tempered: that of all classes.
+    /// Log-likelihood of the mixture against chance alone, tempered; over all classes.
     pub(crate) objective: f64,
-    /// The same of classes that tell how many candidates are correct.
+    /// The same over the classes that count correct candidates.
     pub(crate) evidence: f64,
-    /// Share of correct loops in these.
+    /// Share of correct loops in those classes.
     pub(crate) correct: f64,
 }
 
-/// The loops to look at.
+/// Which loops to evaluate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Loops {
     All,
-    /// One in four, which count for the others, where there are many.
+    /// One in four where there are many; each then counts four times.
     Some,
 }
 
@@ -61,10 +62,10 @@ impl Loops {
     }
 }
 
-/// Loops of a class of which a quarter is enough to compare distant factors.
+/// Size of a class from which a quarter of its loops is enough to compare distant factors.
 const MANY: usize = 400;
 
-/// Loops through the same closures are not independent: `tempering` is what each counts.
+/// Loops through the same closures are not independent: each counts as `tempering` loops.
 pub(crate) fn contrast<const DOF: usize>(
     classes: &[impl Borrow<Class<DOF>>],
     factors: &Calibration,
@@ -92,14 +93,14 @@ pub(crate) fn contrast<const DOF: usize>(
     }
 }
 
-/// Local errors in classes that tell how many candidates are correct, as a share of the correct loops.
+/// Ratio of local errors to correct loops, in the classes that count correct candidates.
 pub(crate) fn local_share<const DOF: usize>(classes: &[Class<DOF>], factors: &Calibration) -> f64 {
     let (mut correct, mut local) = (0.0, 0.0);
     for class in classes.iter().filter(|class| class.counts) {
         let [real, shuffled] = class.likelihoods(factors, 1);
         let shares = class.shares(&real);
         correct += shares[0] * class.real.len() as f64;
-        // Some loops of chance look like local errors, as some of the shuffled ones do.
+        // Some loops that close by chance look like local errors, as some shuffled loops do. Subtract those.
         let chance = 1.0 - shares.iter().sum::<f64>();
         local += (counts(&real, &shares)[1] - chance * counts(&shuffled, &shares)[1]).max(0.0);
     }
@@ -107,8 +108,8 @@ pub(crate) fn local_share<const DOF: usize>(classes: &[Class<DOF>], factors: &Ca
 }
 
 impl<const DOF: usize> Class<DOF> {
-    /// Adds the loop through two closures, and its twin with an end of the other one `turn` steps elsewhere; `beside` is the
-    /// second moment of what is neither correct nor anywhere, if not that of a shift.
+    /// Adds the loop through two closures, and its twin, whose other closure gets the end of a third one `turn` steps away.
+    /// `beside` replaces the second moment of the shift.
     fn add<G: Motion<DOF>>(
         &mut self,
         model: &Model<G, DOF>,
@@ -123,7 +124,7 @@ impl<const DOF: usize> Class<DOF> {
         }
     }
 
-    /// The loops that a chain takes part in: between two chains, all of them.
+    /// The loops that a chain takes part in; between two chains, these are all loops.
     pub(crate) fn of(&self, chain: usize) -> Cow<'_, Self> {
         let takes_part = |closed: &Loop<DOF>| closed.odometry.iter().any(|(of, ..)| *of == chain);
         if self.real.loops().iter().all(takes_part) {
@@ -139,14 +140,14 @@ impl<const DOF: usize> Class<DOF> {
         Cow::Owned(Self { real, shuffled, ..*self })
     }
 
-    /// Those of every `step`-th pack of loops, and of their twins.
+    /// The likelihoods of every `step`-th pack of loops, and of their twins.
     fn likelihoods(&self, factors: &Calibration, step: usize) -> [Vec<Likelihoods>; 2] {
         [&self.real, &self.shuffled].map(|sample| sample.likelihoods(factors, self.shifted, step))
     }
 
     /// The mixing proportions, by expectation maximisation.
     fn shares(&self, loops: &[Likelihoods]) -> Shares {
-        // A wrong and a correct loop more than seen: never certain.
+        // Add one wrong and one correct loop to those counted, so that no share becomes certain.
         let unseen = [1.0, 0.5, if self.shifted { 0.5 } else { 0.0 }];
         let used: f64 = loops.iter().flat_map(|pack| pack.used.0).sum();
         let all = used + unseen.iter().sum::<f64>() + 1.0;
@@ -167,7 +168,7 @@ impl<const DOF: usize> Class<DOF> {
     }
 }
 
-/// Loops through single closures of a chain; between chains, through pairs of near and of random partners.
+/// The classes of loops: within a chain, single closures and neighbours; between chains, pairs of near and of random partners.
 pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
     model: &Model<G, DOF>,
     partners: &Partners,
@@ -198,7 +199,7 @@ pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
             if let Some(twin) = model.single_shuffled(closure, donor) {
                 single.shuffled.push(twin);
             }
-            // Neighbours tell of the landmark edges alone: aliased runs agree with each other, too.
+            // Neighbours only inform about landmark noise: aliased runs agree with each other, too.
             for (_, rank, other) in ranked.filter(|(place, ..)| *place != 1) {
                 short.add(model, (closure, other), rank + 2, None);
             }

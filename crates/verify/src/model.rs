@@ -14,13 +14,13 @@ use crate::calibration::Calibration;
 pub trait Motion<const DOF: usize>: Spatial<DOF> + PoseGroup<DOF> {}
 impl<G: Spatial<DOF> + PoseGroup<DOF>, const DOF: usize> Motion<DOF> for G {}
 
-/// Pairs of places whose relative poses tell how far apart two places of a chain are.
+/// Pairs of positions sampled to estimate how far apart two positions of a chain are.
 const PLACES: usize = 500;
 
-/// The second moment of a shift, as a share of that of chance: a tenth of the way.
+/// The second moment of a shift, as a share of that of chance: a shift is a tenth as long.
 const SHIFT: f64 = 0.01;
 
-/// Directions of coherent odometry errors: along the motion, and both ways across it (one in the plane).
+/// Directions of coherent odometry errors: along the motion, and across it (one direction in the plane, two in space).
 pub(crate) const COHERENT: usize = 3;
 type Drift<const DOF: usize> = SMatrix<f64, DOF, COHERENT>;
 
@@ -28,12 +28,12 @@ type Drift<const DOF: usize> = SMatrix<f64, DOF, COHERENT>;
 #[derive(Clone, Debug)]
 pub(crate) struct Closure<G, const DOF: usize> {
     pub(crate) group: usize,
-    /// Whether the edge leads from chain A to chain B, as the candidate does.
+    /// Whether the edge leads from chain A to chain B, which is the direction of the candidate.
     pub(crate) forward: bool,
     pub(crate) candidate: Candidate<G, DOF>,
 }
 
-/// The chains that a group's candidates join, and where these stand among all closures.
+/// The chains that a group's candidates join, and the range of these candidates among all closures.
 #[derive(Clone, Debug)]
 pub(crate) struct Span {
     pub(crate) a: usize,
@@ -42,14 +42,14 @@ pub(crate) struct Span {
     pub(crate) end: usize,
 }
 
-/// A graph as chains and closures.
+/// A pose graph as chains and closures.
 pub(crate) struct Model<G, const DOF: usize> {
     pub(crate) chains: Chains<G, DOF>,
-    /// The graph's node at each place of each chain.
+    /// The graph's node at each position of each chain.
     nodes: Vec<Vec<usize>>,
-    /// Prefix sums over each chain of Ad(P_k) (m_k, 0), m_k the step's translation turned into each coherent direction.
+    /// Prefix sums over each chain of Ad(P_k) (m_k, 0), where m_k is the step's translation turned into each coherent direction.
     drifts: Vec<Vec<Drift<DOF>>>,
-    /// For each chain the second moment of the relative pose of two of its places, and of a place anywhere.
+    /// For each chain, the second moment of the relative pose of two positions anywhere on it.
     apart: Vec<SMatrix<f64, DOF, DOF>>,
     pub(crate) groups: Vec<Group<G, DOF>>,
     pub(crate) spans: Vec<Span>,
@@ -59,16 +59,16 @@ pub(crate) struct Model<G, const DOF: usize> {
     without: Vec<Ingredient>,
 }
 
-/// A loop: its error, and the parts of its covariance, in the frame of chain B.
+/// A loop: its error, and the terms of its covariance, in the frame of chain B.
 #[derive(Clone, Debug)]
 pub(crate) struct Loop<const DOF: usize> {
     pub(crate) error: SVector<f64, DOF>,
     pub(crate) landmark: SMatrix<f64, DOF, DOF>,
-    /// Chain and the covariance that its odometry and its coherent errors bring in, at factors of one.
+    /// For each chain, its number and the covariances from its random and its coherent odometry errors, at factors of one.
     pub(crate) odometry: [(usize, SMatrix<f64, DOF, DOF>, SMatrix<f64, DOF, DOF>); 2],
     /// R, the second moment of the error by chance.
     pub(crate) apart: SMatrix<f64, DOF, DOF>,
-    /// The same of a loop through a closure that is shifted, or of one through wrong neighbours.
+    /// The second moment of the error of a loop through a shifted closure, or through wrong neighbours.
     pub(crate) beside: SMatrix<f64, DOF, DOF>,
 }
 
@@ -111,17 +111,17 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         })
     }
 
-    /// The graph's node at a place of a chain.
+    /// The graph's node at a position of a chain.
     pub(crate) fn node(&self, chain: usize, place: usize) -> usize {
         self.nodes[chain][place]
     }
 
-    /// Whether the method is to do without an ingredient.
+    /// Whether the caller switched this ingredient of the method off.
     pub(crate) fn without(&self, ingredient: Ingredient) -> bool {
         self.without.contains(&ingredient)
     }
 
-    /// The covariance of a closure's measurement, of a right perturbation at the node that its edge leads to.
+    /// The covariance of a closure's measurement, as a right perturbation at the node that its edge leads to.
     pub(crate) fn measurement_covariance(&self, closure: &Closure<G, DOF>) -> SMatrix<f64, DOF, DOF> {
         let candidate = &closure.candidate;
         let chain = self.chain(self.spans[closure.group].b);
@@ -130,7 +130,7 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         if closure.forward {
             return forward;
         }
-        // The edge was turned round to lead from chain A to chain B.
+        // The candidate is the inverse of the edge, because candidates lead from chain A to chain B.
         let chain_a = self.chain(self.spans[closure.group].a);
         let measured = chain_a.poses[candidate.i]
             .inverse()
@@ -140,8 +140,8 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         turn * forward * turn.transpose()
     }
 
-    /// A bound on the covariance of the relative pose of a closure's ends, from that of a neighbour's ends and the odometry
-    /// between them.
+    /// A bound on the covariance of the relative pose of a closure's ends, from the covariance of a neighbour's ends and the
+    /// odometry between the two closures.
     pub(crate) fn between(
         &self,
         neighbour: usize,
@@ -154,7 +154,7 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         for (chain, random, _) in &closed.odometry {
             sum += random * calibration.odometry[*chain];
         }
-        // From the frame of chain B to that of the node which the edge leads to.
+        // From the frame of chain B to that of the node that the edge leads to.
         let span = self.span(closure);
         let local = |candidate: &Candidate<G, DOF>, forward: bool| {
             if forward {
@@ -175,7 +175,7 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         &self.spans[self.closures[closure].group]
     }
 
-    /// Chain and place of a closure's ends: in chain A, in chain B.
+    /// Chain and position of a closure's ends: first in chain A, then in chain B.
     pub(crate) fn ends(&self, closure: usize) -> [(usize, usize); 2] {
         let (span, candidate) = (self.span(closure), &self.closures[closure].candidate);
         [(span.a, candidate.i), (span.b, candidate.k)]
@@ -186,7 +186,7 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         span.a == span.b
     }
 
-    /// R at a closure's place in chain B, in that chain's frame.
+    /// R at the closure's position in chain B, in the frame of that chain.
     fn apart_at(&self, closure: usize) -> SMatrix<f64, DOF, DOF> {
         let span = self.span(closure);
         let local = (self.apart[span.a] + self.apart[span.b]) * 0.5;
@@ -199,7 +199,7 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         self.chain(self.span(closure).b).poses[self.closures[closure].candidate.k]
     }
 
-    /// R in the frame of the place itself.
+    /// R in the frame of the closure's position itself.
     pub(crate) fn apart_local(&self, closure: usize) -> SMatrix<f64, DOF, DOF> {
         let span = self.span(closure);
         (self.apart[span.a] + self.apart[span.b]) * 0.5
@@ -215,13 +215,13 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         self.pair_of(&self.closures[one].candidate, &self.closures[other].candidate, one)
     }
 
-    /// The same through the first closure and what the second would be with the end in chain B of a third.
+    /// The same loop, with the second closure's end in chain B moved to that of a third closure.
     pub(crate) fn pair_shuffled(&self, one: usize, other: usize, third: usize) -> Loop<DOF> {
         let shuffled = self.shuffled(other, third);
         self.pair_of(&self.closures[one].candidate, &shuffled, one)
     }
 
-    /// A closure with the end in chain B of another one: its measurement is kept, and means nothing there.
+    /// A closure moved to another closure's end in chain B. It keeps its measurement, which is meaningless there.
     fn shuffled(&self, closure: usize, donor: usize) -> Candidate<G, DOF> {
         let span = self.span(closure);
         let (own, donor) = (&self.closures[closure].candidate, &self.closures[donor].candidate);
@@ -233,8 +233,8 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         Candidate::new(own.edge, (chain_a, own.i), (chain_b, donor.k), &measurement, &covariance)
     }
 
-    /// The loop through another measurement between the nodes of a closure's chains and the closure, and the covariance that the
-    /// measurement brings in, which is not among the loop's own parts.
+    /// The loop through a closure and another measurement between nodes of the same two chains. The second result is the
+    /// covariance of that measurement, which the loop's own terms do not include.
     pub(crate) fn beside(
         &self,
         closure: usize,
@@ -269,7 +269,7 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         );
         let zero = SMatrix::zeros();
         let odometry = if span.a == span.b {
-            // Steps in both stretches act through both, each with its sign.
+            // Both stretches may share steps. Errors of shared steps act through both, so add their cross terms with the sign.
             let first = a.i.min(b.i).max(a.k.min(b.k));
             let last = a.i.max(b.i).min(a.k.max(b.k));
             let mut sum = to_b * chain_a.covariance_between(a.i, b.i) * to_b.transpose()
@@ -342,13 +342,13 @@ fn drift<G: Motion<DOF>, const DOF: usize>(chain: &Chain<G, DOF>) -> Vec<Drift<D
     sums
 }
 
-/// Second moment of the logarithm of relative poses of places far from each other in a row of places.
+/// Second moment of the logarithm of the relative pose of two positions in a sequence, sampled far apart.
 pub(crate) fn second_moment<G: Motion<DOF>, const DOF: usize>(poses: &[G]) -> SMatrix<f64, DOF, DOF> {
     let count = poses.len();
     let mut sum = SMatrix::zeros();
     let sample: Vec<usize> = (0..count).step_by(count.div_ceil(PLACES).max(1)).collect();
     for (turn, &one) in sample.iter().enumerate() {
-        // Steps of the golden section spread over all places without a pattern.
+        // Golden-section steps spread the partners over all positions without a pattern.
         let other = (one + (count as f64 * (0.618_034 * (turn + 1) as f64).fract()) as usize) % count;
         let error = poses[one].between(&poses[other]).log();
         sum += error * error.transpose() / sample.len() as f64;

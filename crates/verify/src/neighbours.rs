@@ -1,26 +1,27 @@
-//! How much neighbouring candidates differ by chance.
+//! Errors of loops through wrong neighbouring candidates.
 
 use nalgebra::SMatrix;
 
 use crate::model::{Model, Motion};
 use crate::partners::Partners;
 
-/// Neighbours that loops are made with, by their ranks.
+/// Ranks of the neighbours that loops are made with.
 pub(crate) const RANKS: [usize; 4] = [0, 1, 3, 7];
-/// The fewest loops that tell a second moment.
+/// The fewest loops that determine a second moment.
 const LEAST: usize = 20;
 
-/// Second moments of the errors of loops through a candidate between two chains and each of its neighbours if both are wrong, in
-/// the frame of the candidate's end in chain B; `None` where there are too few loops.
+/// Second moments of the errors of loops through a candidate between two chains and each of its neighbours, if both are
+/// wrong; in the frame of the candidate's end in chain B. `None` where there are too few loops.
 ///
-/// Wrong neighbours lead from near places to near places, and mostly claim that these are the same one: their loops have small
-/// errors, whatever the odometry is. Beside R alone, that of places anywhere, a loose odometry explains them. Where four candidates
-/// of five were wrong, its variance was taken for a thousand times what it is.
+/// Wrong neighbours lead from near positions to near positions, and mostly claim that these are the same one. Their loops
+/// have small errors, whatever the odometry is. If R, the second moment of two positions anywhere, is the only alternative, a
+/// very uncertain odometry explains them best: with four wrong candidates of five, its variance was estimated a thousand
+/// times too large.
 pub(crate) struct Neighbours<const DOF: usize>([Option<SMatrix<f64, DOF, DOF>>; RANKS.len()]);
 
 impl<const DOF: usize> Neighbours<DOF> {
-    /// From loops in which the neighbour has the end in chain B of another neighbour: it stays near, and its measurement means
-    /// nothing there. O(candidates).
+    /// Estimates them from loops in which the neighbour gets the end in chain B of another neighbour. It stays near, but its
+    /// measurement is meaningless there. O(candidates).
     pub(crate) fn of<G: Motion<DOF>>(
         model: &Model<G, DOF>,
         partners: &Partners,
@@ -50,7 +51,7 @@ impl<const DOF: usize> Neighbours<DOF> {
         self.0.iter().all(Option::is_some)
     }
 
-    /// The second moment for a candidate and its neighbour at a place among the ranks, in the frame of chain B.
+    /// The second moment for a candidate and its neighbour at an index of `RANKS`, in the frame of chain B.
     pub(crate) fn at<G: Motion<DOF>>(
         &self,
         model: &Model<G, DOF>,

@@ -1,4 +1,4 @@
-//! Loops side by side, component by component, so that vector instructions take several at a time.
+//! Loops stored side by side, component by component, so that a vector instruction processes several of them.
 
 #![allow(
     clippy::inline_always,
@@ -14,19 +14,19 @@ use crate::calibration::Calibration;
 use crate::likelihoods::Likelihoods;
 use crate::model::Loop;
 
-/// A symmetric matrix of each loop: its lower triangle.
+/// The lower triangle of a symmetric matrix of each loop.
 type Stored<const DOF: usize> = [[Wide; DOF]; DOF];
 /// The same in registers.
 type Symmetric<S, const DOF: usize> = [[Lanes<S>; DOF]; DOF];
 
-/// Loops to look at.
+/// Loops to evaluate.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sample<const DOF: usize> {
     loops: Vec<Loop<DOF>>,
     packs: Vec<Pack<DOF>>,
 }
 
-/// Up to eight loops. Where there is none covariances are zero, and no likelihood comes out.
+/// Up to eight loops. Unused lanes have covariances of zero, so that they give no likelihood.
 #[derive(Clone, Debug)]
 struct Pack<const DOF: usize> {
     error: [Wide; DOF],
@@ -36,7 +36,7 @@ struct Pack<const DOF: usize> {
     sides: [Side<DOF>; 2],
 }
 
-/// What the odometry of one chain adds to each loop.
+/// The covariances that the odometry of one chain adds to each loop.
 #[derive(Clone, Copy, Debug)]
 struct Side<const DOF: usize> {
     chains: [usize; WIDTH],
@@ -68,7 +68,7 @@ impl<const DOF: usize> Sample<DOF> {
         &self.loops
     }
 
-    /// Likelihoods of every `step`-th pack, by these factors. O(loops DOF^3 / step).
+    /// Likelihoods of every `step`-th pack under these factors. O(loops DOF^3 / step).
     pub(crate) fn likelihoods(&self, factors: &Calibration, shifted: bool, step: usize) -> Vec<Likelihoods> {
         Arch::new().dispatch(Compare { packs: &self.packs, factors, shifted, step })
     }
@@ -129,7 +129,7 @@ impl<const DOF: usize> WithSimd for Compare<'_, DOF> {
 }
 
 impl<const DOF: usize> Compare<'_, DOF> {
-    /// The loops of one register.
+    /// Compares the loops of one register.
     #[inline(always)]
     fn compare<S: Simd>(&self, simd: S, pack: &Pack<DOF>, lane: usize, found: &mut Likelihoods) {
         let zero = Lanes::splat(simd, 0.0);
@@ -153,7 +153,7 @@ impl<const DOF: usize> Compare<'_, DOF> {
         let correct = wider.by(&pack.apart, 1.0);
         let local = correct / wider.by(&pack.landmark, self.factors.local_factor());
         let shifted = if self.shifted { correct / wider.by(&pack.beside, 1.0) } else { zero };
-        // Not where a pivot is zero or negative, nor where anything is not a number.
+        // Leave out lanes with a pivot that is zero or negative, or with a value that is not a number.
         let one = Lanes::splat(simd, 1.0);
         let definite = zero.less_than(near.least);
         let known = (correct + local + shifted).less_than(Lanes::splat(simd, f64::INFINITY));
@@ -165,7 +165,7 @@ impl<const DOF: usize> Compare<'_, DOF> {
     }
 }
 
-/// Adds a share of covariances.
+/// Adds covariances, scaled by `share`.
 #[inline(always)]
 fn add<S: Simd, const DOF: usize>(
     simd: S,
@@ -181,15 +181,15 @@ fn add<S: Simd, const DOF: usize>(
     }
 }
 
-/// L D L^T of covariances, with the errors carried along.
+/// L D L^T of covariances, applied to the errors at the same time.
 struct Eliminated<S: Simd, const DOF: usize> {
     /// e^T S^-1 e
     squared: Lanes<S>,
-    /// The product of the pivots, each times a scale.
+    /// The product of the pivots, each multiplied by a scale.
     determinant: Lanes<S>,
     /// One over each pivot.
     inverse: [Lanes<S>; DOF],
-    /// The least pivot: above zero where the covariance is positive definite.
+    /// The smallest pivot: positive where the covariance is positive definite.
     least: Lanes<S>,
 }
 
@@ -301,7 +301,7 @@ mod tests {
         for (chain, numbers) in numbers.iter().enumerate() {
             sample.push(closed(numbers, chain % 2));
         }
-        // One that has no positive definite covariance.
+        // A loop whose covariance is not positive definite.
         let mut bad = closed::<DOF>(&numbers[0], 0);
         bad.landmark = -SMatrix::identity() * 1e6;
         sample.push(bad);

@@ -1,4 +1,4 @@
-//! Whom each candidate is compared with.
+//! The partners with which each candidate is compared.
 
 use posecut_pcm::consistency::Pairs;
 use posecut_pcm::nearest::Nearest;
@@ -7,11 +7,11 @@ use rayon::prelude::*;
 use crate::ingredients::Ingredient;
 use crate::model::{Model, Motion};
 
-/// Nearest partners, and partners anywhere.
+/// Numbers of nearest partners, and of partners anywhere.
 pub(crate) const NEAR: usize = 8;
 const FAR: usize = 8;
-/// Ranks by distance of partners between these. Two groups that lie among each other have all their nearest partners in
-/// themselves, and far away the odometry is too loose to tell them apart.
+/// Ranks by distance of partners in between. If two groups are interleaved, the nearest partners of each member are all in
+/// its own group, and far away the odometry is too uncertain to distinguish the groups.
 const MIDDLE: [usize; 3] = [16, 32, 64];
 
 /// Partners of every closure, within its group.
@@ -77,7 +77,7 @@ impl Partners {
     }
 }
 
-/// Steps of the golden section spread over all places without a pattern.
+/// Another index: golden-section steps spread over all of them without a pattern.
 fn elsewhere(one: usize, turn: usize, count: usize) -> usize {
     let step = 1.0 + (count as f64 - 1.0) * (0.618_034 * turn as f64).fract();
     (one + step as usize) % count
@@ -91,7 +91,8 @@ mod tests {
 
     use super::*;
 
-    /// Two groups of false edges among correct ones were accepted: nothing compared them (simulated session 2012-02-02, corridor).
+    /// Two groups of false edges among correct ones were accepted, because nothing compared them (simulated session
+    /// 2012-02-02, corridor).
     #[test]
     fn partners_lie_near_in_between_and_anywhere() {
         let scenario = Scenario { candidates: 200, outliers: 0.0, falsehood: Falsehood::Uniform, seed: 3 };
@@ -103,7 +104,7 @@ mod tests {
             [edge.from as f64, edge.to as f64]
         };
         for closure in 0..200 {
-            // Steps of these chains are about alike, so that ranks go by their number, but for neighbours.
+            // Steps of these chains have similar lengths, so ranks follow the number of steps, except among close neighbours.
             let apart = |other: &usize| {
                 let ([a, b], [c, d]) = (place(closure), place(*other));
                 (a - c).abs() + (b - d).abs()

@@ -1,4 +1,4 @@
-//! Nodes in an order that their ids have no part in.
+//! An order of nodes that does not depend on their ids.
 
 use std::borrow::Cow;
 
@@ -7,11 +7,13 @@ use posecut_pcm::chain::paths;
 
 use crate::model::Motion;
 
-/// The graph with its nodes numbered along its chains of odometry. Which end of a chain comes first, and which chain, decides
-/// between optima of the calibration that are nearly equal, and must not depend on what nodes are called.
+/// The graph with its nodes numbered along its chains of odometry. The calibration may have several optima that are nearly
+/// equal. Which of them it finds depends on the order of chains, and on which end of a chain comes first, so this order must
+/// not depend on ids.
 ///
-/// A chain begins where most of its odometry edges point away from. Chains come by first frame, number of nodes and distance travelled;
-/// only where all of these are equal do the names of sessions decide, and then ids. Edges keep their places. O(n log n).
+/// A chain starts at the end from which most of its odometry edges point away. Chains are sorted by first frame, number of
+/// nodes and distance travelled; session names, and then ids, decide only where all of these are equal. Edges keep their
+/// indices. O(n log n).
 pub(crate) fn renumbered<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) -> Cow<'_, PoseGraph> {
     let mut chains: Vec<Chain> = paths(graph).into_iter().map(Chain::new).collect();
     let mut places = vec![(0, 0); graph.nodes.len()];
@@ -50,9 +52,9 @@ pub(crate) fn renumbered<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) ->
 /// The nodes of a chain of odometry.
 struct Chain {
     nodes: Vec<usize>,
-    /// How many more of its edges point from the first node to the last than back.
+    /// Number of its edges that point from the first node to the last, minus those that point back.
     forward: i64,
-    /// The lengths of its edges.
+    /// The sum of the lengths of its edges.
     travelled: f64,
 }
 
@@ -62,7 +64,7 @@ impl Chain {
     }
 }
 
-/// The graph with these nodes as 0, 1, 2 and so on.
+/// The graph with these nodes renumbered 0, 1, 2 and so on.
 fn in_order(graph: &PoseGraph, nodes: &[usize]) -> PoseGraph {
     let mut number = vec![0; nodes.len()];
     let mut renamed = graph.clone();
@@ -73,7 +75,7 @@ fn in_order(graph: &PoseGraph, nodes: &[usize]) -> PoseGraph {
     }
     for edge in &mut renamed.edges {
         for end in [&mut edge.from, &mut edge.to] {
-            // An end that does not exist stays one that does not.
+            // An end that does not exist must not exist in the result either.
             *end = graph.node_index(*end).map_or(u64::MAX, |node| number[node]);
         }
     }

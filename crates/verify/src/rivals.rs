@@ -1,4 +1,4 @@
-//! Other ways to join two chains, with as much evidence as what is accepted, or nearly.
+//! Rivals: other ways to join two chains, with evidence comparable to that of the accepted edges.
 
 use std::collections::BTreeMap;
 
@@ -8,19 +8,19 @@ use crate::islands::Hypothesis;
 use crate::judge::Judged;
 use crate::model::{Model, Motion};
 
-/// A rival has at least this share of the evidence of what is accepted between the same chains.
+/// Smallest evidence of a rival, as a share of that of the accepted edges between the same chains.
 pub(crate) const COMPARABLE: f64 = 0.5;
 
 /// Another way to join two chains.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Rival {
-    /// Its number, as findings have it.
+    /// Its number, as in the findings.
     pub hypothesis: usize,
     /// How many landmark edges it has.
     pub edges: usize,
     /// Its evidence, nats.
     pub evidence: f64,
-    /// The evidence of what is accepted between the same chains, nats.
+    /// The evidence of the accepted edges between the same chains, nats.
     pub accepted: f64,
 }
 

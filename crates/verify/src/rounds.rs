@@ -17,20 +17,20 @@ use crate::prior::{Prior, odds_among};
 
 /// Most rounds that do not mainly add closures.
 const ROUNDS: usize = 12;
-/// Most rounds in all, and the growth of a round that mainly adds.
+/// Most rounds in all. A round mainly adds closures if it accepts this many times as many as the round before.
 const ROUNDS_IN_ALL: usize = 60;
 const GROWTH: f64 = 1.02;
 /// Log-likelihood ratio at which a closure contradicts the map.
 pub(crate) const CONTRADICTED: f64 = -3.0;
-/// How much likelier two places are near each other by chance than their second moment says, nats: robots stay on roads, and
-/// return to them. Where an edge alone is to join two sessions, no other evidence makes up for it.
+/// Nats by which two positions are more often near each other by chance than their second moment says: robots stay on roads, and
+/// return to them. An edge that alone joins two sessions needs this much more evidence.
 const ROADS: f64 = 5.0;
 /// Largest probability of being wrong at which a closure is accepted.
 pub(crate) const DOUBT: f64 = 0.1;
-/// The same of one with an error that only one in a hundred correct ones has.
+/// The same limit for a closure whose error is larger than that of 99 % of correct closures.
 const UNUSUAL_DOUBT: f64 = 0.01;
 
-/// Whether a local error is too likely, by its odds against a correct closure.
+/// Whether a local error is too likely, given its odds against a correct closure.
 pub(crate) fn is_vague(wrong: f64) -> bool {
     wrong / (1.0 + wrong) > DOUBT
 }
@@ -40,41 +40,41 @@ pub(crate) struct Rounds<'a, G, const DOF: usize> {
     pub(crate) model: &'a Model<G, DOF>,
     pub(crate) partners: Partners,
     pub(crate) drawing: Drawing<G, DOF>,
-    /// Calibration without coherent terms, which the optimiser does not have.
+    /// Calibration without coherent terms, because the optimiser does not model them.
     pub(crate) random: Calibration,
     pub(crate) threshold: f64,
     pub(crate) hypotheses: Vec<Hypothesis>,
-    /// Parts of the graph: chains that accepted closures join.
+    /// Components of the graph: chains that accepted closures join.
     pub(crate) parts: UnionFind<usize>,
     pub(crate) accepted: Vec<bool>,
     pub(crate) ratio: Vec<Option<f64>>,
-    /// The same against chance alone, however large the error.
+    /// Log-likelihood ratio of each closure against chance alone, however large the error.
     pub(crate) chance: Vec<Option<f64>>,
-    /// Hypotheses that a map was drawn with on trial.
+    /// Hypotheses that have already been part of a trial map.
     pub(crate) tried: Vec<bool>,
     /// Whether the error is as small as that of 99 % of correct closures.
     pub(crate) fits: Vec<bool>,
-    /// What bridges say of each closure between their chains, and those between sessions alone.
+    /// Evidence of each closure from the bridges between its chains; `begun` has only that of bridges between sessions.
     pub(crate) bridged: Vec<Option<Evidence>>,
     pub(crate) begun: Vec<Option<Evidence>>,
     pub(crate) seams: Seams<G, DOF>,
-    /// What the log-likelihood ratio would be without any error, where the map has one: little where the map says little about a
-    /// closure's ends.
+    /// The log-likelihood ratio that each closure would have without any error, where the map predicts it. It is small where
+    /// the map is uncertain about the ends of the closure.
     pub(crate) most: Vec<Option<f64>>,
     /// Log-likelihood ratio of each closure, correct against a local error, where there is one.
     pub(crate) local: Vec<Option<f64>>,
-    /// Whether closures are left out that may as well have a local error. Only in the end: they lead to others that leave no doubt
-    /// of them.
+    /// Whether to leave out closures that may as well have a local error. This is set only at the end, because such closures
+    /// lead to others that may resolve the doubt.
     pub(crate) strict: bool,
     /// Squared distance that 99 % of correct closures stay below.
     pub(crate) usual: f64,
-    /// Where the last map ended, if the next is nearly the same.
+    /// Poses of the last map, to start from if the next map is nearly the same.
     pub(crate) poses: Option<Vec<G>>,
 }
 
 impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
-    /// Rounds until nothing changes, or two alternate, then what bridges say of closures that nothing else places, and so on. Returns the number
-    /// of rounds.
+    /// Runs rounds until nothing changes or two results alternate. Then adds closures that only a bridge supports, and
+    /// repeats until there are none. Returns the number of rounds.
     pub(crate) fn all(&mut self, bridges: &[Bridge<G, DOF>]) -> anyhow::Result<usize> {
         let mut number = 0;
         let mut next = self.accepted.clone();
@@ -123,7 +123,8 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         }
     }
 
-    /// Where rounds alternate, what both accept; the others have the less evidence of both.
+    /// If rounds alternate, accepts what both accept. A closure that only one of them accepts gets the smaller evidence of
+    /// the two.
     fn agree(&mut self, next: &[bool], before: &[Option<f64>]) {
         for closure in 0..next.len() {
             if self.accepted[closure] != next[closure] {
@@ -134,7 +135,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         }
     }
 
-    /// Closures between parts that bridges place, and that fit.
+    /// Closures between components that a bridge supports and that are likely to be correct.
     fn across(&mut self, bridges: &[Bridge<G, DOF>]) -> anyhow::Result<Vec<usize>> {
         let mut bridged = self.parts.clone();
         let edges: Vec<_> = bridges
@@ -164,10 +165,10 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             .filter_map(|(closure, evidence)| Some((closure, self.with_bridge(closure, evidence?))))
             .collect();
         let weights: Vec<f64> = found.iter().map(|(_, evidence)| evidence.weight()).collect();
-        // Parts that nothing else joins have few correct closures between them.
+        // Components that nothing else joins have few correct closures between them.
         let few = (odds_among(&weights) / self.random.odds()).ln().min(0.0);
         for (closure, evidence) in found {
-            // What the usual motion contradicts may still be right: somebody may have carried the robot.
+            // A closure that contradicts the usual motion may still be correct: somebody may have carried the robot.
             if evidence.weight() + few > 0.0 {
                 self.ratio[closure] = Some(evidence.weight() + few);
                 self.fits[closure] = evidence.squared_distance <= self.usual;
@@ -179,7 +180,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         Ok(placed)
     }
 
-    /// Closures that alone join two sessions, where one begins so soon after the other ended that they can be no coincidence.
+    /// Closures that alone join two sessions, where one session begins so soon after the other ended that this cannot be chance.
     fn continued(&mut self) -> Vec<usize> {
         let mut placed = Vec::new();
         for closure in 0..self.accepted.len() {
@@ -199,8 +200,8 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         placed
     }
 
-    /// Draws the map of what is accepted, judges every closure within its parts by it, and joins further parts. Returns what
-    /// is accepted next.
+    /// Optimises the map of the accepted closures, judges every closure within a component by it, and joins further
+    /// components. Returns what is accepted next.
     fn round(&mut self) -> anyhow::Result<Vec<bool>> {
         let part = self.parts.clone().into_labeling();
         let within: Vec<bool> = (0..self.accepted.len())
@@ -222,7 +223,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         {
             next[member] = true;
         }
-        // Where odometry says nothing of closures, only an island's own evidence can place it: the heaviest goes first.
+        // Where odometry cannot judge closures, only an island's own evidence can place it. The heaviest goes first.
         if self.random.on_prior
             && let Some(unseen) =
                 open().find(|hypothesis| hypothesis.is_strong() && self.unplaced(hypothesis))
@@ -232,12 +233,13 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             }
         }
         let joined = self.join(&mut next);
-        // Nearly the same map: start from this one.
+        // If nothing was joined, the next map is nearly the same: start from this one.
         self.poses = (!joined).then_some(poses);
         Ok(next)
     }
 
-    /// The map of what is accepted, and what it says of each closure asked; the bridges that it confirms are part of it.
+    /// The map of the accepted closures, and its evidence for each closure in `asked`. The map includes the bridges that it
+    /// confirms.
     fn draw(
         &mut self,
         part: &[usize],
@@ -251,7 +253,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
                 self.drawing.map(self.model, &self.random, &self.accepted, bridges, start.as_deref())?;
             map.enough = self.threshold;
             let judged = map.judge(&self.partners, asked, first);
-            // What a bridge contradicts must not be accepted in the round that confirms it.
+            // A round that confirms a bridge must not accept what the bridge contradicts, so judge again with the bridge.
             if !self.seams.confirm(&mut map, part, self.usual) {
                 return Ok((map.poses, judged));
             }
@@ -259,9 +261,10 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         }
     }
 
-    /// Takes over what the map says of each closure asked.
+    /// Stores the map's evidence for each closure in `asked`.
     fn weigh(&mut self, asked: &[usize], judged: Vec<Option<Evidence>>) {
-        // Of the accepted ones that the rest contradicts the worst third goes first: the others may be its victims.
+        // Of the accepted closures that the rest contradicts, only the worst third goes now: it may be the cause of the
+        // others' errors.
         let mut worst: Vec<f64> = asked
             .iter()
             .zip(&judged)
@@ -272,7 +275,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         worst.sort_by(|a, b| b.total_cmp(a));
         let limit = worst.get(worst.len().div_ceil(3).saturating_sub(1)).copied().unwrap_or(f64::INFINITY);
         for (&closure, evidence) in asked.iter().zip(judged) {
-            // Where the rest of the map does not hold both ends, what was known before counts.
+            // If the rest of the map does not join both ends, the earlier evidence remains.
             let Some(evidence) = evidence else { continue };
             let spared = self.accepted[closure]
                 && evidence.weight() <= CONTRADICTED
@@ -289,7 +292,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         }
     }
 
-    /// The closures within one part that the map holds, by what was taken over from it.
+    /// The closures within one component that the stored evidence supports.
     fn held(&self, within: &[bool]) -> Vec<bool> {
         let mut next: Vec<bool> = (0..within.len())
             .map(|closure| {
@@ -302,28 +305,28 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             next[closure] = within[closure];
         }
         for closure in (0..within.len()).filter(|&closure| within[closure]) {
-            // Accepted with a hypothesis, and the map does not hold both ends without it.
+            // It was accepted with a hypothesis, and without it nothing joins its ends, so nothing can judge it.
             next[closure] |= self.accepted[closure] && self.ratio[closure].is_none();
         }
         next
     }
 
-    /// What the map says, or a bridge, where this says more and the map does not contradict.
+    /// The evidence of the map, or that of a bridge if it is stronger and the map does not contradict the closure.
     fn with_bridge(&self, closure: usize, map: Evidence) -> Evidence {
         self.bridged[closure]
             .filter(|bridge| map.weight() > CONTRADICTED && bridge.weight() > map.weight())
             .unwrap_or(map)
     }
 
-    /// Whether the map says enough about a closure's ends to tell a correct one from one with a local error.
+    /// Whether the map is certain enough about a closure's ends to distinguish a correct closure from one with a local error.
     fn precise(&self, closure: usize) -> bool {
         let vague = self.local[closure].is_some_and(|local| is_vague(self.random.wrong(local)));
         !self.strict || !vague
     }
 
-    /// Closures with less evidence than a random one might have somewhere, but which are likely where they are: the posterior
-    /// probability is high, higher where they fit as few correct ones do, and among all of them less than a third of a wrong one
-    /// is expected.
+    /// Closures with less evidence than a random closure may reach somewhere, but likely at their own position. Their
+    /// posterior probability must be high, and higher still if their error is larger than usual. All of them together are
+    /// expected to contain less than a third of a wrong one.
     fn likely(&self, next: &[bool]) -> Vec<usize> {
         let prior = self.prior();
         let mut doubts: Vec<(f64, usize)> = (0..next.len())
@@ -346,14 +349,14 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             .collect()
     }
 
-    /// How many candidates are correct, by what the map could say of them.
+    /// The share of correct candidates, by the evidence that the map could give at most.
     pub(crate) fn prior(&self) -> Prior {
         let most: &[Option<f64>] = if self.model.without(Ingredient::Prior) { &[] } else { &self.most };
         Prior::of(&self.ratio, most, self.random.odds())
     }
 
-    /// Joins parts by the hypotheses of most evidence, each part at most once a round, so that the next round judges the
-    /// others by the larger map.
+    /// Joins components by the hypotheses of most evidence, each component at most once a round, so that the next round
+    /// judges the other hypotheses by the larger map. Returns whether it joined any.
     fn join(&mut self, next: &mut [bool]) -> bool {
         let part = self.parts.clone().into_labeling();
         let mut busy = vec![false; part.len()];
@@ -365,7 +368,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             }
             (busy[a], busy[b]) = (true, true);
             self.parts.union(span.a, span.b);
-            // Without those of its members that a bridge between the sessions contradicts: the map may confirm the bridge.
+            // If a bridge between the sessions contradicts some members, leave those out: the map may confirm the bridge.
             let whole = hypothesis.contradicted(&self.begun);
             for &member in &hypothesis.members {
                 next[member] = whole || self.begun[member].is_none_or(|begun| begun.weight() > CONTRADICTED);

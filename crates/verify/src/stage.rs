@@ -125,7 +125,7 @@ fn report(verification: &Verification) {
     }
 }
 
-/// The gap of the multicut at which its hypotheses are in doubt: below, rounds of map and verdicts make up for it.
+/// The gap of the multicut above which hypotheses are in doubt. Below it, rounds of map and verdicts compensate.
 const LARGE_GAP: f64 = 0.01;
 
 /// Raises the doubts about the verdicts. Without candidates there is nothing to doubt.

@@ -1,20 +1,20 @@
-//! Groups of edges that the map contradicts, and other groups confirm.
+//! Groups of edges that the map contradicts and other groups confirm.
 //!
-//! Wheels of the wrong size make the same error in every session, far beyond what covariances say, and what leads from such sessions
-//! to others contradicts the map. So do false edges that agree with each other. What tells them apart is what follows: a map with the
-//! correct ones agrees with edges between other sessions that it contradicted, too.
+//! Wheels of the wrong size make the same error in every session, far beyond the covariances. Edges from such sessions to
+//! others then contradict the map. Groups of false edges contradict it, too. The consequences distinguish the two: a map with
+//! the correct edges also agrees with edges between other sessions that the previous map contradicted.
 
 use crate::evidence::Evidence;
 use crate::model::Motion;
 use crate::rounds::{CONTRADICTED, Rounds};
 
-/// Most maps that are drawn in vain between two sets of rounds.
+/// Most maps that are tried in vain between two sets of rounds.
 const TRIALS: usize = 4;
 
 impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
-    /// Accepts the heaviest hypothesis that the map does not agree with, though its errors are not as large as chance would have
-    /// them, where a map that holds it agrees closely with another one between other chains, and contradicts less than it wins.
-    /// Whether there is one.
+    /// Accepts the heaviest hypothesis that the map does not hold and a trial confirms. Its errors must be smaller than those
+    /// of chance. The trial map with it must closely agree with another hypothesis between other chains, and contradict fewer
+    /// closures than it wins. Returns whether there is one.
     pub(crate) fn try_others(&mut self) -> anyhow::Result<bool> {
         let open = self.possible();
         let group = |number: usize| self.model.closures[self.hypotheses[number].members[0]].group;
@@ -36,7 +36,8 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         Ok(false)
     }
 
-    /// Hypotheses within parts that the map does not hold, and that chance explains no better than errors of odometry.
+    /// Strong hypotheses within components that the map does not hold, and that chance explains no better than odometry
+    /// errors do.
     fn possible(&self) -> Vec<usize> {
         let likely = |member: usize| self.chance[member].is_some_and(|ratio| ratio > CONTRADICTED);
         let mut open = self.open();
@@ -47,7 +48,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         open
     }
 
-    /// Draws the map with a hypothesis, and asks it about others.
+    /// Optimises the map with a hypothesis, and checks whether the map agrees with one of the others.
     fn is_confirmed(&self, number: usize, others: &[usize]) -> anyhow::Result<bool> {
         let members = &self.hypotheses[number].members;
         let mut with = self.accepted.clone();

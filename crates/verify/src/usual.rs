@@ -1,13 +1,13 @@
-//! How a robot usually moves, by its motions over many stretches of the same length.
+//! The usual motion of a robot, from its motions over many stretches of the same length.
 
 use nalgebra::{SMatrix, SVector};
 
 use crate::model::Motion;
 
-/// The fewest motions that show what is usual.
+/// The fewest motions that determine the usual one.
 const FEWEST: usize = 20;
 
-/// Mean and covariance of motions (in the frame of their end), from their logarithms; `None` where there are too few.
+/// Mean and covariance of motions (in the frame of their end), from their logarithms; `None` if there are too few.
 pub(crate) fn usual_motion<G: Motion<DOF>, const DOF: usize>(
     motions: &[SVector<f64, DOF>],
 ) -> Option<(G, SMatrix<f64, DOF, DOF>)> {

@@ -1,4 +1,4 @@
-//! What is said of every landmark edge, and why.
+//! The verdict on every landmark edge, and the reason for it.
 
 use posecut_graph::PoseGraph;
 use serde_json::Value;
@@ -10,32 +10,32 @@ use crate::judge::Judged;
 use crate::model::{Model, Motion};
 use crate::rounds::{CONTRADICTED, is_vague};
 
-/// Edges named as witnesses, at most.
+/// Most edges that are named as witnesses.
 const WITNESSES: usize = 3;
 
-/// What becomes of an edge.
+/// The decision on an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// It is part of the map.
     Accepted,
-    /// It speaks against the map, or against the odometry.
+    /// It contradicts the map or the odometry.
     Rejected,
     /// Nothing supports it enough, and nothing contradicts it.
     Undecided,
 }
 
-/// Why.
+/// The reason for a verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
     /// Other closures and the odometry predict what it measures.
     Supported,
-    /// What it measures lies far from what the map predicts.
+    /// Its measurement is far from what the map predicts.
     Contradicted,
-    /// It agrees with the map, and so would a random edge in its place.
+    /// It agrees with the map, but so would a random edge in its place.
     Chance,
-    /// It agrees with the map, which is too loose there to tell whether it is measured somewhat wrongly.
+    /// It agrees with the map, which is too uncertain there to show whether the measurement is somewhat wrong.
     Vague,
-    /// No other closure is near enough to say anything.
+    /// No other closure is near enough to support or contradict it.
     Alone,
     /// It belongs to a group of closures that agree with each other and not with the map.
     OtherHypothesis,
@@ -44,23 +44,23 @@ pub enum Reason {
 /// A verdict with its reason.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// Place of the edge in the graph.
+    /// Index of the edge in the graph.
     pub edge: usize,
     /// The verdict.
     pub verdict: Verdict,
     /// The reason.
     pub reason: Reason,
-    /// Probability that the edge is correct, by the model; not calibrated on data.
+    /// Probability that the edge is correct, by the model; it is not calibrated on data.
     pub probability: f64,
-    /// Log-likelihood ratio, correct against chance, where there is one; nats.
+    /// Log-likelihood ratio of correct against chance, where there is one; nats.
     pub ratio: Option<f64>,
-    /// Edges that speak most for an accepted edge, or against another.
+    /// Edges that support an accepted edge most, or contradict another edge most.
     pub witnesses: Vec<u64>,
-    /// 0 for the map, the number of another hypothesis for its members.
+    /// 0 for the map; for members of another hypothesis, its number.
     pub hypothesis: Option<usize>,
 }
 
-/// A finding for every closure, in their order.
+/// A finding for every closure, in the order of the closures.
 pub(crate) fn findings<G: Motion<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     model: &Model<G, DOF>,
@@ -105,19 +105,19 @@ pub(crate) fn findings<G: Motion<DOF>, const DOF: usize>(
         .collect()
 }
 
-/// The posterior probability of a mixture. The prior odds are those of candidates of which the map could say as much, and `alone`
-/// where nothing says anything.
+/// The posterior probability of a mixture. The prior odds are those of candidates about which the map is equally informative,
+/// or `alone` where there is no evidence.
 fn probability(closure: usize, judged: &Judged, alone: f64) -> f64 {
     let odds = match judged.ratio[closure] {
         Some(ratio) => ratio.clamp(-CLIP, CLIP).exp() * judged.odds[closure],
-        // Accepted with a hypothesis that nothing else holds.
+        // It was accepted with a hypothesis, and nothing else supports it.
         None if judged.accepted[closure] => CLIP.exp() * judged.factors.loops.odds(),
         None => alone,
     };
     1.0 / (1.0 + 1.0 / odds + judged.local[closure])
 }
 
-/// For each candidate how many others contradict it: at most one of these can be correct.
+/// For each candidate, how many others contradict it. At most one of two that contradict each other can be correct.
 fn opposed(ties: &[Tie], count: usize) -> Vec<f64> {
     let mut opposed = vec![0.0; count];
     for tie in ties.iter().filter(|tie| tie.ratio <= CONTRADICTED) {
@@ -127,7 +127,7 @@ fn opposed(ties: &[Tie], count: usize) -> Vec<f64> {
     opposed
 }
 
-/// The accepted partners that speak most for each accepted closure, and most against each other one.
+/// The accepted partners that support each accepted closure most, or contradict each other closure most.
 fn witnesses(ties: &[Tie], accepted: &[bool]) -> Vec<Vec<usize>> {
     let mut all: Vec<Vec<(f64, usize)>> = vec![Vec::new(); accepted.len()];
     for tie in ties {
@@ -147,8 +147,8 @@ fn witnesses(ties: &[Tie], accepted: &[bool]) -> Vec<Vec<usize>> {
 }
 
 impl Finding {
-    /// Writes the finding to the fields of its edge, and rejects the edge in the name of the stage unless it is accepted, or undecided
-    /// and such edges are kept. Returns whether it is rejected.
+    /// Writes the finding to the fields of its edge. Rejects the edge in the name of the stage if the verdict is rejected, or
+    /// if it is undecided and such edges are not kept. Returns whether it rejected the edge.
     pub fn mark(&self, graph: &mut PoseGraph, stage: &str, keep_undecided: bool) -> bool {
         let rejected = match self.verdict {
             Verdict::Accepted => false,
@@ -172,7 +172,7 @@ impl Finding {
         rejected
     }
 
-    /// The story of the edge, a line a fact.
+    /// The explanation of the verdict, one line a fact.
     pub fn story(&self, graph: &PoseGraph) -> Vec<String> {
         let edge = &graph.edges[self.edge];
         let ratio = self.ratio.map_or_else(
@@ -197,7 +197,7 @@ impl Finding {
 }
 
 impl Verdict {
-    /// As the field `verify_verdict` has it.
+    /// The value of the field `verify_verdict`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Accepted => "accepted",
@@ -208,7 +208,7 @@ impl Verdict {
 }
 
 impl Reason {
-    /// As the field `verify_reason` has it.
+    /// The value of the field `verify_reason`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Supported => "supported",
@@ -240,7 +240,7 @@ impl Reason {
     }
 }
 
-/// Six decimals: more would only differ between processors.
+/// Rounds to six decimals: further digits would only differ between processors.
 fn rounded(probability: f64) -> f64 {
     (probability * 1e6).round() / 1e6
 }

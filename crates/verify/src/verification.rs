@@ -1,4 +1,4 @@
-//! The whole of it: a graph in, findings out.
+//! The whole method: takes a graph, returns findings.
 
 use std::borrow::Cow;
 
@@ -13,56 +13,56 @@ use crate::renumber::renumbered;
 use crate::rivals::{Rival, rivals};
 use crate::verdict::{Finding, Verdict, findings};
 
-/// Times that broken odometry is looked for: behind one break there may be another.
+/// Most searches for broken odometry: behind one break there may be another.
 const PASSES: usize = 8;
 
 /// What verification found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verification {
-    /// One for each landmark edge in use that has a measurement.
+    /// One finding for each landmark edge in use that has a measurement.
     pub findings: Vec<Finding>,
-    /// Landmark edges in use without a measurement: not judged.
+    /// Landmark edges in use without a measurement; these are not judged.
     pub unmeasured: usize,
-    /// Landmark edges that an earlier stage rejected: not judged.
+    /// Landmark edges that an earlier stage rejected; these are not judged.
     pub rejected_before: usize,
-    /// How many joins of chains (or of parts that others join) landmark edges propose.
+    /// How many connections between chains, or between components that others connect, the landmark edges propose.
     pub joins_proposed: usize,
-    /// How many of them accepted edges make.
+    /// How many of these connections the accepted edges make.
     pub joins_established: usize,
     /// Groups of edges that agree with each other, accepted or not.
     pub hypotheses: usize,
-    /// Hypotheses between two chains that have comparable evidence to what is accepted between them.
+    /// Hypotheses between two chains whose evidence is comparable to that of the accepted edges there.
     pub rivals: Vec<Rival>,
-    /// Factors on covariances, for each chain, or part of a chain where its odometry is broken.
+    /// Factors on covariances, for each chain, or for each piece of a chain with broken odometry.
     pub calibration: Calibration,
-    /// Places among the graph's edges of odometry that is broken.
+    /// Indices of broken odometry edges in the graph.
     pub broken: Vec<usize>,
-    /// By how much the cost of the multicut may exceed the minimum, as a share of it; 0 where it is proved to be minimal.
+    /// Bound on the excess of the multicut's cost over the minimum, as a share of it; 0 where it is proved to be minimal.
     pub cut_gap: f64,
     /// Rounds of map and verdicts.
     pub rounds: usize,
-    /// A sentence on odometry that no chain can hold, if there is such.
+    /// A sentence about odometry edges that fit into no chain, if there are any.
     pub warning: Option<String>,
 }
 
 impl Verification {
-    /// Findings of one verdict.
+    /// The number of findings with this verdict.
     pub fn count(&self, verdict: Verdict) -> usize {
         self.findings.iter().filter(|finding| finding.verdict == verdict).count()
     }
 }
 
-/// Judges every landmark edge in use. The truth is not looked at.
+/// Judges every landmark edge in use, without the ground truth.
 pub fn verify<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Result<Verification> {
     verify_by::<G, DOF>(graph, 0, &[])
 }
 
-/// The same, with another hypothesis in the place of what joins its two chains, by the number that [`verify`] gives it; 0 is the
-/// map; and without some ingredients of the method, to see what they are worth.
+/// Like [`verify`], with another hypothesis instead of the edges that join its two chains, and without some ingredients of
+/// the method. `hypothesis` is the number that [`verify`] gives it; 0 is the map.
 ///
 /// # Errors
 ///
-/// The graph has no such hypothesis, or it lies within one chain, whose odometry leaves no choice.
+/// The graph has no such hypothesis, or the hypothesis lies within one chain, whose odometry contradicts it.
 pub fn verify_by<G: Motion<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     hypothesis: usize,
@@ -108,7 +108,7 @@ pub fn verify_by<G: Motion<DOF>, const DOF: usize>(
     })
 }
 
-/// A graph whose chains end where their odometry is broken.
+/// A graph whose chains are split where their odometry is broken, and the results on it.
 struct Parts<'a, G, const DOF: usize> {
     graph: Cow<'a, PoseGraph>,
     model: Model<G, DOF>,
@@ -117,7 +117,7 @@ struct Parts<'a, G, const DOF: usize> {
 }
 
 impl<'a, G: Motion<DOF>, const DOF: usize> Parts<'a, G, DOF> {
-    /// Judges, and again without the odometry that turns out to be broken.
+    /// Judges a graph, and repeats without the odometry that turns out to be broken.
     fn of(mut graph: Cow<'a, PoseGraph>, without: &[Ingredient]) -> anyhow::Result<Self> {
         let mut model = Model::<G, DOF>::of(&graph, without)?;
         let mut judged = judge(&graph, &model, None, None)?;

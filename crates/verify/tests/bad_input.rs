@@ -1,4 +1,4 @@
-//! Graphs that are hardly graphs: what happens is defined, and nothing panics.
+//! Degenerate graphs: each has a defined result, and nothing panics.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -15,7 +15,7 @@ fn edge(kind: &str, id: usize, (from, to): (usize, usize), measurement: &str, in
     )
 }
 
-/// Two chains of `count` nodes each, one metre a step, and these landmark edges.
+/// Two chains of `count` nodes each, with steps of one metre, and these landmark edges.
 fn graph(count: usize, step: &str, landmarks: &[String]) -> PoseGraph {
     let mut lines = vec![r#"{"kind":"header","format":"posecut","version":1,"dimension":2}"#.to_owned()];
     lines.extend((0..2 * count).map(|id| format!(r#"{{"kind":"node","id":{id}}}"#)));
@@ -71,7 +71,7 @@ fn singular_information_zero_odometry_and_equal_candidates_are_judged() {
 fn indefinite_information_is_refused_with_the_edge() {
     let sound = [edge("landmark", 100, (0, 21), "[0,0,0]", GOOD)];
     let mut graph = graph(20, "[1,0,0]", &sound);
-    // The reader refuses it; a caller of the library may still bring it.
+    // The reader rejects this information matrix, but a caller of the library may still pass it.
     graph.edges.last_mut().unwrap().information = Some(vec![-1.0, 0.0, 0.0, 1.0, 0.0, 1.0]);
     let error = verify::<SE2, 3>(&graph).map(|_| ()).unwrap_err().to_string();
     assert!(error.contains("landmark 100"), "{error}");

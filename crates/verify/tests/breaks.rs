@@ -1,4 +1,4 @@
-//! Odometry that is broken at a step or two.
+//! Odometry that is broken at one or two steps.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -7,15 +7,15 @@ use posecut_graph::PoseGraph;
 use posecut_verify::verdict::Verdict;
 use posecut_verify::{Ingredient, verify_by};
 
-/// Steps of a lap, and of the whole.
+/// Steps of one lap, and of all laps.
 const LAP: usize = 60;
 const STEPS: usize = 3 * LAP;
-/// The ids of landmark edges begin here.
+/// The first id of landmark edges.
 const LANDMARK: usize = 1000;
 
-/// Three laps with landmark edges from each place of the first two to the same place a lap later. `broken` has what is added to
-/// steps of the odometry. Those edges whose later end is in `moved` claim a place 40 m off. The robot takes the step `slow` at a third
-/// of its usual speed.
+/// Three laps, with landmark edges from each position of the first two to the same position one lap later. `broken` lists the
+/// motions added to steps of the odometry. Edges whose later end is in `moved` claim a position 40 m away. The robot takes
+/// the step `slow` at a third of its usual speed.
 fn laps(broken: &[(usize, SE2)], moved: std::ops::Range<usize>, slow: Option<usize>) -> PoseGraph {
     let mut truth = vec![SE2::identity()];
     for step in 0..STEPS {
@@ -52,7 +52,7 @@ fn laps(broken: &[(usize, SE2)], moved: std::ops::Range<usize>, slow: Option<usi
     PoseGraph::read("laps", text.as_bytes()).unwrap()
 }
 
-/// Edges that are not accepted, by their later ends, and the broken odometry.
+/// The edges that are not accepted, by their later ends, and the broken odometry.
 fn judged(graph: &PoseGraph, without: &[Ingredient]) -> (Vec<usize>, Vec<usize>) {
     let verification = verify_by::<SE2, 3>(graph, 0, without).unwrap();
     let left_out = verification.findings.iter().filter(|finding| finding.verdict != Verdict::Accepted);
@@ -73,20 +73,20 @@ fn edges_behind_a_broken_step_are_accepted() {
     assert!(broken.is_empty());
 }
 
-/// Simulated session 2012-12-01: wheels turned while the robot stood, which is not how it mostly moves, and yet no chance.
+/// Simulated session 2012-12-01: wheels turned while the robot stood still. This is not its usual motion, but not chance either.
 #[test]
 fn edges_behind_a_broken_step_are_accepted_where_the_robot_was_slower_than_usual() {
     let graph = laps(&[(150, spun())], 0..0, Some(150));
     assert_eq!(judged(&graph, &[]), (vec![], vec![150]));
 }
 
-/// Session 2012-11-16: between two breaks and behind three more.
+/// Session 2012-11-16: edges between two breaks and behind three more.
 #[test]
 fn edges_between_broken_steps_and_behind_them_are_accepted() {
     let graph = laps(&[(100, spun()), (115, spun()), (160, spun()), (170, spun())], 0..0, None);
     let (left_out, broken) = judged(&graph, &[]);
     assert!(left_out.is_empty(), "{left_out:?}");
-    // A chain may end where it need not.
+    // More steps may be found than are broken.
     assert!([100, 115, 160, 170].iter().all(|step| broken.contains(step)), "{broken:?}");
 }
 

@@ -1,4 +1,4 @@
-//! Public benchmark graphs, of which every closure is correct.
+//! Public benchmark graphs in which every closure is correct.
 
 #![allow(
     clippy::unwrap_used,
@@ -13,7 +13,7 @@ use posecut_geometry::{SE2, SE3};
 use posecut_verify::verdict::Verdict;
 use posecut_verify::{Verification, verify};
 
-/// A graph judged, or a note that it is missing.
+/// The verification of a graph; prints a note if the file is missing.
 fn judged(name: &str, in_space: bool) -> Option<Verification> {
     let data = std::env::var_os("POSECUT_SHARED_DATA").map_or_else(
         || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
@@ -27,8 +27,8 @@ fn judged(name: &str, in_space: bool) -> Option<Verification> {
     Some(if in_space { verify::<SE3, 6>(&graph) } else { verify::<SE2, 3>(&graph) }.unwrap())
 }
 
-/// 31 of sphere_a's edges, each with a probability of 0.998 and more, were undecided: their errors were larger than those of 99 % of
-/// the others, and nothing in the map supports a single edge of it by much.
+/// 31 edges of sphere_a, each with a probability of at least 0.998, were undecided: their errors were larger than those of 99
+/// % of the others, and the map supports no single edge of this graph by much.
 #[test]
 fn unusual_errors_among_correct_edges_are_accepted_where_nothing_speaks_against_them() {
     for (name, in_space) in [("sphere_a.g2o", true), ("MIT.g2o", false), ("intel.g2o", false)] {

@@ -1,5 +1,4 @@
-//! Graphs at the edge of what a graph can be, beyond those of `bad_input`: every edge gets an answer, nothing panics,
-//! and correct edges are not lost.
+//! Extreme graphs, beyond those of `bad_input`: every edge gets an answer, nothing panics, and correct edges are not lost.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -16,7 +15,7 @@ const GOOD: &str = "[100,0,0,100,0,400]";
 /// Edges as from, to, measurement, information; the last two as JSON.
 type Edge<'a> = (usize, usize, String, &'a str);
 
-/// One chain of nodes with these steps, each of this information, and landmark edges with ids from 1000.
+/// One chain of `count` nodes whose steps all have this measurement and information, and landmark edges with ids from 1000.
 fn chain(count: usize, step: &str, information: &str, landmarks: &[Edge]) -> PoseGraph {
     let mut text =
         String::from("{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":2}\n");
@@ -39,7 +38,7 @@ fn chain(count: usize, step: &str, information: &str, landmarks: &[Edge]) -> Pos
     PoseGraph::read("test", text.as_bytes()).unwrap()
 }
 
-/// Judges, and checks what holds for every answer.
+/// Judges a graph, and checks what must hold for every answer.
 fn judged(graph: &PoseGraph) -> Verification {
     let verification = verify::<SE2, 3>(graph).unwrap();
     for finding in &verification.findings {
@@ -50,7 +49,7 @@ fn judged(graph: &PoseGraph) -> Verification {
     verification
 }
 
-/// Edges over so many steps of one metre that measure what the odometry says, moved by `error` metres.
+/// Edges over `steps` steps of one metre each that measure the odometry plus an error of `error` metres.
 fn loops(count: usize, steps: usize, error: f64, information: &str) -> Vec<Edge<'_>> {
     (0..count)
         .map(|from| (from, from + steps, format!("[{},0,0]", steps as f64 + error), information))
@@ -118,7 +117,7 @@ fn a_robot_that_stands_keeps_edges_that_say_so() {
 
 #[test]
 fn equal_candidates_do_not_support_each_other_against_the_odometry() {
-    // A thousand copies of one wrong measurement: 30 m off over 30 steps of 0.1 m standard deviation.
+    // A thousand copies of one wrong measurement: 30 m off, over 30 steps with a standard deviation of 0.1 m each.
     let equal: Vec<Edge> = (0..1000).map(|_| (5, 35, "[60,0,0]".to_owned(), GOOD)).collect();
     let verification = judged(&chain(40, "[1,0,0]", GOOD, &equal));
     assert_eq!(verification.findings.len(), 1000);
@@ -152,8 +151,8 @@ fn two_thousand_consistent_candidates_in_space_are_all_kept() {
     assert_eq!((verification.findings.len(), verification.count(Verdict::Accepted)), (2000, 2000));
 }
 
-/// Wrong neighbours lead from near places to near places, so that a loose odometry explains them: its variance was taken for some
-/// hundred times what is claimed, and correct edges were lost.
+/// Wrong neighbours lead from near positions to near positions, and odometry with a large covariance explains them. Its
+/// variance was estimated some hundred times too large, and correct edges were lost.
 #[test]
 fn nine_wrong_edges_of_ten_are_not_taken_for_a_loose_odometry() {
     for candidates in [300, 1000] {

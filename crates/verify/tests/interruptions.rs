@@ -7,19 +7,20 @@ use posecut_graph::PoseGraph;
 use posecut_verify::verdict::{Finding, Reason, Verdict};
 use posecut_verify::verify;
 
-/// Steps of a lap, and of the whole.
+/// Steps of one lap, and of both laps.
 const LAP: usize = 60;
 const STEPS: usize = 2 * LAP;
 /// The step without odometry, and the only landmark edge beyond it.
 const INTERRUPTED: usize = 100;
 const LONE: u64 = 1000;
 
-/// Two laps with landmark edges between them up to the interruption, and one beyond it, which is off by `error` metres. The
-/// robot goes on `carried` metres from where its odometry ended. `named` gives the fields of a node that tell its session and time.
+/// Two laps, with landmark edges between them up to the interruption, and one beyond it with an error of `error` metres.
+/// After the interruption the robot goes on `carried` metres from where its odometry ended. `named` gives the fields of a
+/// node that name its session and time.
 fn laps(named: fn(usize) -> String, error: f64, carried: f64) -> PoseGraph {
     let mut truth = vec![SE2::identity()];
     for step in 0..STEPS {
-        // Straights and bends: neither the steps nor the turns are all alike.
+        // Mix straights and bends, so that steps and turns differ.
         let turn = std::f64::consts::TAU / LAP as f64 * (1.0 + 0.8 * (step as f64 * 0.7).sin());
         let length = if step == INTERRUPTED { carried } else { 1.0 + 0.2 * (step as f64 * 1.3).cos() };
         truth.push(truth[step].compose(&SE2::new(length, 0.0, turn)));
@@ -59,12 +60,12 @@ fn one_session(id: usize) -> String {
     format!(",\"session\":\"s\",\"frame\":{id}")
 }
 
-/// The robot lost its map, and began another one a second later.
+/// The robot lost its map and began another one a second later.
 fn two_sessions(id: usize) -> String {
     format!(",\"session\":\"{}\",\"utime\":{}", if id <= INTERRUPTED { "a" } else { "b" }, 1_000_000 * id)
 }
 
-/// Another robot, which was on its way before the first one ended.
+/// A second robot that started before the first one ended.
 fn two_robots(id: usize) -> String {
     let (session, time) = if id <= INTERRUPTED { ("a", 10 * id) } else { ("b", 10 * id - 95) };
     format!(",\"session\":\"{session}\",\"utime\":{}", 100_000 * time)
@@ -86,8 +87,8 @@ fn the_usual_motion_supports_a_lone_edge_to_a_session_that_begins_where_another_
     assert_eq!(lone(&laps(two_robots, 0.0, 1.0)), (Verdict::Undecided, Reason::Alone));
 }
 
-/// Two or three false edges joined simulated 2012-12-01 where it has no overlap: the first and the last places of a robot that
-/// stays on roads are often near each other.
+/// Two or three false edges joined sessions with simulated 2012-12-01 where they do not overlap: the first and the last
+/// positions of a robot that stays on roads are often near each other.
 #[test]
 fn an_edge_that_chance_on_roads_may_explain_joins_stretches_of_a_session_but_not_two_sessions() {
     let vague = |named| {
@@ -115,8 +116,9 @@ fn a_lone_edge_of_a_robot_that_was_carried_is_not_rejected() {
     assert_eq!(lone(&laps(one_session, 0.0, 60.0)).0, Verdict::Undecided);
 }
 
-/// Two sessions of two laps each, the second begins where the first ended; their odometry is poor. Correct edges join them halfway,
-/// false ones at the seam: these claim that places twelve metres from each other are the same. `start` is the time of the second.
+/// Two sessions of two laps each, with poor odometry; the second begins where the first ended. Correct edges join them
+/// halfway. False edges at the seam claim that positions twelve metres apart are the same. `start` is the time at which the
+/// second begins.
 fn seam(start: u64) -> PoseGraph {
     let mut truth = vec![SE2::identity()];
     for step in 0..4 * LAP {
@@ -187,6 +189,6 @@ fn the_usual_motion_over_a_seam_contradicts_false_edges_there() {
         wrong[0].verdict
     };
     assert_eq!(at_the_seam(2 * LAP), Verdict::Rejected);
-    // Long after, nothing tells where the robot was set down.
+    // If the second session starts much later, nothing predicts where the robot was set down.
     assert_eq!(at_the_seam(2 * LAP + 1_000_000), Verdict::Undecided);
 }

@@ -1,4 +1,4 @@
-//! What must not change a verdict: threads, names of nodes, the order of lines, the frame of the initial poses.
+//! Changes that must not change a verdict: threads, names of nodes, order of lines, frame of the initial poses.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -21,7 +21,7 @@ struct Line {
     common: CommonArguments,
 }
 
-/// The graph as the stage writes it, judged by so many threads.
+/// The graph as the stage writes it after judging with this number of threads.
 fn written(graph: &PoseGraph, threads: usize) -> Vec<u8> {
     let line = Line::parse_from(["verify"]);
     let identity =
@@ -41,14 +41,14 @@ fn verdicts<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) -> BTreeMap<u64
     findings.iter().map(|finding| (graph.edges[finding.edge].id, finding.verdict)).collect()
 }
 
-/// Exchanges the ids of nodes; `order` is a permutation as keys to sort by.
+/// Exchanges the ids of nodes; `order` gives the permutation as sort keys.
 fn relabelled(graph: &PoseGraph, order: &[u64]) -> PoseGraph {
     let mut ids: Vec<u64> = graph.nodes.iter().map(|node| node.id).collect();
     let mut keys: Vec<(u64, u64)> =
         ids.iter().map(|&id| (order[id as usize % order.len()].rotate_left(id as u32 % 64), id)).collect();
     keys.sort_unstable();
     ids.sort_unstable();
-    // Far apart, and not in the order of the chain.
+    // The new ids are far apart, and not in the order of the chain.
     let new: HashMap<u64, u64> =
         keys.into_iter().zip(ids).map(|((_, old), place)| (old, 1000 + 7 * place)).collect();
     rebuilt(graph, |graph| {
@@ -61,7 +61,7 @@ fn relabelled(graph: &PoseGraph, order: &[u64]) -> PoseGraph {
     })
 }
 
-/// A changed copy, read back from its file, so that nothing remembers the old one.
+/// A changed copy, read back from its file, so that no state of the old graph remains.
 fn rebuilt(graph: &PoseGraph, change: impl FnOnce(&mut PoseGraph)) -> PoseGraph {
     let mut changed = graph.clone();
     change(&mut changed);
@@ -78,7 +78,7 @@ fn shuffled(graph: &PoseGraph, order: &[u64]) -> PoseGraph {
     })
 }
 
-/// The same places as sessions of forty nodes each, called by `name`.
+/// The same nodes as sessions of forty nodes each, named by `name`.
 fn in_pieces(graph: &PoseGraph, name: impl Fn(u64) -> String) -> PoseGraph {
     const LENGTH: u64 = 40;
     rebuilt(graph, |graph| {
@@ -90,7 +90,7 @@ fn in_pieces(graph: &PoseGraph, name: impl Fn(u64) -> String) -> PoseGraph {
     })
 }
 
-/// Initial poses along the odometry, the second session somewhere else, then all of them moved.
+/// Sets initial poses from the odometry, with the second session elsewhere, and then moves all of them.
 fn placed<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph, motion: &G) -> PoseGraph {
     let mut graph = graph.clone();
     let mut pose = G::identity();
@@ -121,7 +121,7 @@ fn order() -> impl Strategy<Value = Vec<u64>> {
 fn moved<const DOF: usize>() -> impl Strategy<Value = nalgebra::SVector<f64, DOF>> {
     prop::collection::vec(-1.5..1.5_f64, DOF).prop_map(|values| {
         nalgebra::SVector::from_fn(|axis, _| {
-            // Hundreds of metres, and any heading.
+            // Translations of hundreds of metres, and any heading.
             if axis < if DOF == 3 { 2 } else { 3 } { 300.0 * values[axis] } else { values[axis] }
         })
     })
@@ -159,7 +159,7 @@ proptest! {
         prop_assert_eq!(verdicts::<SE2, 3>(&plane), verdicts::<SE2, 3>(&relabelled(&plane, &order)));
     }
 
-    // Sessions came in the order of their names, and where there were a dozen the calibration ended in another optimum.
+    // Sessions were sorted by name, and with a dozen of them the calibration ended in another optimum.
     #[test]
     fn names_of_sessions_change_no_verdict(scenario in scenario()) {
         let plane = scenario.draw::<SE2, 3>();

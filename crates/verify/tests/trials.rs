@@ -1,4 +1,4 @@
-//! Odometry that is wrong over a longer stretch than its covariances say, so that the map contradicts what lies behind it.
+//! Odometry that is wrong over a long stretch, beyond its covariances, so that the map contradicts the edges behind it.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -9,13 +9,14 @@ use posecut_verify::{Ingredient, verify_by};
 
 /// Steps of a session.
 const STEPS: usize = 160;
-/// Where the last session has no landmark edges, and its wheels measure too much.
+/// The stretch where the last session has no landmark edges, and its wheels measure too much.
 const APART: std::ops::Range<usize> = 60..90;
-/// The ids of landmark edges of each pair of sessions begin at multiples of this.
+/// The ids of landmark edges of each pair of sessions begin at multiples of this number.
 const PAIR: usize = 10_000;
 
-/// Three sessions along one route, with landmark edges between equal places of all of them. In the last one the wheels measure `error`
-/// metres too much at each step of `APART`. Before it the second session's edges to the last one claim `other`, if there are any.
+/// Three sessions along one route, with landmark edges between equal positions of all of them. In the last session the wheels
+/// measure `error` metres too much at each step of `APART`. Before `APART`, the edges from the second session to the last one
+/// claim `other`; if it is `None`, they are missing.
 fn sessions(error: f64, other: Option<SE2>) -> PoseGraph {
     let mut truth = vec![SE2::identity()];
     for step in 0..STEPS {
@@ -67,7 +68,7 @@ fn sessions(error: f64, other: Option<SE2>) -> PoseGraph {
     PoseGraph::read("sessions", text.as_bytes()).unwrap()
 }
 
-/// Edges that are not accepted, by their ids.
+/// The ids of edges that are not accepted.
 fn left_out(graph: &PoseGraph, without: &[Ingredient]) -> Vec<usize> {
     let verification = verify_by::<SE2, 3>(graph, 0, without).unwrap();
     assert!(verification.broken.is_empty());
@@ -75,7 +76,8 @@ fn left_out(graph: &PoseGraph, without: &[Ingredient]) -> Vec<usize> {
     left_out.map(|finding| graph.edges[finding.edge].id as usize).collect()
 }
 
-/// Sessions 2012-11-16 and 2013-02-23: their wheels measure 8 % too much, and all edges between their beginnings and others' were left out.
+/// Sessions 2012-11-16 and 2013-02-23: their wheels measure 8 % too much, and all edges from their beginnings to other
+/// sessions were left out.
 #[test]
 fn groups_that_confirm_each_other_are_accepted_against_the_odometry() {
     let graph = sessions(0.12, Some(SE2::identity()));

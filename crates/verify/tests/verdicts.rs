@@ -1,4 +1,4 @@
-//! Verification on drawn graphs whose truth is known.
+//! Verification of random graphs with known truth.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -12,7 +12,7 @@ use posecut_verify::verdict::{Reason, Verdict};
 use posecut_verify::{Calibration, Ingredient, Motion, Verification, verify, verify_by};
 use rand::RngExt as _;
 
-/// False edges accepted, correct edges not accepted.
+/// Numbers of false edges accepted, and of correct edges not accepted.
 fn mistakes<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) -> (usize, usize) {
     let findings = verify::<G, DOF>(graph).unwrap().findings;
     let count = |correct: bool, accepted: bool| {
@@ -65,8 +65,8 @@ fn without_correct_edges_no_overlap_is_established() {
                 );
                 assert_eq!((judged.joins_proposed, judged.joins_established), (1, 0));
             } else {
-                // A run of false edges is as good as a run of correct ones, where nothing contradicts it: at most one such
-                // run may be taken for the map.
+                // A run of false edges looks like a run of correct ones if nothing contradicts it, so at most one run may
+                // become the map.
                 let groups =
                     judged.findings.iter().filter(|finding| finding.verdict == Verdict::Accepted).count();
                 assert!(groups <= 15, "seed {seed}: {groups} accepted, more than a run has");
@@ -75,8 +75,9 @@ fn without_correct_edges_no_overlap_is_established() {
     }
 }
 
-/// Two sessions, and beyond the first 120 nodes of each poor odometry and one correct landmark edge alone; its place in the graph.
-/// Of five others some are measured a metre and twenty degrees off, to either side.
+/// Two sessions, with poor odometry beyond the first 120 nodes of each, and one correct landmark edge alone there. Of every
+/// five other edges, `wrong_of_five` are measured a metre and twenty degrees off, to either side. Returns the index of the
+/// lone edge.
 fn with_a_lone_edge(wrong_of_five: usize, seed: u64) -> (PoseGraph, usize) {
     let mut graph =
         Scenario { candidates: 400, outliers: 0.0, falsehood: Falsehood::Uniform, seed }.draw::<SE2, 3>();
@@ -118,7 +119,7 @@ fn a_lone_edge_is_believed_as_far_as_others_are_not_measured_somewhat_wrongly() 
         (2..=9).filter(is).count()
     };
     assert_eq!(accepted(0, &[]), 8);
-    // One in five of the others is measured somewhat wrongly, and so may this one be.
+    // One in five of the other edges is measured somewhat wrongly, so the lone edge may be wrong, too.
     let doubted = accepted(1, &[]);
     assert!(doubted <= 2, "{doubted}");
     let believed = accepted(1, &[Ingredient::Local, Ingredient::Prior]);
@@ -151,7 +152,7 @@ fn an_edge_is_judged_alike_in_either_direction() {
         let findings = verify::<SE2, 3>(graph).unwrap().findings;
         findings.iter().map(|finding| (finding.edge, finding.verdict)).collect()
     };
-    // An isotropic covariance of a small relative pose hardly changes with the direction: no verdict hangs on it here.
+    // An isotropic covariance of a small relative pose hardly depends on the direction, so no verdict depends on it here.
     assert_eq!(verdicts(&graph), verdicts(&turned));
 }
 
@@ -181,7 +182,7 @@ fn every_verdict_has_a_reason_a_probability_and_witnesses() {
     }
 }
 
-/// Two groups that agree within themselves: correct closures, and two in five that see the second session 30 m to the side.
+/// Two groups that agree within themselves: correct closures, and two in five that put the second session 30 m to the side.
 fn two_alignments() -> PoseGraph {
     let mut graph = draw::<SE2, 3>(0.0, Falsehood::Uniform, 9);
     let mut poses = HashMap::from([(0, SE2::identity())]);
@@ -250,7 +251,7 @@ fn every_ingredient_can_be_left_out() {
             }
             Ingredient::HeavyTails | Ingredient::Shift => assert_ne!(rest.calibration, whole.calibration),
             Ingredient::Rounds => assert_eq!(rest.rounds, 0),
-            // No candidate of this graph needs them, or other evidence makes up for them.
+            // No candidate of this graph needs these ingredients, or other evidence replaces them.
             Ingredient::FarPartners
             | Ingredient::Multicut
             | Ingredient::Local
@@ -262,8 +263,8 @@ fn every_ingredient_can_be_left_out() {
     }
 }
 
-/// A tenth of the odometry's steps have gross errors, as of wheels that slip. Local errors, whose width followed the landmark edges'
-/// factor, explained them, and the factor fell to a twentieth: correct edges were lost.
+/// A tenth of the odometry's steps have gross errors, as from slipping wheels. When the width of local errors followed the
+/// factor of landmark edges, local errors explained them, the factor fell to a twentieth, and correct edges were lost.
 #[test]
 fn gross_errors_of_odometry_do_not_make_landmark_edges_precise() {
     for seed in 1..=6 {

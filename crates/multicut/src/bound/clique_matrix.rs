@@ -7,18 +7,18 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side};
 
-/// Most entries of a factor, and most products: one gigabyte. Larger programs keep the bound they have.
+/// Most entries of a factor, and most products: one gigabyte. Larger programs keep the bound that they have.
 const LARGEST: usize = 1 << 27;
 
 /// `diag(d) + sum of s_q v_q v_q'` over cliques `q` with sparse vectors `v_q`: pattern, factor and scratch.
 pub(crate) struct CliqueMatrix {
     /// The vectors, sorted by index.
     cliques: Vec<Vec<(u32, f32)>>,
-    /// Where each index occurs: clique and place in it.
+    /// The occurrences of each index: clique, and position in it.
     holding: Vec<Vec<(u32, u32)>>,
     pattern: SymbolicSparseColMat<usize>,
     matrix: Vec<f64>,
-    /// One column, dense; zero between uses.
+    /// One dense column; zero between uses.
     sums: Vec<f64>,
     products: usize,
     symbolic: SymbolicCholesky<usize>,
@@ -27,7 +27,7 @@ pub(crate) struct CliqueMatrix {
 }
 
 impl CliqueMatrix {
-    /// `None` if it would be too large.
+    /// `None` if the matrix would be too large.
     pub(crate) fn new(size: usize, mut cliques: Vec<Vec<(u32, f32)>>) -> Option<Self> {
         let products: usize = cliques.iter().map(|clique| clique.len() * clique.len() / 2).sum();
         if products > LARGEST {
@@ -61,7 +61,8 @@ impl CliqueMatrix {
         Some(Self { cliques, holding, pattern, matrix, sums, products, symbolic, factor, scratch })
     }
 
-    /// Work of one factorisation, in visited entries: a fill of `k` a column costs about `k` operations an entry.
+    /// Work of one factorisation, in visited entries: with a fill of `k` entries in each column, each entry costs about `k`
+    /// operations.
     pub(crate) fn work(&self) -> u64 {
         let columns = self.holding.len().max(1) as u64;
         let fill = self.symbolic.len_val() as u64;

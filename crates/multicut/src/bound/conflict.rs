@@ -1,39 +1,38 @@
-//! What no multicut satisfies free of charge: conflicted cycles and odd wheels.
+//! Conflicts: cycles and odd wheels for which every multicut must pay.
 
 use crate::graph::kernel::Kernel;
 
-/// An inequality in what each edge is paid: `y` for an attractive edge, `1 - y` for a repulsive one.
+/// An inequality in the payments of edges: `y` for an attractive edge, `1 - y` for a repulsive one.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Conflict {
-    /// A cycle with exactly one repulsive edge, which joins the last node to the first: its edges are paid 1 or more.
+    /// A cycle with exactly one repulsive edge, which joins the last node to the first. Its edges are paid 1 or more in total.
     Cycle(Vec<u32>),
     /// Edges around and towards a node.
     Wheel(Wheel),
 }
 
-/// A closed walk with an odd number `k` of repulsive edges, and for each an attractive path to it from one centre.
-/// All edges together, each as often as it occurs, are paid `(k + 1) / 2` or more. With attractive edges on the walk
-/// and paths for spokes this is the odd wheel inequality of Chopra and Rao (1993) for what contracting uncut edges
-/// leaves.
+/// A closed walk with an odd number `k` of repulsive edges, and for each of these an attractive path to it from one centre.
+/// All edges together, each as often as it occurs, are paid `(k + 1) / 2` or more. The walk may have attractive edges, and
+/// spokes may be paths: contracting uncut edges turns this into the odd wheel inequality of Chopra and Rao (1993).
 ///
-/// Proof. Let repulsive edge `i` lead from `v_i` to `w_i`, `q_i` be the pay of this edge and of the walk from `w_i`
-/// on to `v_{i+1}`, and `z_i` be 1 if the centre and `v_i` are apart, else 0. The spoke to `v_i` is paid `z_i` at
-/// least. If `z_i` and `z_{i+1}` are both 0 then `q_i` is 1 at least: either the centre holds `w_i` as well, and the
-/// repulsive edge is paid, or the walk leads from outside the centre's cluster back into it. Say `s` of the `z_i` are
-/// 1: they are in `2 s` of the `k` pairs `(z_i, z_{i+1})` at most, so `s + max(0, k - 2 s)` is paid at least. As `k`
-/// is odd, that is `(k + 1) / 2` or more for each `s`.
+/// Proof. Let repulsive edge `i` lead from `v_i` to `w_i`. Let `q_i` be the payment of this edge and of the walk from `w_i`
+/// on to `v_{i+1}`, and let `z_i` be 1 if the centre and `v_i` are apart, else 0. The spoke to `v_i` is paid at least `z_i`.
+/// If `z_i` and `z_{i+1}` are both 0, then `q_i` is at least 1: either the centre's cluster contains `w_i` as well, and the
+/// repulsive edge is paid, or the walk returns to the centre's cluster from outside. Let `s` of the `z_i` be 1. They are in
+/// at most `2 s` of the `k` pairs `(z_i, z_{i+1})`, so at least `s + max(0, k - 2 s)` is paid. As `k` is odd, this is
+/// `(k + 1) / 2` or more for each `s`.
 ///
 /// Conflicted cycles alone, one for each `i`, add up to `k / 2`.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Wheel {
     /// Nodes of the walk; the last is followed by the first.
     pub(crate) rim: Vec<u32>,
-    /// For each repulsive edge of the rim, in order, the nodes from the centre to where the walk enters the edge.
+    /// For each repulsive edge of the rim, in order, the nodes from the centre to the node where the walk enters the edge.
     pub(crate) spokes: Vec<Vec<u32>>,
 }
 
 impl Conflict {
-    /// The edges, each once, and how often it counts.
+    /// Each edge once, with the number of its uses.
     pub(crate) fn uses(&self, kernel: &Kernel) -> Vec<(u32, u32)> {
         match self {
             Self::Cycle(nodes) => kernel.cycle_edges(nodes).into_iter().map(|edge| (edge, 1)).collect(),
@@ -48,7 +47,7 @@ impl Conflict {
         }
     }
 
-    /// What its edges are paid at least.
+    /// The least total payment of its edges.
     pub(crate) fn least(&self) -> f64 {
         match self {
             Self::Cycle(_) => 1.0,

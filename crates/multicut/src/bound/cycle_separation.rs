@@ -17,19 +17,19 @@ pub(crate) struct CycleSeparation<'a> {
     landmarks: LandmarkDistances,
 }
 
-/// Toll a hop: of paths as cheap, short ones are preferred.
+/// Toll for each hop, so that short paths win among equally cheap ones.
 const TOLL: f64 = 1e-9;
 
-/// Longer cycles are added only as far as edges are not crowded with them: they would be many, and all alike.
+/// Longer cycles are added only while their edges have room for them: otherwise there would be many, and nearly the same.
 const SHORT: usize = 24;
 
-/// Long cycles over one edge that are added in one round.
+/// Most long cycles over one edge that are added in one round.
 const CROWD: u8 = 12;
 
-/// Crowded cycles, beyond as many as were found, that end a round.
+/// A round ends when the crowded cycles outnumber those found by this many.
 const PATIENCE: usize = 30;
 
-/// Rounding of landmark distances.
+/// Bound on the rounding errors of landmark distances.
 const ROUNDING: f32 = 1e-5;
 
 impl<'a> CycleSeparation<'a> {
@@ -39,8 +39,8 @@ impl<'a> CycleSeparation<'a> {
         Self { kernel, distance, parent, touched: Vec::new(), landmarks: LandmarkDistances::hops(kernel) }
     }
 
-    /// For each repulsive edge the most violated cycle, if it is violated by more than `least`: one Dijkstra search
-    /// a node over attractive edges, cut off at distance 1.
+    /// For each repulsive edge, the most violated cycle, if it is violated by more than `least`. Runs one Dijkstra search for
+    /// each node over attractive edges, cut off at distance 1.
     pub(crate) fn violated(&mut self, paid: &[f64], least: f64, budget: &mut Budget) -> Vec<Conflict> {
         let mut found = Vec::new();
         let mut load = vec![0u8; self.kernel.edge_count()];

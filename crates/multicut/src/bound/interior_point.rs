@@ -1,4 +1,4 @@
-//! Linear programs of covering type, by a primal-dual interior point method.
+//! A primal-dual interior point method for covering linear programs.
 
 use super::clique_matrix::CliqueMatrix;
 use crate::budget::Budget;
@@ -8,19 +8,19 @@ use crate::budget::Budget;
 pub(crate) struct Point {
     /// Feasible primal values.
     pub(crate) values: Vec<f64>,
-    /// Feasible dual weights, one a row.
+    /// Feasible dual weights, one for each row.
     pub(crate) weights: Vec<f64>,
     /// Objective of `values` minus objective of `weights`.
     pub(crate) gap: f64,
 }
 
-/// Most Newton steps; usual are 10 to 30.
+/// Most Newton steps; 10 to 30 are usual.
 const STEPS: usize = 100;
 
-/// One covering inequality: the sum of coefficient times variable is `least` or more.
+/// One covering inequality: the sum of coefficients times variables is at least `least`.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Row {
-    /// Variables and positive coefficients; each variable once.
+    /// Variables and positive coefficients; each variable occurs once.
     pub(crate) entries: Vec<(u32, f32)>,
     pub(crate) least: f64,
 }
@@ -34,20 +34,20 @@ impl Row {
     }
 }
 
-/// Share of the way to the boundary that a step takes at most.
+/// Largest share of the distance to the boundary that a step takes.
 const DAMPING: f64 = 0.995;
 
-/// Newton steps in a row that may bring no progress.
+/// Consecutive Newton steps without progress that are allowed.
 const PATIENCE: usize = 8;
 
-/// Minimises `costs * x` subject to `rows` and `x >= 0`, with positive costs, until the gap is at most `tolerance`; the
-/// dual packs the rows into capacities `costs`. At `x = 1` every row must have slack.
+/// Minimises `costs * x` subject to `rows` and `x >= 0`, with positive costs, until the gap is at most `tolerance`. The dual
+/// packs the rows into capacities `costs`. At `x = 1` every row must have slack.
 ///
-/// Mehrotra's predictor-corrector method (SIAM J. Optimization 2(4), 1992), started from a strictly feasible pair, so
-/// that every iterate gives a valid bound. The Newton system is reduced to one unknown a variable, or one a row, whichever
-/// is sparser, and solved by a sparse Cholesky factorisation on one thread: results do not depend on threads. Rows of a
-/// cycle linear program hold one repulsive edge each, so those variables never meet one another; a few long cycles make a
-/// small system of rows. `None` if the factorisation fails or memory is short.
+/// Mehrotra's predictor-corrector method (SIAM J. Optimization 2(4), 1992) starts from a strictly feasible pair, so that
+/// every iterate gives a valid bound. The Newton system is reduced to one unknown for each variable or for each row,
+/// whichever is sparser. A sparse Cholesky factorisation solves it on one thread, so results do not depend on the number of
+/// threads. Each row of a cycle program has one repulsive edge, so the variables of repulsive edges never share a row. With a
+/// few long cycles, the system of rows is small. Returns `None` if the factorisation fails or memory is short.
 pub(crate) fn minimise_covering(
     costs: &[f64],
     rows: &[Row],
@@ -55,8 +55,8 @@ pub(crate) fn minimise_covering(
     budget: &mut Budget,
 ) -> Option<Point> {
     let mut system = NewtonSystem::new(costs.len(), rows)?;
-    // A strictly feasible start: at x = 1 every row has slack, and each row takes half of its share of the scarcest of its
-    // capacities, so that half of every capacity at least is left.
+    // A strictly feasible start. At x = 1 every row has slack. Each row takes half of its share of its scarcest capacity, so
+    // that at least half of every capacity remains.
     let mut values = vec![1.0; costs.len()];
     let mut load = vec![0.0; costs.len()];
     for &(column, coefficient) in rows.iter().flat_map(|row| &row.entries) {
@@ -73,7 +73,7 @@ pub(crate) fn minimise_covering(
         let slack: Vec<f64> = rows.iter().map(|row| row.value(&values) - row.least).collect();
         let mut reduced = costs.to_vec();
         subtract_transposed(rows, &weights, &mut reduced);
-        // Rounding can lead out of the interior, where nothing is a bound any more; the best point so far is one.
+        // Rounding can leave the interior, where the iterate is no bound. The best point so far still is one.
         if slack.iter().chain(&reduced).any(|value| *value <= 0.0) {
             break;
         }
@@ -84,14 +84,14 @@ pub(crate) fn minimise_covering(
             point = Point { gap, values: values.clone(), weights: weights.clone() };
             stalled = 0;
         } else {
-            // A step may first lead back to the centre.
+            // The first step may lead back to the central path without progress.
             stalled += 1;
         }
         let work = system.work();
         if gap <= tolerance || stalled > PATIENCE || !budget.affords(work) || !budget.spend(work) {
             break;
         }
-        // mu, the mean product of complementary pairs; on the central path all of them equal it.
+        // mu is the mean product of complementary pairs; on the central path all of these products equal mu.
         let count = (costs.len() + rows.len()) as f64;
         let mean = (dot(&slack, &weights) + dot(&reduced, &values)) / count;
         let state = State { values: &values, slack: &slack, weights: &weights, reduced: &reduced };
@@ -111,7 +111,7 @@ pub(crate) fn minimise_covering(
                 }))
                 .sum::<f64>()
                 / count;
-        // Mehrotra's centring, sigma mu with sigma = (mu_affine / mu)^3: hardly any where the predictor gets far.
+        // Mehrotra's centring is sigma mu with sigma = (mu_affine / mu)^3: nearly none where the predictor makes a long step.
         let centre = mean * (ahead / mean).powi(3);
         // Corrector: towards the centre, with the second-order term of the predictor.
         let step = system.direction(
@@ -119,7 +119,7 @@ pub(crate) fn minimise_covering(
             &|i| centre - weights[i] * slack[i] - affine.slack[i] * affine.weights[i],
             &|j| centre - values[j] * reduced[j] - affine.values[j] * affine.reduced[j],
         );
-        // Not all of the way to the boundary, next to which the following steps would be short. Primal and dual steps of different
+        // Stop short of the boundary, because steps that start next to it are short. Primal and dual steps of different
         // lengths keep both feasible, since each starts feasible and its constraints are linear.
         let (primal, dual) = step.lengths(&state, DAMPING);
         for (value, change) in values.iter_mut().zip(&step.values) {
@@ -160,7 +160,7 @@ struct Direction {
 }
 
 impl Direction {
-    /// Longest primal and dual steps, at most 1, that keep `damping` of the way to the boundary.
+    /// Longest primal and dual steps, at most 1, that go at most the share `damping` of the way to the boundary.
     fn lengths(&self, state: &State, damping: f64) -> (f64, f64) {
         let longest = |at: &[f64], change: &[f64]| {
             at.iter()
@@ -196,7 +196,7 @@ impl<'a> NewtonSystem<'a> {
             |lengths: &mut dyn Iterator<Item = usize>| lengths.map(|length| length * length).sum::<usize>();
         let over_columns = pairs(&mut rows.iter().map(|row| row.entries.len()));
         let over_rows = pairs(&mut transposed.iter().map(Vec::len));
-        // The variables of repulsive edges never meet, so the form in variables is better than its products say.
+        // The variables of repulsive edges never share a row, so the form in variables is sparser than this count suggests.
         let by_rows = 2 * over_rows < over_columns;
         let matrix = if by_rows {
             CliqueMatrix::new(rows.len(), transposed)?
@@ -223,8 +223,8 @@ impl<'a> NewtonSystem<'a> {
     }
 
     /// The Newton direction for the complementarity right-hand sides `t` of rows and columns: `s dw + w ds = t_rows`,
-    /// `x dr + r dx = t_columns`. What is eliminated is computed from the constraints, so that iterates stay feasible however accurate
-    /// the factorisation is.
+    /// `x dr + r dx = t_columns`. The eliminated unknowns follow from the constraints, so that iterates stay feasible even if the
+    /// factorisation is inaccurate.
     fn direction(
         &mut self,
         state: &State,

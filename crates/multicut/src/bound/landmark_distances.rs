@@ -1,16 +1,16 @@
-//! Lower bounds on distances, from the distances to a few nodes far off.
+//! Lower bounds on distances, from the distances to a few far nodes.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
 use crate::graph::kernel::Kernel;
 
-/// Kernels below this many nodes are searched as they are.
+/// Kernels with fewer nodes are searched without bounds.
 const WORTHWHILE: usize = 300;
 
-/// Distances from two nodes at far ends of a kernel. By the triangle inequality no two nodes are nearer than their distances
-/// from either differ (Goldberg, Harrelson, SODA 2005, "ALT"). In a band, which is what a session followed along its whole
-/// length leaves, that is nearly the distance itself, and a search for a path need not look elsewhere.
+/// Distances from two nodes at opposite ends of a kernel. By the triangle inequality, two nodes are at least as far apart as
+/// their distances from either differ (Goldberg, Harrelson, SODA 2005, "ALT"). In a band, which results when one session
+/// follows another along its whole length, this bound is nearly the distance itself, and a path search hardly looks elsewhere.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct LandmarkDistances {
     /// Two nodes, and distances from each; none for small kernels.
@@ -18,7 +18,7 @@ pub(crate) struct LandmarkDistances {
 }
 
 impl LandmarkDistances {
-    /// Numbers of attractive edges between nodes.
+    /// Distances by the number of attractive edges.
     pub(crate) fn hops(kernel: &Kernel) -> Self {
         if kernel.node_count() < WORTHWHILE {
             return Self { from: Vec::new() };
@@ -35,16 +35,16 @@ impl LandmarkDistances {
         Self { from: vec![(first, distances), (second, opposite)] }
     }
 
-    /// Distances over attractive edges with new lengths, from the same nodes.
+    /// Replaces the distances by those for new lengths of the attractive edges, from the same nodes.
     pub(crate) fn update(&mut self, kernel: &Kernel, length: impl Fn(u32) -> f64) {
         for (node, distances) in &mut self.from {
             *distances = distances_from(kernel, *node, &length);
         }
     }
 
-    /// At most the distance between two nodes, but for rounding.
+    /// A lower bound on the distance between two nodes, up to rounding.
     pub(crate) fn at_least(&self, first: u32, second: u32) -> f32 {
-        // Infinity minus infinity is no number, and `max` leaves it out.
+        // Infinity minus infinity is NaN, which `max` ignores.
         self.from
             .iter()
             .map(|(_, distances)| (distances[first as usize] - distances[second as usize]).abs())

@@ -7,42 +7,42 @@ use super::conflict::{Conflict, Wheel};
 use crate::budget::Budget;
 use crate::graph::kernel::Kernel;
 
-/// Violations up to this are not worth a row.
+/// Violations up to this value are not worth a row.
 const LEAST: f64 = 0.02;
 
-/// Distances that differ by less from 0 or 1 count as such.
+/// Distances within this difference of 0 or 1 count as 0 or 1.
 const NEAR: f64 = 1e-3;
 
-/// Wheels around one centre that are added in one round.
+/// Most wheels around one centre that are added in one round.
 const MOST: usize = 4;
 
 /// Work of one round.
 const EFFORT: u64 = 50_000_000;
 
-/// Toll a hop: of walks as cheap, short ones are preferred.
+/// Toll for each hop, so that short walks win among equally cheap ones.
 const TOLL: f64 = 1e-9;
 
 /// Separation by shortest walks of odd parity.
 ///
-/// Let `d(v)` be the distance of `v` from a centre over attractive edges, in what they are paid. Give a repulsive
-/// edge `v w` the length `(1 - y) + (d(v) + d(w) - 1) / 2` and an attractive one, passed from `v` to `w`, the length
-/// `y + (d(w) - d(v)) / 2`. Where no conflicted cycle is violated none is negative: the former because
-/// `d(v) + d(w) + (1 - y) >= 1`, the latter because distances differ by no more than an edge. Along a closed walk
-/// with `k` repulsive edges the halves add up to the spokes, so its length is what the wheel is paid minus `k / 2`,
-/// and a wheel is violated iff `k` is odd and the length below 1/2. The search runs over nodes and parities (after
-/// Deza, Groetschel, Laurent 1992, for wheels with single edges), and leaves out nodes at distance 1 or more.
+/// Let `d(v)` be the distance of `v` from a centre over attractive edges, in payments. Give a repulsive edge `v w` the length
+/// `(1 - y) + (d(v) + d(w) - 1) / 2`, and an attractive edge passed from `v` to `w` the length `y + (d(w) - d(v)) / 2`. Where
+/// no conflicted cycle is violated, no length is negative: the former because `d(v) + d(w) + (1 - y) >= 1`, the latter
+/// because distances differ by at most the length of an edge. Along a closed walk with `k` repulsive edges, the halves add up
+/// to the spokes. So the length of the walk is the payment of the wheel minus `k / 2`, and the wheel is violated if and only
+/// if `k` is odd and the length is below 1/2. The search runs over nodes and parities (after Deza, Groetschel, Laurent 1992,
+/// for wheels with single edges), and leaves out nodes at distance 1 or more.
 ///
-/// In a violated wheel, the distance of some node at which the walk enters a repulsive edge lies strictly between 0
-/// and 1: were all 0, or 1 or more, the proof at [`Wheel`] would hold. So walks start from such nodes alone.
+/// In a violated wheel, the walk enters some repulsive edge at a node with a distance strictly between 0 and 1. If all of
+/// these distances were 0, or 1 or more, the proof at [`Wheel`] would hold. So only such nodes can start a walk.
 pub(crate) struct WheelSeparation<'a> {
     kernel: &'a Kernel,
-    /// Distance from the centre where less than 1, else infinite, and the way back.
+    /// Distance from the centre if less than 1, else infinite, and the previous node on the shortest path.
     radius: Vec<f64>,
     inward: Vec<u32>,
     ball: Vec<u32>,
-    /// Walks from here were searched before.
+    /// Whether walks from a node have been searched.
     done: Vec<bool>,
-    /// By twice the node plus the parity.
+    /// Shortest length by state: twice the node plus the parity.
     length: Vec<f64>,
     previous: Vec<u32>,
     touched: Vec<u32>,
@@ -63,10 +63,10 @@ impl<'a> WheelSeparation<'a> {
         }
     }
 
-    /// Wheels that a point violates which violates no cycle inequality: a few around each node, but around one only
-    /// of those that nothing paid lies between.
+    /// Violated wheels at a point that violates no cycle inequality: a few around each node. Of nodes at distance 0 from each
+    /// other, only one is a centre.
     ///
-    /// A shortest path search for each pair of nodes less than 1 apart at worst; ends when its work is done.
+    /// At worst one shortest path search for each pair of nodes less than 1 apart; ends when its work is used up.
     pub(crate) fn violated(&mut self, paid: &[f64], budget: &mut Budget) -> Vec<Conflict> {
         let end = budget.spent().saturating_add(EFFORT);
         let mut found = Vec::new();
@@ -278,7 +278,7 @@ mod tests {
                 pairs.map(|(u, v)| (u, v, [-1.0, 1.0, 0.0][random.random_range(0..3)])).collect();
             let kernel = Kernel::new(&SignedGraph::new(5, edges.iter().copied()));
             let pays = pays(&kernel);
-            // Any metric makes wheels, be it violated or not: walks of random weights.
+            // Any metric makes wheels, violated or not, so random weights test the walks.
             for _ in 0..20 {
                 let paid: Vec<f64> =
                     (0..kernel.edge_count()).map(|_| random.random_range(0.0..0.45)).collect();
@@ -306,7 +306,7 @@ mod tests {
             assert_eq!((wheel.rim.len(), wheel.spokes.len()), (ring as usize, ring as usize));
             assert_eq!(found[0].least(), f64::from(ring.div_ceil(2)));
         }
-        // An even ring needs no more than cycles say.
+        // For an even ring, cycle inequalities are enough.
         let kernel = Kernel::new(&wheel_graph(4, 1.0, 1.0));
         let paid: Vec<f64> = kernel.costs.iter().map(|&cost| if cost > 0.0 { 0.5 } else { 0.0 }).collect();
         assert!(WheelSeparation::new(&kernel).violated(&paid, &mut Budget::new(None, None)).is_empty());
@@ -335,8 +335,7 @@ mod tests {
 
     fn pays_least(kernel: &Kernel) -> f64 {
         let nodes = kernel.node_count() as u32;
-        // Two clusters, or more where the centre's holds all that are not alone: each ring node is with the centre
-        // or alone.
+        // Each ring node is in the centre's cluster or alone, so all partitions follow from the set of nodes that are alone.
         (0..1u32 << (nodes - 1))
             .map(|alone| {
                 let apart = |node: u32| node > 0 && (alone >> (node - 1)) & 1 == 1;

@@ -1,4 +1,4 @@
-//! Packings of conflicts: lower bounds that carry their own proof.
+//! Packings of conflicts: lower bounds with their own proof.
 
 use std::collections::VecDeque;
 
@@ -16,14 +16,14 @@ pub(crate) struct Packed {
     pub(crate) weight: f64,
 }
 
-/// Edge-disjoint up to capacity `|c|`, where an edge that a conflict uses twice gives it twice the weight: each
-/// multicut pays for every conflict at least what [`Conflict::least`] says, by cutting attractive edges or not
-/// cutting repulsive ones, so the sum of negative costs plus all weights times that is a lower bound. A multicut that
-/// pays for an edge with capacity left pays that much more.
+/// Conflicts packed with weights, such that the weights over each edge add up to at most its capacity `|c|`; an edge that a
+/// conflict uses twice counts twice. For every conflict, each multicut pays at least [`Conflict::least`], by cutting
+/// attractive edges or by not cutting repulsive ones. So the sum of negative costs, plus the sum of weights times that value,
+/// is a lower bound. A multicut that pays for an edge with capacity left pays that much more.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Packing {
     pub(crate) conflicts: Vec<Packed>,
-    /// Capacity `|c|` left at each edge.
+    /// Remaining capacity of `|c|` at each edge.
     pub(crate) residual: Vec<f64>,
     /// Lower bound on the kernel's objective.
     pub(crate) bound: f64,
@@ -42,8 +42,8 @@ impl Packing {
         }
     }
 
-    /// Packs given conflicts, with their uses and weights, as far as capacities allow: the weights are scaled down
-    /// where an edge is overfull.
+    /// Packs given conflicts, with their uses and weights, as far as capacities allow: weights are scaled down where an edge
+    /// is overfull.
     pub(crate) fn from_weights<'a>(
         kernel: &Kernel,
         conflicts: impl Iterator<Item = (&'a Conflict, &'a [(u32, u32)], f64)> + Clone,
@@ -65,7 +65,7 @@ impl Packing {
                 packing.add(conflict.clone(), uses, weight);
             }
         }
-        // What is left is for cycles, which can be searched for; wheels cannot so fast.
+        // Cycles can be searched for in the remaining capacity, but wheels not as fast, so wheels are filled up here.
         for (conflict, uses, _) in conflicts.filter(|entry| matches!(entry.0, Conflict::Wheel(_))) {
             let room = packing.room(uses);
             if room > 0.0 {
@@ -75,7 +75,7 @@ impl Packing {
         packing
     }
 
-    /// The weight that still fits.
+    /// The largest weight that still fits.
     fn room(&self, uses: &[(u32, u32)]) -> f64 {
         let room = |&(edge, times): &(u32, u32)| self.residual[edge as usize] / f64::from(times);
         uses.iter().map(room).fold(f64::INFINITY, f64::min)
@@ -90,11 +90,11 @@ impl Packing {
         self.conflicts.push(Packed { conflict, weight });
     }
 
-    /// Packs the cycles that still fit, shortest first: for growing length and each repulsive edge with capacity left,
-    /// a shortest attractive path of edges with capacity left (iterated cycle packing, "ICP": Lange, Karrenbauer,
+    /// Packs the cycles that still fit, shortest first. For increasing length and each repulsive edge with capacity left,
+    /// finds a shortest attractive path of edges with capacity left (iterated cycle packing, "ICP": Lange, Karrenbauer,
     /// Andres, ICML 2018, algorithm 1).
     ///
-    /// A breadth-first search for each cycle packed, bounded by the length; ends when `effort` is spent.
+    /// One breadth-first search for each packed cycle, bounded by the length; ends when `effort` is spent.
     pub(crate) fn extend(&mut self, kernel: &Kernel, effort: u64, budget: &mut Budget) {
         let end = budget.spent().saturating_add(effort);
         let mut search = PathSearch::new(kernel.node_count());
@@ -136,7 +136,7 @@ impl Packing {
             }
             length = if length < 6 { length + 1 } else { length * 2 };
             if length == 6 {
-                // Paths only grow longer as capacity goes.
+                // Paths only get longer as capacity is used up, so these distances remain lower bounds.
                 hops = LandmarkDistances::hops(kernel);
             }
         }
@@ -147,16 +147,16 @@ impl Packing {
     }
 }
 
-/// Largest graph, in edges, that [`pack_completely`] looks at.
+/// Largest graph, in edges, that [`pack_completely`] tries.
 const SMALL: usize = 20_000;
 
 /// Work that [`pack_completely`] spends on each edge.
 const EFFORT: u64 = 60;
 
-/// Cycles that pack every repulsive edge to its cost. No multicut of such a graph costs less than 0: joining everything
-/// that attracts is optimal.
+/// Cycles that pack every repulsive edge up to its cost. If they exist, no multicut of the graph costs less than 0, so
+/// joining everything that attracts is optimal.
 ///
-/// Asks first for what every such packing needs: at each node as much attraction as repulsion.
+/// First checks a necessary condition: each node has at least as much attraction as repulsion.
 pub(crate) fn pack_completely(graph: &SignedGraph, budget: &mut Budget) -> Option<Vec<Packed>> {
     let mut arcs = 0;
     for node in graph.nodes() {
@@ -203,7 +203,7 @@ impl PathSearch {
         let mut found = None;
         'search: while let Some((node, depth)) = self.queue.pop_front() {
             budget.spend(if depth + 1 == length { 1 } else { kernel.arcs(node).len() as u64 });
-            // One step from the end, only the goal itself is of use.
+            // One step before the length limit, only the goal itself is useful.
             if depth + 1 == length {
                 if let Some(edge) = kernel.edge(node, goal)
                     && edge != repulsive
@@ -269,7 +269,7 @@ mod tests {
         let budget = &mut Budget::new(None, None);
         assert_eq!(pack_completely(&chord(-2.0), budget).map(|cycles| cycles.len()), Some(2));
         assert_eq!(pack_completely(&chord(-2.5), budget), None);
-        // Enough attraction at each node, and no path to carry it.
+        // Enough attraction at each node, but no path of attractive edges.
         let apart = [(0, 1, 2.0), (2, 3, 2.0), (0, 2, -1.0), (1, 3, -1.0)];
         assert_eq!(pack_completely(&SignedGraph::new(4, apart.into_iter()), budget), None);
     }

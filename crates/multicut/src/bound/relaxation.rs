@@ -1,4 +1,4 @@
-//! The cycle relaxation, strengthened by odd wheels: a linear program whose inequalities are found as they are violated.
+//! The cycle relaxation, strengthened by odd wheels: a linear program to which violated inequalities are added.
 
 use std::collections::HashSet;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -15,7 +15,7 @@ use crate::graph::kernel::Kernel;
 #[derive(Debug, Clone)]
 pub(crate) struct Relaxation {
     pub(crate) packing: Packing,
-    /// How much each edge's cost is paid: `y` for an attractive edge, `1 - y` for a repulsive one.
+    /// The payment of each edge: `y` for an attractive edge, `1 - y` for a repulsive one.
     pub(crate) paid: Vec<f64>,
     /// Whether no cycle inequality is violated any more.
     pub(crate) converged: bool,
@@ -24,9 +24,9 @@ pub(crate) struct Relaxation {
 /// The inequalities of the program.
 struct Program {
     conflicts: Vec<Conflict>,
-    /// The edges of each, and how often they count.
+    /// The edges of each conflict, and how often they count.
     uses: Vec<Vec<(u32, u32)>>,
-    /// Hashes of what each uses; two that share one by chance cost a row, nothing else.
+    /// Hashes of the edges that each conflict uses. A collision only loses one row.
     known: HashSet<u64>,
 }
 
@@ -51,7 +51,7 @@ impl Program {
 
     /// The linear program in the form that the interior point method takes.
     fn covering(&self, kernel: &Kernel) -> Covering {
-        // Only edges on some cycle are variables; the others are paid nothing.
+        // Only edges in some conflict are variables; the others are paid nothing.
         let mut column = vec![u32::MAX; kernel.edge_count()];
         let mut costs = Vec::new();
         let rows = self
@@ -73,7 +73,7 @@ impl Program {
         Covering { column, costs, rows }
     }
 
-    /// What the dual weights pack, and what fits beside it. Weights below a share of `scale` are rounding errors.
+    /// The packing by the dual weights, extended by cycles that still fit. Weights below a share of `scale` are rounding errors.
     fn packing(&self, kernel: &Kernel, point: &Point, scale: f64, budget: &mut Budget) -> Packing {
         let weighted = self.conflicts.iter().zip(&self.uses).zip(&point.weights);
         let weighted = weighted.map(|((conflict, uses), &weight)| (conflict, uses.as_slice(), weight));
@@ -82,8 +82,8 @@ impl Program {
         packing
     }
 
-    /// Drops the inequalities that hold anyway: far from tight, with a weight that the point's error explains. Small programs make
-    /// short steps cheap.
+    /// Drops inequalities that are far from tight and have a weight within the point's error: they hold anyway. Small
+    /// programs make cheap steps.
     fn drop_slack(&mut self, covering: &Covering, point: &Point, accuracy: f64) {
         let keep: Vec<bool> = covering
             .rows
@@ -119,21 +119,21 @@ impl Program {
 
 /// A program over the edges that its inequalities use.
 struct Covering {
-    /// For each edge its variable; none is `u32::MAX`.
+    /// For each edge its variable, `u32::MAX` if it has none.
     column: Vec<u32>,
     costs: Vec<f64>,
     rows: Vec<Row>,
 }
 
 impl Covering {
-    /// Writes how much each edge is paid at a point.
+    /// Writes the payment of each edge at a point.
     fn pay(&self, point: &Point, paid: &mut [f64]) {
         for (paid, &place) in paid.iter_mut().zip(&self.column) {
             *paid = if place == u32::MAX { 0.0 } else { point.values[place as usize] };
         }
     }
 
-    /// The bound of the dual point: the negative costs, and what each inequality takes at least.
+    /// The bound of the dual point: the sum of negative costs, plus the weight of each inequality times its right-hand side.
     fn bound(&self, kernel: &Kernel, point: &Point) -> f64 {
         let weighted = self.rows.iter().zip(&point.weights);
         kernel.negative_sum() + weighted.map(|(row, weight)| row.least * weight).sum::<f64>()
@@ -148,39 +148,39 @@ fn hash(uses: &[(u32, u32)]) -> u64 {
     hasher.finish()
 }
 
-/// Gaps at which points are good enough, as shares of what is paid. An early point lies near the middle of what is feasible, and
-/// inequalities that it violates cut deep; the accuracy rises only when no more are found.
+/// Gaps at which points are accurate enough, as shares of the payment. An early point lies near the middle of the feasible
+/// set, where violated inequalities cut deep, so the accuracy rises only when no more are found.
 const FIRST_ACCURACY: f64 = 1e-2;
 const REFINEMENT: f64 = 1e-2;
 const LAST_ACCURACY: f64 = 1e-9;
 
-/// An inequality counts as violated by this share of the accuracy, and by no less than a rounding error: what is less is the
-/// point's own error.
+/// An inequality counts as violated by more than this share of the accuracy, and by more than a rounding error. Smaller
+/// violations are errors of the point.
 const VIOLATION: f64 = 0.1;
 const LEAST_VIOLATION: f64 = 1e-7;
 
-/// Accuracy of a point from which on wheels are looked for: among cycles that it violates, none is left. Separation of wheels takes
-/// the point for exact.
+/// Accuracy of a point from which wheels are separated. Their separation takes the point for exact, and needs one that
+/// violates no cycle.
 const FINE: f64 = 2e-6;
 
-/// Rounds of wheels.
+/// Most rounds of wheel separation.
 const ROUNDS: usize = 20;
 
-/// Dual weights below this share of what is paid are rounding errors.
+/// Dual weights below this share of the payment are rounding errors.
 const NOTHING: f64 = 1e-11;
 
-/// A bound that rises by less than this share of all costs does not rise.
+/// A bound that rises by less than this share of all costs counts as unchanged.
 const RISE: f64 = 1e-9;
 
 /// Solves `min c^+ y + |c^-| (1 - y)` over the cycle inequalities (Chopra, Rao 1993): for each repulsive edge `f` and each
 /// attractive path `P` between its ends, `y(P) + (1 - y_f) >= 1`. Cycles with other numbers of repulsive edges do not change
-/// the optimum (Lange, Karrenbauer, Andres, ICML 2018), so this is a covering program, and its dual packs cycles:
-/// every dual point is a certificate. When no cycle inequality is violated any more, odd wheel inequalities are
-/// ([`WheelSeparation`]); they are covering inequalities too.
+/// the optimum (Lange, Karrenbauer, Andres, ICML 2018). So this is a covering program, its dual packs cycles, and every dual
+/// point is a certificate. When a point violates no cycle inequality, odd wheel inequalities follow ([`WheelSeparation`]);
+/// they are covering inequalities too.
 ///
-/// Starts from the conflicts of `start`, and ends when no inequality is violated, when the bound reaches `target`, or with
-/// the budget, or when the bound has all but ceased to rise and `give_up` finds the packing good enough. Early rounds stop far from the optimum, where
-/// cuts are deep.
+/// Starts from the conflicts of `start`. Ends when no inequality is violated, when the bound reaches `target`, when the
+/// budget is over, or when the bound hardly rises any more and `give_up` finds the packing good enough. Early rounds stop far
+/// from the optimum, where cuts are deep.
 pub(crate) fn solve_relaxation(
     kernel: &Kernel,
     start: Packing,
@@ -200,7 +200,7 @@ pub(crate) fn solve_relaxation(
     let mut last_bound = f64::NEG_INFINITY;
     while !budget.is_over() && !program.conflicts.is_empty() {
         let covering = program.covering(kernel);
-        // The gap that matters is relative to what is paid, not to the sum of all costs.
+        // The relevant gap is relative to the payment, not to the sum of all costs.
         let scale = (relaxation.packing.bound - kernel.negative_sum()).max(magnitude * 1e-6);
         let Some(point) = minimise_covering(&covering.costs, &covering.rows, accuracy * scale, budget) else {
             break;
@@ -219,8 +219,8 @@ pub(crate) fn solve_relaxation(
             if give_up(&relaxation.packing) {
                 break;
             }
-            // Where packing what the weights left brought more than the weights themselves, its conflicts make the
-            // better program.
+            // If extending the packing gained more than the weights alone, restart from its conflicts: they make the better
+            // program.
             if relaxation.packing.bound > restarted_at {
                 restarted_at = relaxation.packing.bound;
                 missing.clear();
@@ -236,7 +236,7 @@ pub(crate) fn solve_relaxation(
         }
         let bound = covering.bound(kernel, &point);
         if accurate && bound > last_bound + RISE * magnitude {
-            // The bound rises, so dropped cycles cannot come back for ever.
+            // The bound rises, so dropped cycles cannot return for ever.
             last_bound = bound;
             program.drop_slack(&covering, &point, accuracy);
         }
@@ -255,7 +255,7 @@ pub(crate) fn solve_relaxation(
     relaxation
 }
 
-/// Whether three rounds have brought less than a twentieth of what was missing to the target.
+/// Whether three rounds have closed less than a twentieth of the distance to the target.
 fn has_stalled(missing: &[f64]) -> bool {
     matches!(missing, [.., before, _, _, now] if *now > 0.95 * before)
 }

@@ -1,4 +1,4 @@
-//! Proofs of lower bounds, and how they are written.
+//! Proofs of lower bounds, and their text format.
 
 use std::io::Write;
 
@@ -7,19 +7,19 @@ use crate::bound::packing::Packed;
 use crate::reduce::decomposition::Trace;
 use crate::reduce::reduction::Step;
 
-/// Why a kernel costs at least its bound. Nodes are those of the kernel.
+/// Proof that a kernel costs at least its bound. Nodes are those of the kernel.
 #[derive(Debug, Clone)]
 pub(crate) enum Proof {
     /// Disjoint conflicts.
     Packing(Vec<Packed>),
-    /// Cutting one of `edges` lifts the packing's bound by the edge's residual cost; the rest of the proof may reward
+    /// Cutting one of `edges` lifts the packing's bound by the edge's residual cost, so the rest of the proof may reward
     /// joining them.
     Fixed { conflicts: Vec<Packed>, edges: Vec<(u32, u32)>, reward: f64, rest: Reduced },
-    /// The ends of an edge are joined or apart; either may be rewarded.
+    /// Two cases: the ends of an edge are joined or apart. The proof of each may reward its case.
     Branch { edge: (u32, u32), reward: f64, joined: Reduced, apart: Reduced },
 }
 
-/// A proof for a graph by reductions, and proofs for the kernels they leave.
+/// A proof for a graph by reductions, with proofs for the kernels that they leave.
 #[derive(Debug, Clone)]
 pub(crate) struct Reduced {
     pub(crate) trace: Vec<Trace>,
@@ -28,7 +28,7 @@ pub(crate) struct Reduced {
 
 /// A solution and the proof of its lower bound, to be written to a file and checked by [`verify`](crate::verify()).
 ///
-/// Text, one statement a line, each with the numbers it needs:
+/// The format is text, with one statement on each line, and with the numbers that it needs:
 ///
 /// ```text
 /// POSECUT-MULTICUT-CERTIFICATE 1
@@ -50,10 +50,9 @@ pub(crate) struct Reduced {
 /// end
 /// ```
 ///
-/// Bounds of parts add up, because no edge is in two of them; edges in no part count with their cost if negative.
-/// The bound of a kernel is the sum of its negative costs and the weights packed (times (k + 1) / 2 for a wheel with k
-/// spokes), rounded up if all its costs are
-/// integers.
+/// Bounds of parts add up, because no edge is in two of them. Edges outside all parts count with their cost if it is
+/// negative. The bound of a kernel is the sum of its negative costs and the packed weights (times (k + 1) / 2 for a wheel
+/// with k spokes), rounded up if all its costs are integers.
 #[derive(Debug, Clone)]
 pub struct Certificate {
     pub(crate) labels: Vec<u32>,
@@ -64,7 +63,7 @@ pub struct Certificate {
 pub(crate) const MAGIC: &str = "POSECUT-MULTICUT-CERTIFICATE 1";
 
 impl Certificate {
-    /// Writes the certificate; buffers nothing itself.
+    /// Writes the certificate without buffering.
     pub fn write(&self, output: &mut impl Write) -> std::io::Result<()> {
         writeln!(output, "{MAGIC}")?;
         write_line(output, "labels", &self.labels)?;

@@ -1,7 +1,7 @@
-//! An independent check of certificates: shares no algorithm with the solver.
+//! An independent check of certificates, which shares no algorithm with the solver.
 //!
-//! [`proof`] reads the statements, [`part`] repeats the reductions on a graph of its own, and [`packing`] checks signs, shape
-//! and capacity of every conflict: the weights of those that use an edge add up to at most its `|c|`.
+//! [`proof`] reads the statements, [`part`] repeats the reductions on its own graph, and [`packing`] checks signs, shape and
+//! capacity of every conflict: for each edge, the weights of the conflicts that use it add up to at most its `|c|`.
 
 mod packing;
 mod part;
@@ -19,21 +19,21 @@ use proof::Checker;
 pub struct Verified {
     /// Objective of the labels in the certificate.
     pub objective: f64,
-    /// No multicut of the graph costs less.
+    /// Proved lower bound: no multicut of the graph costs less.
     pub lower_bound: f64,
-    /// Whether both agree: exactly for integer costs, else up to 10^-9 of the sum of absolute costs.
+    /// Whether both are equal: exactly for integer costs, otherwise up to 10^-9 of the sum of absolute costs.
     pub optimal: bool,
 }
 
-/// Why a certificate proves nothing.
+/// The reason why a certificate proves nothing.
 #[derive(Debug, thiserror::Error)]
 pub enum VerifyError {
     /// The file could not be read.
     #[error("the certificate could not be read after line {line}: {cause}")]
     Read {
-        /// Lines read before.
+        /// Number of lines read before the error.
         line: usize,
-        /// What the system says.
+        /// The error of the operating system.
         cause: std::io::Error,
     },
     /// The first line is not that of a certificate.
@@ -49,8 +49,8 @@ pub enum VerifyError {
     },
 }
 
-/// Checks a certificate against a graph, in one pass over the file: each reduction's condition when it is made, each cycle's
-/// signs and capacities, and that the parts of the graph share no edge. `O(log n)` for each edge touched.
+/// Checks a certificate against a graph, in one pass over the file: the condition of each reduction, the signs and capacities
+/// of each conflict, and that the parts of the graph share no edge. `O(log n)` for each edge touched.
 pub fn verify(graph: &Graph, certificate: impl BufRead) -> Result<Verified, VerifyError> {
     let mut checker = Checker::new(certificate);
     match checker.next() {

@@ -1,4 +1,4 @@
-//! How far apart support edges may be: a number of frames, or the spacing of the candidates themselves.
+//! The largest distance of support edges: a number of frames, or the spacing of the candidates.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -6,10 +6,10 @@ use std::str::FromStr;
 
 use serde::{Serialize, Serializer};
 
-/// Pairs of sessions with fewer gaps than this at each end take the spacing of all pairs together.
+/// Pairs of sessions with fewer gaps than this at both ends take the spacing of all pairs together.
 const FEWEST_GAPS: usize = 10;
 
-/// How many frames a support edge may be off at each end.
+/// The largest distance of a support edge at each end, in frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Delta {
     /// The same number for all pairs of sessions.
@@ -47,12 +47,12 @@ impl Serialize for Delta {
     }
 }
 
-/// The spacing of candidates for each pair of sessions, in frames: `auto` of [`Delta`].
+/// The spacing of candidates for each pair of sessions, in frames, as [`Delta`] uses it for `auto`.
 ///
-/// `frames` has, for each pair of sessions, the frames of its candidates at either end. The spacing at one end is the
-/// median gap between consecutive distinct frames; the spacing of the pair is the smaller of both ends. False candidates
-/// fall into the gaps and can only shorten it, so that they seldom support each other. A pair with fewer than 10 gaps at
-/// each end takes the spacing of the gaps of all pairs together; with fewer than 10 there, too, it is 1.
+/// `frames` has, for each pair of sessions, the frames of its candidates at either end. The spacing at one end is the median
+/// gap between consecutive distinct frames; the spacing of the pair is the smaller one of both ends. False candidates fall
+/// into the gaps and can only shorten the spacing, so that they seldom support each other. A pair with fewer than 10 gaps at
+/// each end takes the spacing of the gaps of all pairs together. If these are fewer than 10, too, the spacing is 1.
 /// O(candidates log candidates).
 pub(crate) fn spacings<K: Copy + Ord>(frames: BTreeMap<K, [Vec<i64>; 2]>) -> BTreeMap<K, u32> {
     let gaps: BTreeMap<K, [Vec<u64>; 2]> =
@@ -73,7 +73,7 @@ fn gaps_between(mut frames: Vec<i64>) -> Vec<u64> {
     frames.windows(2).map(|pair| pair[1].abs_diff(pair[0])).collect()
 }
 
-/// The smaller of the medians of both ends, leaving out an end with too few gaps; `None` where both have too few.
+/// The smaller median of both ends, leaving out an end with too few gaps; `None` if both have too few.
 fn spacing(ends: [Vec<u64>; 2]) -> Option<u32> {
     let median = |mut gaps: Vec<u64>| {
         let middle = gaps.len().checked_sub(1)? / 2;
@@ -97,7 +97,7 @@ mod tests {
         let every_fifth: Vec<i64> = (0..40).map(|turn| 5 * turn).collect();
         let every_seventh: Vec<i64> = (0..40).map(|turn| 7 * turn).collect();
         assert_eq!(one_pair(every_fifth.clone(), every_seventh), 5);
-        // A gap in the overlap and repeated frames do not count.
+        // One long gap in the overlap and repeated frames change nothing.
         let mut broken = every_fifth.clone();
         broken.extend_from_slice(&every_fifth);
         broken.extend((0..10).map(|turn| 5000 + 5 * turn));

@@ -1,4 +1,4 @@
-//! Costs of landmark edges by the support they find in each other.
+//! Costs of landmark edges, from the support that they give each other.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -6,10 +6,10 @@ use posecut_graph::{Edge, EdgeKind, PoseGraph};
 
 use super::delta::{Delta, spacings};
 
-/// Why support cannot be counted.
+/// The reason why support cannot be counted.
 #[derive(Debug, thiserror::Error)]
 pub enum SupportError {
-    /// An edge ends at a node that has no place in a session.
+    /// An edge ends at a node without a session or a frame.
     #[error(
         "{edge}: its node {node} has no \"session\" or no \"frame\", so its neighbours are unknown; number the frames of every session, or give costs in the file and say --costs field"
     )]
@@ -27,23 +27,23 @@ type Ends<'a> = ((&'a str, i64), (&'a str, i64));
 /// The support of the landmark edges in use.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Support {
-    /// For each edge its place among the graph's edges and the number of its support edges.
+    /// For each edge, its index in the graph and the number of its support edges.
     pub counts: Vec<(usize, usize)>,
-    /// The smallest and the largest delta that was taken, over all pairs of sessions; `None` without candidates.
+    /// The smallest and the largest delta used, over all pairs of sessions; `None` without candidates.
     pub deltas: Option<[u32; 2]>,
 }
 
-/// For each landmark edge in use, its place among the graph's edges and the number of its *support edges*:
-/// other pairs of frames (i', j') of the same two sessions, joined by a landmark edge in use, with
-/// |i - i'| <= delta and |j - j'| <= delta. At most 4 delta (delta + 1) of them; several edges between the same
-/// two frames are one pair. An edge stored the other way round counts the same.
+/// For each landmark edge in use, its index in the graph and the number of its *support edges*: other pairs of frames (i',
+/// j') of the same two sessions, joined by a landmark edge in use, with |i - i'| <= delta and |j - j'| <= delta. There are at
+/// most 4 delta (delta + 1) of them. Several edges between the same two frames count as one pair. The direction of an edge
+/// does not matter.
 ///
 /// O(edges * min((2 delta + 1)^2, edges)).
 pub fn support_counts(graph: &PoseGraph, delta: u32) -> Result<Vec<(usize, usize)>, SupportError> {
     Ok(support(graph, Delta::Frames(delta))?.counts)
 }
 
-/// As [`support_counts`], with the delta that was taken.
+/// Like [`support_counts`], for either kind of delta; also returns the deltas used.
 pub fn support(graph: &PoseGraph, delta: Delta) -> Result<Support, SupportError> {
     let mut edges = Vec::new();
     let mut pairs: HashSet<Ends<'_>> = HashSet::new();
@@ -78,11 +78,11 @@ fn frames_by_sessions<'a>(pairs: &HashSet<Ends<'a>>) -> BTreeMap<(&'a str, &'a s
     frames
 }
 
-/// How many other pairs of frames are within `delta` of these.
+/// The number of other pairs of frames within `delta` of these.
 fn supporting(pairs: &HashSet<Ends<'_>>, (first, second): &Ends<'_>, delta: u32) -> usize {
     let reach = i64::from(delta);
     let window = (2 * reach + 1).saturating_mul(2 * reach + 1);
-    // A window wider than the number of edges is searched from the other side.
+    // If the window has more positions than there are edges, go through the edges instead.
     if window > pairs.len() as i64 {
         let near = |(a, b): &&Ends<'_>| {
             a.0 == first.0

@@ -1,17 +1,17 @@
-//! An order of nodes that does not depend on how they are numbered.
+//! A node order that does not depend on how nodes are numbered.
 //!
-//! With costs of +1 and -1 most decisions are ties, and heuristics that break ties by number give another answer
-//! for each numbering. Nodes are therefore sorted by what the graph looks like from them: colour refinement
-//! (Weisfeiler, Leman 1968) on costs, as hashes that are added over neighbours. Classes that refinement cannot
-//! split are split by choosing one member and refining around it. Such members are almost always images of each
-//! other under a symmetry of the graph, and then any choice gives the same answer up to that symmetry.
+//! With costs of +1 and -1 most decisions are ties, and heuristics that break ties by number give a different answer for each
+//! numbering. Nodes are therefore sorted by how the graph looks from them: colour refinement (Weisfeiler, Leman 1968) on
+//! costs, with hashes that are added over neighbours. If refinement cannot split a class, one member is chosen and refinement
+//! continues around it. The members of such a class are almost always images of each other under a symmetry of the graph, and
+//! then any choice gives the same answer up to that symmetry.
 
 use std::collections::BTreeMap;
 
 use super::signed_graph::SignedGraph;
 
-/// Nodes and edges that refinement may look at. Enough to tell all nodes apart in any graph of 3,000 nodes and edges, and
-/// for five rounds in one of ten million.
+/// Most nodes and edges that refinement may visit. This suffices to distinguish all nodes in any graph of 3,000 nodes and
+/// edges, and for five rounds in a graph of ten million.
 const WORK: usize = 60_000_000;
 
 /// The finaliser of SplitMix64: a bijection that spreads every input bit.
@@ -35,7 +35,7 @@ fn refine(graph: &SignedGraph, colours: &mut Vec<u64>) {
         .collect();
 }
 
-/// Whether exchanging two nodes changes nothing: their other neighbours and costs are the same.
+/// Whether exchanging two nodes changes nothing, because their other neighbours and costs are equal.
 fn are_twins(graph: &SignedGraph, first: u32, second: u32) -> bool {
     let others = |node: u32, twin: u32| graph.arcs(node).iter().filter(move |arc| arc.node != twin);
     graph.arcs(first).len() == graph.arcs(second).len() && others(first, second).eq(others(second, first))
@@ -48,7 +48,7 @@ fn count_classes(colours: &[u64], sorted: &mut Vec<u64>) -> usize {
     sorted.chunk_by(|a, b| a == b).count()
 }
 
-/// Refines while the number of classes grows and work is left.
+/// Refines while the number of classes grows and work remains.
 fn refine_fully(graph: &SignedGraph, colours: &mut Vec<u64>, work: &mut usize) {
     let size = graph.node_count() + graph.edges().count();
     let mut sorted = Vec::with_capacity(graph.node_count());
@@ -64,11 +64,11 @@ fn refine_fully(graph: &SignedGraph, colours: &mut Vec<u64>, work: &mut usize) {
     }
 }
 
-/// Colour classes of several nodes, after refinement.
+/// Colour classes with several nodes, after refinement.
 struct Shared<'a> {
     graph: &'a SignedGraph,
     colours: &'a mut [u64],
-    /// Members in order of their numbers, by colour.
+    /// Members of each class in order of their numbers, by colour.
     classes: BTreeMap<u64, Vec<u32>>,
 }
 
@@ -84,8 +84,8 @@ impl<'a> Shared<'a> {
         Self { graph, colours, classes }
     }
 
-    /// Splits classes until only twins share one, or work is done. Each time the first member of the first class gets a
-    /// colour of its own, and what that tells apart spreads from node to node.
+    /// Splits classes until only twins share one, or the work is used up. Each time, the first member of the first class gets
+    /// its own colour, and the resulting distinctions spread from node to node.
     fn split(&mut self, work: &mut usize) {
         while let Some((&colour, members)) = self.classes.first_key_value() {
             let (first, others) = (members[0], &members[1..]);
@@ -104,7 +104,8 @@ impl<'a> Shared<'a> {
         }
     }
 
-    /// Gives the members of a class new colours by a mark, those without a mark none; returns whose colour is new.
+    /// Gives the marked members of a class new colours that depend on their marks; a mark of 0 changes nothing. Returns the
+    /// recoloured nodes.
     fn recolour(&mut self, colour: u64, mark: impl Fn(u32) -> u64) -> Vec<u32> {
         let Some(members) = self.classes.remove(&colour) else { return Vec::new() };
         let mut changed = Vec::new();
@@ -125,7 +126,7 @@ impl<'a> Shared<'a> {
         changed
     }
 
-    /// Splits the classes whose members differ in their edges to nodes with new colours; returns whose colour is new now.
+    /// Splits the classes whose members differ in their edges to recoloured nodes; returns the nodes recoloured now.
     fn spread(&mut self, changed: &[u32], work: &mut usize) -> Vec<u32> {
         let mut marks: BTreeMap<u64, BTreeMap<u32, u64>> = BTreeMap::new();
         for &node in changed {
@@ -151,8 +152,8 @@ impl<'a> Shared<'a> {
     }
 }
 
-/// Breadth first over attractive edges, from the smallest colour on, neighbours by colour: nodes that are near each other
-/// in the graph are near in memory, and stay so in all that follows.
+/// Breadth first over attractive edges, from the smallest colour on, neighbours sorted by colour. Nodes that are near each
+/// other in the graph are then near in memory, during all later steps.
 fn breadth_first(graph: &SignedGraph, colours: &[u64]) -> Vec<u32> {
     let key = |&node: &u32| (colours[node as usize], node);
     let mut order: Vec<u32> = Vec::with_capacity(graph.node_count());
@@ -185,7 +186,7 @@ fn breadth_first(graph: &SignedGraph, colours: &[u64]) -> Vec<u32> {
     order
 }
 
-/// The nodes in canonical order; ties that remain when [`WORK`] is done fall back on numbers.
+/// The nodes in canonical order. If the work limit [`WORK`] is reached, remaining ties are broken by number.
 ///
 /// `O(n + m)` for large graphs, `O(n (n + m) log n)` at worst for those up to 3,000 nodes and edges.
 pub(crate) fn canonical_order(graph: &SignedGraph) -> Vec<u32> {
@@ -202,7 +203,7 @@ mod tests {
 
     #[test]
     fn the_order_follows_the_nodes_through_a_renumbering() {
-        // An asymmetric tree with a repulsive edge: every node stands alone after refinement.
+        // An asymmetric tree with a repulsive edge: after refinement, every node has its own class.
         let list =
             [(0, 1, 1.0), (1, 2, 1.0), (2, 3, 1.0), (3, 4, 1.0), (2, 5, 1.0), (0, 5, -1.0), (5, 6, 2.0)];
         let renumbering = [4u32, 6, 0, 2, 5, 1, 3];
@@ -216,13 +217,13 @@ mod tests {
 
     #[test]
     fn only_exchangeable_nodes_go_by_number() {
-        // Leaves 1 and 2 of node 0 are twins, and so are 3 and 4, which also hold to each other; 5 and 6 cost unlike.
+        // Leaves 1 and 2 of node 0 are twins. So are 3 and 4, which also attract each other. 5 and 6 differ in cost.
         let star =
             [(0, 1, 1.0), (0, 2, 1.0), (0, 3, 2.0), (0, 4, 2.0), (3, 4, 1.0), (0, 5, 3.0), (0, 6, 4.0)];
         let graph = SignedGraph::new(7, star.into_iter());
         assert!(are_twins(&graph, 1, 2) && are_twins(&graph, 3, 4));
         assert!(!are_twins(&graph, 5, 6) && !are_twins(&graph, 1, 3));
-        // Two edges apart: all four nodes look alike, but 0 and 2 cannot be exchanged alone.
+        // Two separate edges: all four nodes look the same, but exchanging 0 and 2 alone changes the graph.
         let pairs = SignedGraph::new(4, [(0, 1, 1.0), (2, 3, 1.0)].into_iter());
         let mut colours = [7; 4];
         Shared::new(&pairs, &mut colours).split(&mut WORK.clone());

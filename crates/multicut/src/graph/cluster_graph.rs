@@ -1,14 +1,14 @@
-//! Clusters and the costs between them, while clusters are joined.
+//! Clusters and the costs between them during contraction.
 
 use std::collections::BTreeMap;
 
 use super::signed_graph::{Arc, SignedGraph};
 
-/// Rows with more arcs than this are trees: of a long list, one insertion would move half.
+/// Rows with more arcs than this are trees, because one insertion into a long list would move half of it.
 const LONG: usize = 256;
 
-/// A simple signed graph made for contraction. What [`SignedGraph`] does in vectors alone, this does in trees where a node
-/// has many neighbours, as the clusters of a band along whole sessions soon have.
+/// A simple signed graph for contraction. Unlike [`SignedGraph`], which uses only vectors, it uses trees for nodes with many
+/// neighbours. The clusters of a band along whole sessions soon have many.
 #[derive(Debug)]
 pub(crate) struct ClusterGraph {
     rows: Vec<Row>,
@@ -53,7 +53,7 @@ impl Row {
         }
     }
 
-    /// Gives an arc a cost; 0 removes it.
+    /// Sets the cost of an arc; 0 removes the arc.
     fn set(&mut self, node: u32, cost: f64) {
         match self {
             Self::List(arcs) => match arcs.binary_search_by_key(&node, |arc| arc.node) {
@@ -73,7 +73,7 @@ impl Row {
         }
     }
 
-    /// Adds arcs, and gives each of them the sum.
+    /// Adds arcs to the row, and writes the sum to each of them.
     fn merge(&mut self, added: &mut [Arc]) {
         match self {
             Self::List(arcs) if added.len() * 8 >= arcs.len() => {
@@ -104,7 +104,7 @@ impl Row {
 }
 
 impl ClusterGraph {
-    /// Every node a cluster of its own.
+    /// A graph in which every node is its own cluster.
     pub(crate) fn new(graph: &SignedGraph) -> Self {
         Self { rows: graph.nodes().map(|node| Row::new(graph.arcs(node).to_vec())).collect() }
     }
@@ -130,11 +130,11 @@ impl ClusterGraph {
         self.rows[head as usize].set(tail, sum);
     }
 
-    /// Joins two clusters: the one with more neighbours (then the smaller number) stays, parallel costs add. Returns the
-    /// cluster that stays, the one that is gone, and the arcs that the latter had, with the costs that they have now (0 where
-    /// they cancelled).
+    /// Joins two clusters: the one with more neighbours (then the one with the smaller number) remains, and parallel costs
+    /// add up. Returns the remaining cluster, the removed one, and the arcs that the latter had, with their new costs (0
+    /// where they cancelled).
     ///
-    /// `O(d log n)` for `d`, the smaller number of neighbours.
+    /// `O(d log n)`, where `d` is the smaller number of neighbours.
     pub(crate) fn contract(&mut self, first: u32, second: u32) -> (u32, u32, Vec<Arc>) {
         let weight = |node: u32| (std::cmp::Reverse(self.degree(node)), node);
         let (kept, gone) = if weight(first) <= weight(second) { (first, second) } else { (second, first) };
@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn long_rows_and_short_ones_contract_alike() {
-        // Two hubs with common neighbours, some of whose costs cancel, and the same graph in vectors.
+        // Two hubs with common neighbours, whose costs cancel in part; compared with the same graph in vectors.
         for leaves in [10, 2 * LONG as u32] {
             let cost = |leaf: u32, hub: u32| f64::from((leaf * 7 + hub) % 5) - 2.0;
             let edges = (2..2 + leaves)

@@ -1,9 +1,9 @@
-//! What can be wrong with a graph or a set of labels.
+//! Errors in graphs and in labels.
 
-/// Most nodes a graph may have: labels, and the tables beside them, stay near one gigabyte each.
+/// Most nodes of a graph: labels, and each further table by node, then need about one gigabyte.
 pub const MAXIMUM_NODES: usize = 1 << 28;
 
-/// Why edges do not make a graph.
+/// The reason why edges do not make a graph.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GraphError {
     /// More nodes than [`MAXIMUM_NODES`].
@@ -11,13 +11,13 @@ pub enum GraphError {
         "the graph has {nodes} nodes, more than the {MAXIMUM_NODES} that are supported; number its nodes from 0 without gaps"
     )]
     TooManyNodes {
-        /// The number of nodes asked for.
+        /// The requested number of nodes.
         nodes: u64,
     },
-    /// More edges than 32-bit indices can name.
+    /// More edges than 32-bit indices allow.
     #[error("the graph has more than {} edges; add parallel edges up before building it", u32::MAX)]
     TooManyEdges,
-    /// An end of an edge is no node.
+    /// An end of an edge is not a node of the graph.
     #[error(
         "edge {edge} joins {tail} and {head}, but the graph has only nodes 0 to {nodes} (exclusive); raise the node count or correct the edge"
     )]
@@ -31,7 +31,7 @@ pub enum GraphError {
         /// Number of nodes of the graph.
         nodes: usize,
     },
-    /// A cost that is not a number, or infinite.
+    /// A cost that is infinite or not a number.
     #[error("edge {edge} ({tail}, {head}) costs {cost}; a cost must be a finite number")]
     CostNotFinite {
         /// Position of the edge in the input, counted from 0.
@@ -43,12 +43,12 @@ pub enum GraphError {
         /// The cost as given.
         cost: f64,
     },
-    /// Finite costs whose absolute sum is not.
+    /// Finite costs whose absolute sum is infinite.
     #[error("the absolute costs add up to infinity; divide all costs by a common factor")]
     CostsOverflow,
 }
 
-/// Why labels do not describe a partition of a graph's nodes.
+/// The reason why labels do not describe a partition of a graph's nodes.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("there are {labels} labels for {nodes} nodes; give one label for each node")]
 pub struct LabelError {

@@ -1,5 +1,5 @@
-//! Seeded graphs like those of the pipeline: two sessions of viewpoints, correct landmark edges between near
-//! ones and false ones anywhere, with the costs that support gives them.
+//! Seeded graphs that resemble those of the pipeline: two sessions of viewpoints, correct landmark edges between near
+//! viewpoints and false ones anywhere, with costs by support.
 
 use posecut_random::rand::RngExt as _;
 use posecut_random::rand::seq::SliceRandom as _;
@@ -7,21 +7,21 @@ use posecut_random::{ChaCha8Rng, random};
 
 use crate::{Graph, GraphError};
 
-/// Where the second session meets the first, and what false edges look like.
+/// Where the second session meets the first, and how false edges are distributed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
     /// The second session follows the first along its whole length: viewpoint i meets i - 2 ... i + 2.
     Follow,
-    /// They meet on random segments of 20 to 60 viewpoints, half of the length, with i - 5 ... i + 5.
+    /// They meet on random segments of 20 to 60 viewpoints, over half of the length: viewpoint i meets i - 5 ... i + 5.
     Segments,
-    /// Segments, and a third of the false edges lie in parallel bands of 3 to 8, which support each other.
+    /// Like `Segments`, but a third of the false edges lie in parallel bands of 3 to 8 edges that support each other.
     Aliased,
-    /// One band along the whole length, i - 5 ... i + 5, with twice as many edges: hardly an edge in it lacks support.
+    /// One band along the whole length, i - 5 ... i + 5, with twice as many edges, so that hardly any edge lacks support.
     Dense,
 }
 
 impl Family {
-    /// The family of a letter F, S, A or D.
+    /// The family with the letter F, S, A or D.
     pub fn from_letter(letter: &str) -> Option<Self> {
         match letter {
             "F" => Some(Self::Follow),
@@ -32,15 +32,15 @@ impl Family {
         }
     }
 
-    /// How far apart the ends of a correct edge may be.
+    /// Largest distance between the ends of a correct edge, in viewpoints.
     fn reach(self) -> i64 {
         if self == Self::Follow { 2 } else { 5 }
     }
 }
 
-/// Draws a graph of two sessions with `viewpoints` nodes each, numbered one session after the other, and about
-/// `5 * viewpoints` edges (twice as many if dense), a share `incorrect` of which are false. An edge with another
-/// within one viewpoint at both ends costs 1, any other -1: the paper's rule with delta 1.
+/// Draws a graph of two sessions with `viewpoints` nodes each, numbered one session after the other. It has about
+/// `5 * viewpoints` edges (twice as many if dense), of which the share `incorrect` is false. An edge costs 1 if another edge
+/// is within one viewpoint at both ends, and -1 otherwise: the paper's rule with delta 1.
 ///
 /// `O(m log m)`; the same seed gives the same graph on every machine.
 ///
@@ -65,7 +65,7 @@ pub fn generate(family: Family, viewpoints: u32, incorrect: f64, seed: u64) -> R
     sorted.sort_unstable();
     sorted.dedup();
     let costs = costs(&sorted);
-    // The order of a file should not be an order by place.
+    // Shuffle, so that the order of a file does not follow the sessions.
     let mut edges: Vec<_> = sorted
         .iter()
         .zip(costs)
@@ -75,7 +75,7 @@ pub fn generate(family: Family, viewpoints: u32, incorrect: f64, seed: u64) -> R
     Graph::new(2 * viewpoints as usize, edges)
 }
 
-/// Every pair of near viewpoints with the probability that gives `wanted` of them.
+/// Pairs of near viewpoints, each kept with the probability at which `wanted` of them are expected.
 fn correct(family: Family, viewpoints: u32, wanted: f64, seed: u64) -> Vec<(u32, u32)> {
     let length = i64::from(viewpoints);
     let mut place = random(seed, "segments");
@@ -121,9 +121,9 @@ fn false_pairs(
     }
 }
 
-/// 1 with a support edge, -1 without, for sorted pairs.
+/// Costs of sorted pairs: 1 with a support edge, -1 without.
 fn costs(sorted: &[(u32, u32)]) -> Vec<f64> {
-    // In sorted order, a cursor runs along the pair's own row, then one along the next; support is mutual.
+    // In sorted order, a cursor runs along the pair's own row, then one along the next row; support is mutual.
     let mut supported = vec![false; sorted.len()];
     for step in [0, 1] {
         let mut first = 0;

@@ -1,23 +1,23 @@
-//! The signed graph that is cut.
+//! The signed graph to cut.
 
 use super::error::{GraphError, LabelError, MAXIMUM_NODES};
 use super::sum::Sum;
 
-/// An edge with its cost: positive costs attract (cutting them is paid for), negative ones repel.
+/// An edge with its cost: edges with positive costs attract (a multicut pays for cutting them), those with negative costs repel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edge {
     /// One end.
     pub tail: u32,
     /// The other end; never equal to `tail`.
     pub head: u32,
-    /// Cost of cutting the edge: finite.
+    /// Cost of cutting the edge; finite.
     pub cost: f64,
 }
 
 /// A graph with real edge costs.
 ///
-/// Parallel edges are allowed, and their costs add. Self-loops can never be cut; they are left out and
-/// counted. An edge of cost 0 changes no objective: it holds nothing together and keeps nothing apart.
+/// Parallel edges are allowed, and their costs add up. Self-loops can never be cut; they are left out and counted. An edge of
+/// cost 0 changes no objective, so it neither attracts nor repels.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Graph {
     node_count: usize,
@@ -28,8 +28,8 @@ pub struct Graph {
 impl Graph {
     /// Builds a graph from its number of nodes and its edges `(end, other end, cost)`.
     ///
-    /// Linear in the number of edges. Refuses costs that are not finite, unknown nodes, and graphs beyond
-    /// [`MAXIMUM_NODES`]; the error names the edge.
+    /// Linear in the number of edges. Rejects costs that are not finite, unknown nodes, and graphs beyond [`MAXIMUM_NODES`];
+    /// the error names the edge.
     ///
     /// ```
     /// use posecut_multicut::Graph;
@@ -61,7 +61,7 @@ impl Graph {
         if magnitude.is_finite() { Ok(graph) } else { Err(GraphError::CostsOverflow) }
     }
 
-    /// Takes over checked edges.
+    /// Adds an edge with checked ends and cost.
     fn push(&mut self, tail: u32, head: u32, cost: f64) -> Result<(), GraphError> {
         if tail == head {
             self.self_loops += 1;
@@ -73,7 +73,7 @@ impl Graph {
         Ok(())
     }
 
-    /// Builds a graph from edges whose ends and costs were checked while they were read.
+    /// Builds a graph from edges whose ends and costs were checked by the reader.
     pub(crate) fn from_checked(node_count: usize, edges: Vec<Edge>, self_loops: usize) -> Self {
         Self { node_count, edges, self_loops }
     }
@@ -88,19 +88,19 @@ impl Graph {
         &self.edges
     }
 
-    /// How many self-loops were left out.
+    /// The number of self-loops left out.
     pub fn self_loops(&self) -> usize {
         self.self_loops
     }
 
-    /// Whether some edge repels: without one, joining everything is optimal.
+    /// Whether some edge repels. If none does, joining everything is optimal.
     pub fn has_repulsive_edges(&self) -> bool {
         self.edges.iter().any(|edge| edge.cost < 0.0)
     }
 
-    /// Cost of the edges whose ends carry different labels: the objective of the multicut that `labels` induce.
+    /// Cost of the edges whose ends have different labels: the objective of the multicut that `labels` define.
     ///
-    /// Summed with a running compensation, so that the order of the edges hardly matters.
+    /// The sum is compensated, so that the order of the edges hardly matters.
     pub fn objective(&self, labels: &[u32]) -> Result<f64, LabelError> {
         if labels.len() != self.node_count {
             return Err(LabelError { labels: labels.len(), nodes: self.node_count });

@@ -1,15 +1,15 @@
-//! A graph that reductions leave, with numbered edges.
+//! The graph that reductions leave, with numbered edges.
 
 use super::signed_graph::SignedGraph;
 
-/// Signed graph in compressed rows with numbered edges: the fixed form for bounds and linear programs.
+/// A signed graph in compressed rows with numbered edges: the fixed form for bounds and linear programs.
 #[derive(Debug, Clone)]
 pub(crate) struct Kernel {
-    /// Ends, smaller first, sorted.
+    /// The ends of each edge, smaller first; edges are sorted.
     pub(crate) ends: Vec<(u32, u32)>,
     pub(crate) costs: Vec<f64>,
     starts: Vec<u32>,
-    /// (neighbour, edge), sorted within a row.
+    /// Pairs (neighbour, edge), sorted within a row.
     arcs: Vec<(u32, u32)>,
     /// Whether all costs are integers, so that bounds round up.
     pub(crate) integral: bool,
@@ -62,7 +62,7 @@ impl Kernel {
         arcs.binary_search_by_key(&head, |arc| arc.0).ok().map(|place| arcs[place].1)
     }
 
-    /// Cost of cutting every repulsive edge and no attractive one: the bound before any conflict is seen.
+    /// The cost of cutting every repulsive edge and no attractive one: the bound without any conflict.
     pub(crate) fn negative_sum(&self) -> f64 {
         self.costs.iter().filter(|cost| **cost < 0.0).sum()
     }
@@ -72,7 +72,7 @@ impl Kernel {
         if self.integral { (bound - 1e-6 * (1.0 + bound.abs() * 1e-6)).ceil() } else { bound }
     }
 
-    /// The edges of the cycle that a path of nodes closes with its last edge back to the first node.
+    /// The edges of the cycle through these nodes, including the edge from the last node back to the first.
     pub(crate) fn cycle_edges(&self, cycle: &[u32]) -> Vec<u32> {
         let next = cycle.iter().skip(1).chain(cycle.first());
         cycle.iter().zip(next).filter_map(|(&tail, &head)| self.edge(tail, head)).collect()

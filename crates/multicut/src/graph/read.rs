@@ -1,4 +1,4 @@
-//! Plain instances: a line `MULTICUT`, then `u v cost` a line.
+//! Reader of plain instances: a line `MULTICUT`, then `u v cost` on each line.
 
 use std::io::{BufRead, Read as _};
 
@@ -7,21 +7,21 @@ use posecut_graph::LONGEST_LINE;
 use super::error::{GraphError, MAXIMUM_NODES};
 use super::instance::{Edge, Graph};
 
-/// Why a file is no instance.
+/// The reason why a file is not an instance.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// The file could not be read.
     #[error("the instance could not be read after line {line}: {cause}")]
     Read {
-        /// Lines read before.
+        /// Number of lines read before the error.
         line: usize,
-        /// What the system says.
+        /// The error of the operating system.
         cause: std::io::Error,
     },
     /// The first line is not `MULTICUT`.
     #[error("line 1 is {found:?} instead of MULTICUT; is this an instance in the mc format?")]
     Header {
-        /// The line found, cut short.
+        /// The beginning of the line.
         found: String,
     },
     /// A line is not `u v cost`.
@@ -29,18 +29,18 @@ pub enum ReadError {
     Line {
         /// Number of the line, from 1.
         line: usize,
-        /// The line found, cut short.
+        /// The beginning of the line.
         found: String,
     },
-    /// The numbers of the nodes are far larger than edges explain.
+    /// Node numbers are far larger than the number of edges explains.
     #[error("nodes are numbered up to {}, and there are only {edges} edges; number them from 0 without gaps", nodes - 1)]
     Sparse {
-        /// The largest number, and one.
+        /// The largest node number plus one.
         nodes: usize,
-        /// The edges.
+        /// The number of edges.
         edges: usize,
     },
-    /// The edges make no graph.
+    /// The edges do not make a graph.
     #[error("line {line}: {cause}")]
     Graph {
         /// Number of the line, from 1.
@@ -50,16 +50,16 @@ pub enum ReadError {
     },
 }
 
-/// Up to this many nodes, any number of them may be without an edge.
+/// Up to this many nodes, any number of nodes may have no edge.
 const SPARSE_NODES: usize = 1 << 20;
 
-/// Beyond that, at most this many nodes an edge: one line with a large number would take gigabytes.
+/// Above it, most nodes for each edge: otherwise one line with a large number would allocate gigabytes.
 const SPARSE_RATIO: usize = 1000;
 
-/// Reads an instance in the `mc` format: nodes are numbered from 0 to the largest number in the file. Empty lines are
+/// Reads an instance in the `mc` format. Nodes are numbered from 0 to the largest number in the file. Empty lines are
 /// skipped.
 ///
-/// Streams: memory is that of the graph. Errors name the line.
+/// Reads line by line, so that it needs no memory beyond the graph. Errors name the line.
 pub fn read_mc(input: impl std::io::Read) -> Result<Graph, ReadError> {
     let mut input = std::io::BufReader::with_capacity(1 << 20, input);
     let mut line = Vec::new();
@@ -139,7 +139,7 @@ fn parse(text: &[u8]) -> Option<(u64, u64, f64)> {
 
 fn integer(digits: &[u8]) -> Option<u64> {
     if digits.is_empty() || digits.len() > 19 {
-        // Node numbers beyond 19 digits are refused as too large, not as malformed.
+        // Node numbers with more than 19 digits are rejected as too large, not as malformed.
         let all = !digits.is_empty() && digits.iter().all(u8::is_ascii_digit);
         return all.then_some(u64::MAX);
     }
@@ -149,7 +149,7 @@ fn integer(digits: &[u8]) -> Option<u64> {
 }
 
 fn cost(text: &[u8]) -> Option<f64> {
-    // Most costs are single digits.
+    // Fast path: most costs are single digits.
     match text {
         [digit @ b'0'..=b'9'] => Some(f64::from(digit - b'0')),
         [b'-', digit @ b'1'..=b'9'] => Some(-f64::from(digit - b'0')),

@@ -1,4 +1,4 @@
-//! A signed graph that shrinks: the working form of reductions and heuristics.
+//! A signed graph that shrinks by contraction: reductions and heuristics work on it.
 
 use super::union_find::UnionFind;
 
@@ -9,14 +9,14 @@ pub(crate) struct Arc {
     pub(crate) cost: f64,
 }
 
-/// Simple graph as sorted adjacency vectors; contraction merges two of them. No arc costs 0.
+/// A simple graph as sorted adjacency vectors; contraction merges two of them. No arc has cost 0.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct SignedGraph {
     adjacency: Vec<Vec<Arc>>,
 }
 
 impl SignedGraph {
-    /// Adds parallel edges up and drops those that cancel.
+    /// Builds a graph; adds up parallel edges, and drops those that cancel.
     pub(crate) fn new(node_count: usize, edges: impl Iterator<Item = (u32, u32, f64)> + Clone) -> Self {
         let mut degrees = vec![0usize; node_count];
         for (tail, head, _) in edges.clone() {
@@ -29,7 +29,7 @@ impl SignedGraph {
             adjacency[head as usize].push(Arc { node: tail, cost });
         }
         for arcs in &mut adjacency {
-            // By cost as well, so that parallel costs add in an order that the input cannot change.
+            // Sort by cost, too, so that the order in which parallel costs add up does not depend on the input.
             arcs.sort_unstable_by(|a, b| a.node.cmp(&b.node).then(a.cost.total_cmp(&b.cost)));
             arcs.dedup_by(|next, kept| {
                 let parallel = next.node == kept.node;
@@ -55,7 +55,7 @@ impl SignedGraph {
         0..self.adjacency.len() as u32
     }
 
-    /// Every edge once, `tail < head`, in sorted order.
+    /// Every edge once, with `tail < head`, in sorted order.
     pub(crate) fn edges(&self) -> impl Iterator<Item = (u32, u32, f64)> + Clone + '_ {
         self.nodes().flat_map(|tail| {
             let arcs = self.arcs(tail);
@@ -91,13 +91,13 @@ impl SignedGraph {
         }
     }
 
-    /// Adds to the cost of an edge, which appears or vanishes as need be.
+    /// Adds to the cost of an edge; creates the edge, or removes it at cost 0, if necessary.
     pub(crate) fn add_cost(&mut self, tail: u32, head: u32, cost: f64) {
         self.add_arc(tail, head, cost);
         self.add_arc(head, tail, cost);
     }
 
-    /// Takes a node's edges away and returns them.
+    /// Removes a node's edges and returns them.
     pub(crate) fn detach(&mut self, node: u32) -> Vec<Arc> {
         let arcs = std::mem::take(&mut self.adjacency[node as usize]);
         for arc in &arcs {
@@ -106,10 +106,10 @@ impl SignedGraph {
         arcs
     }
 
-    /// Joins two nodes: the one with more edges (then the smaller number) stays, parallel costs add.
-    /// Returns the node that stays, the one that is gone, and the arcs that the latter had.
+    /// Joins two nodes: the one with more edges (then the one with the smaller number) remains, and parallel costs add up.
+    /// Returns the remaining node, the removed one, and the arcs that the latter had.
     ///
-    /// Linear in the smaller degree but for moving memory.
+    /// Linear in the smaller degree, apart from moving memory.
     pub(crate) fn contract(&mut self, first: u32, second: u32) -> (u32, u32, Vec<Arc>) {
         let weight = |node: u32| (std::cmp::Reverse(self.arcs(node).len()), node);
         let (kept, gone) = if weight(first) <= weight(second) { (first, second) } else { (second, first) };
@@ -167,7 +167,7 @@ impl SignedGraph {
         sum.value()
     }
 
-    /// Splits label classes into their connected parts: same multicut, classes connected by uncut edges.
+    /// Splits label classes into connected components. The multicut remains the same, and uncut edges connect every class.
     pub(crate) fn connected_labels(&self, labels: &[u32]) -> Vec<u32> {
         let mut sets = UnionFind::new(self.node_count());
         for (tail, head, _) in self.edges() {
@@ -195,8 +195,8 @@ impl SignedGraph {
         Self { adjacency: adjacency.collect() }
     }
 
-    /// Takes the edges among `nodes` out as a graph of their own, numbered in their order: rows are moved, and only
-    /// those of nodes with edges elsewhere are copied. `place` is scratch, one entry a node, left as it was.
+    /// Moves the edges among `nodes` to a separate graph, with nodes numbered in the order of `nodes`. Moves rows, and copies
+    /// only those of nodes with other edges. `place` is scratch with one entry for each node, and is left unchanged.
     pub(crate) fn take(&mut self, nodes: &[u32], place: &mut [u32]) -> Self {
         for (index, &node) in nodes.iter().enumerate() {
             place[node as usize] = index as u32;

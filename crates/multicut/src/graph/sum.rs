@@ -1,7 +1,7 @@
 //! Compensated summation.
 
-/// A running sum that carries the rounding error along (Neumaier 1974): exact for integer costs, and to the
-/// last digits independent of the order otherwise.
+/// A running sum with the accumulated rounding error (Neumaier 1974). It is exact for integer costs; otherwise it depends on
+/// the order only in the last digits.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Sum {
     sum: f64,

@@ -1,7 +1,6 @@
 //! Disjoint sets of nodes.
 
-/// Union-find with path halving (Tarjan, van Leeuwen 1984); the smaller root stays, so that results do not
-/// depend on anything but the unions.
+/// Union-find with path halving (Tarjan, van Leeuwen 1984). The smaller root remains, so that results depend only on the unions.
 #[derive(Debug, Clone)]
 pub(crate) struct UnionFind {
     parent: Vec<u32>,
@@ -25,7 +24,7 @@ impl UnionFind {
         }
     }
 
-    /// Joins two sets; false if they were one already.
+    /// Joins two sets; false if they already were one set.
     pub(crate) fn union(&mut self, first: u32, second: u32) -> bool {
         let (first, second) = (self.find(first), self.find(second));
         if first < second {
@@ -42,7 +41,7 @@ impl UnionFind {
         let mut next = 0;
         for node in 0..self.parent.len() {
             let root = self.find(node as u32) as usize;
-            // The smaller root stays, so a root comes before its members.
+            // The smaller root remains, so a root comes before its members.
             if root == node {
                 labels[node] = next;
                 next += 1;
@@ -55,7 +54,7 @@ impl UnionFind {
 }
 
 impl UnionFind {
-    /// Makes each member of a whole set a set of its own.
+    /// Splits a set into single nodes; `set` must have all its members.
     pub(crate) fn dissolve(&mut self, set: &[u32]) {
         for &node in set {
             self.parent[node as usize] = node;

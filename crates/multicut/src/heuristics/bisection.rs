@@ -5,20 +5,20 @@ use std::collections::VecDeque;
 use crate::budget::Budget;
 use crate::graph::signed_graph::SignedGraph;
 
-/// Most rounds; each splits every stretch that gains by it.
+/// Most rounds; each round splits every stretch that gains by it.
 const ROUNDS: usize = 100;
 
 /// Gains below this share of the absolute costs are rounding errors.
 const TOLERANCE: f64 = 1e-12;
 
-/// Lays the nodes out breadth first over attractive edges, from a node far off, and cuts the row in two where the
-/// edges across cost least (the nearer to the middle of equals), if that is negative; then each part likewise,
-/// considering the edges inside it alone. Never worse than joining everything.
+/// Orders the nodes breadth first over attractive edges, from a far node. Cuts this sequence in two where the edges across
+/// cost least, nearest to the middle among ties, if that cost is negative. Then cuts each stretch in the same way, by the
+/// edges inside it alone. Never worse than joining everything.
 ///
-/// What follows a route becomes stretches of the route, as long as pays: an edge that repels across a long row is
-/// satisfied by any one of many cuts. Graphs that are no longer than wide gain little.
+/// Graphs along a route fall into stretches of the route, as long as this pays, because many different cuts satisfy an edge
+/// that repels across a long sequence. Graphs that are no longer than wide gain little.
 ///
-/// `O(n + m)` a round, and as many rounds as parts are nested: about `log n` where they are even.
+/// `O(n + m)` a round, and as many rounds as stretches are nested: about `log n` if they are even.
 pub(crate) fn bisect(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
     let nodes = graph.node_count();
     if nodes == 0 || !budget.spend((nodes + graph.edges().count()) as u64) {
@@ -30,7 +30,7 @@ pub(crate) fn bisect(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
     for (at, &node) in order.iter().enumerate() {
         place[node as usize] = at as u32;
     }
-    // Edges by the ends of the row's stretch that they span.
+    // Edges by the positions of their ends in the sequence.
     let mut edges: Vec<(u32, u32, f64)> = graph
         .edges()
         .map(|(tail, head, cost)| {
@@ -40,7 +40,7 @@ pub(crate) fn bisect(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
         .collect();
     let tolerance = TOLERANCE * edges.iter().map(|edge| edge.2.abs()).sum::<f64>();
     let mut stretch = vec![0u32; nodes];
-    // Stretches that the last round made, in order.
+    // Stretches from the last round, in order.
     let mut open = vec![(0u32, nodes as u32)];
     let mut stretches = 1;
     let mut change = vec![0.0; nodes + 1];
@@ -84,7 +84,7 @@ pub(crate) fn bisect(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
     graph.connected_labels(&labels)
 }
 
-/// All nodes breadth first over attractive edges, from `start` and then from the first that was not reached.
+/// All nodes breadth first over attractive edges, from `start`, and then from each first node that was not reached.
 fn breadth_first(graph: &SignedGraph, start: u32) -> Vec<u32> {
     let mut order = Vec::with_capacity(graph.node_count());
     let mut seen = vec![false; graph.node_count()];
@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn a_row_is_cut_where_that_satisfies_most_repulsion() {
-        // A path of twelve with one weak edge, and repulsion across it; numbers are shuffled.
+        // A path of twelve nodes with one weak edge, and repulsion across it; numbers are shuffled.
         let name = |at: u32| at * 5 % 12;
         let path = (0..11).map(|at| (name(at), name(at + 1), if at == 6 { 1.0 } else { 2.0 }));
         let across = [(0, 8), (1, 11), (5, 9)].map(|(a, b)| (name(a), name(b), -1.0));

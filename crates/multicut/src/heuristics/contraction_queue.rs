@@ -1,17 +1,18 @@
-//! Pairs of clusters by priority.
+//! A priority queue of pairs of clusters.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap, VecDeque};
 
-/// A priority: the first number counts, the second breaks ties; larger is earlier.
+/// A priority: the larger first number comes first, and the second number breaks ties in the same way.
 pub(crate) type Priority = (f64, u32);
 
-/// Priority as bits, tie, pair.
+/// Bits of the priority, tie-breaker, pair.
 type Entry = (u64, u32, Reverse<(u32, u32)>);
 
-/// A queue of pairs; equal priorities come out in the order they went in, or by number.
+/// A queue of pairs. Pairs of equal priority leave the queue in insertion order in buckets, and by number in a heap.
 ///
-/// Whole priorities are few, and each has a bucket: a step costs the logarithm of their number. Others go to a heap.
+/// If priorities take few values, each value has a bucket, and a step costs the logarithm of the number of buckets. Otherwise
+/// a heap is used.
 pub(crate) enum ContractionQueue {
     Buckets(BTreeMap<(u64, u32), VecDeque<(u32, u32)>>),
     Heap(BinaryHeap<Entry>),
@@ -24,7 +25,7 @@ impl ContractionQueue {
 
     /// Adds a pair; its first priority must be positive.
     pub(crate) fn push(&mut self, priority: Priority, tail: u32, head: u32) {
-        // The bits of positive numbers are in their order.
+        // The bits of positive floats sort like the numbers.
         let key = (priority.0.to_bits(), priority.1);
         match self {
             Self::Buckets(buckets) => buckets.entry(key).or_default().push_back((tail, head)),

@@ -1,4 +1,4 @@
-//! Greedy contraction: additive, and with fixation.
+//! Greedy contraction: additive edge contraction and greedy fixation.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -14,24 +14,24 @@ use crate::graph::union_find::UnionFind;
 /// Which pair of clusters [`additive_edge_contraction`] joins next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Preference {
-    /// The largest cost; of those, the pair with the smaller of its degrees least: nodes with few edges are the surest to
-    /// join, and clusters grow evenly.
+    /// The largest cost; among ties, the pair whose smaller degree is smallest. Joining nodes with few edges is the safest
+    /// choice, and clusters grow evenly.
     Degree,
-    /// The largest cost; of those, the pair that has waited longest.
+    /// The largest cost; among ties, the pair that has waited longest.
     Age,
-    /// The largest cost for each node of both clusters: bands fall into even parts, where cost alone would let one cluster
-    /// swallow them.
+    /// The largest cost per node of both clusters. It splits bands into even stretches, where cost alone would let one
+    /// cluster swallow all others.
     Balance,
 }
 
-/// Rounds a positive number down to one of four in every power of two, so that clusters that grew a little keep their
-/// place in the queue.
+/// Rounds a positive number down to one of four values in each power of two, so that clusters that grew a little keep their
+/// position in the queue.
 fn coarse(value: f64) -> f64 {
     f64::from_bits(value.to_bits() & (u64::MAX << 50))
 }
 
-/// All numbers below `count`, each far from the one before (by the golden section): nodes are numbered along bands, and
-/// equal pairs taken in that order would let one cluster eat its way from end to end.
+/// All numbers below `count`, each far from the previous one (by the golden section). Nodes are numbered along bands, so if
+/// ties were taken in that order, one cluster would grow from one end of a band to the other.
 fn scattered(count: usize) -> impl Iterator<Item = u32> {
     let coprime = |step: usize| {
         let (mut a, mut b) = (step, count);
@@ -41,15 +41,15 @@ fn scattered(count: usize) -> impl Iterator<Item = u32> {
         a == 1
     };
     let golden = (count as f64 * 0.618_033_988_749_894_8) as usize;
-    // Of `count` numbers in a row one has no common divisor with it.
+    // Among `count` consecutive numbers, one is coprime to `count`.
     let step = (golden.max(1)..=golden + count).find(|&step| coprime(step)).unwrap_or(1);
     (0..count).map(move |index| (index * step % count) as u32)
 }
 
-/// Greedy additive edge contraction (Keuper et al., ICCV 2015, algorithm 2, "GAEC"): joins two clusters with
-/// a positive total cost between them, until there are none.
+/// Greedy additive edge contraction (Keuper et al., ICCV 2015, algorithm 2, "GAEC"): joins two clusters with a positive total
+/// cost between them, until no such pair remains.
 ///
-/// Outdated entries stay in the queue; `O(m log m)` steps of the queue plus the merging of adjacency vectors, smaller into
+/// Outdated entries stay in the queue. Takes `O(m log m)` steps of the queue, plus merging of adjacency vectors, smaller into
 /// larger.
 pub(crate) fn additive_edge_contraction(
     graph: &SignedGraph,
@@ -62,7 +62,7 @@ pub(crate) fn additive_edge_contraction(
         return joined.labels();
     }
     let mut sizes = vec![1u32; if preference == Preference::Balance { node_count } else { 0 }];
-    // Coarse balances are few as well.
+    // Rounded balances take few values, too.
     let few = preference == Preference::Balance || graph.edges().all(|edge| edge.2.fract() == 0.0);
     let mut queue = ContractionQueue::new(few);
     let mut clusters = ClusterGraph::new(graph);
@@ -87,7 +87,7 @@ pub(crate) fn additive_edge_contraction(
             continue;
         }
         if now.0 < stated {
-            // Cheaper entries were pushed when the cost changed, but none when only the clusters grew.
+            // When a cost falls, a new entry is pushed, but not when only the clusters grow. Push that entry here.
             if preference == Preference::Balance {
                 queue.push(now, tail, head);
             }
@@ -110,11 +110,11 @@ pub(crate) fn additive_edge_contraction(
     joined.labels()
 }
 
-/// Edges from which on [`contractions`] bisect as well: in shorter rows contraction is as good.
+/// Number of edges above which [`contractions`] also bisects; in shorter graphs contraction is as good.
 const LONG: usize = 10_000;
 
-/// What [`additive_edge_contraction`] finds with some of the preferences, what [`bisect`] finds in larger graphs, and joining
-/// everything, after moves of single nodes; the best first.
+/// Several labellings, each improved by moves of single nodes, the best first: joining everything, [`bisect`] in larger
+/// graphs, and [`additive_edge_contraction`] with each preference.
 pub(crate) fn contractions(
     graph: &SignedGraph,
     preferences: &[Preference],
@@ -134,7 +134,7 @@ pub(crate) fn contractions(
         move_nodes(graph, &mut labels, budget);
         found.push((graph.objective(&labels), labels));
     }
-    // Stable: of equals the earlier.
+    // The sort is stable: among equals the earlier labelling wins.
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.into_iter().map(|entry| entry.1).collect()
 }
@@ -144,7 +144,7 @@ fn key(cost: f64) -> u64 {
     cost.to_bits()
 }
 
-/// A pair of clusters in a heap: the largest cost on top, then the smallest degrees and numbers.
+/// A pair of clusters in a heap: the largest cost first, then the smallest degrees and numbers.
 type Entry = (u64, Reverse<((u32, u32), u32, u32)>);
 
 fn entry(clusters: &ClusterGraph, tail: u32, head: u32, cost: f64) -> Entry {
@@ -152,14 +152,14 @@ fn entry(clusters: &ClusterGraph, tail: u32, head: u32, cost: f64) -> Entry {
     (key(cost), Reverse(((first.min(second), first.max(second)), tail.min(head), tail.max(head))))
 }
 
-/// Greedy fixation (Levinkov, Kirillov, Andres, GCPR 2017): decides the pair of clusters with the largest absolute
-/// cost between them, attractive pairs by joining them, repulsive ones by keeping them apart for good.
+/// Greedy fixation (Levinkov, Kirillov, Andres, GCPR 2017): repeatedly decides the pair of clusters with the largest absolute
+/// cost between them. It joins attractive pairs, and keeps repulsive pairs apart for good.
 ///
-/// Costs as much as [`additive_edge_contraction`], with every edge in the heap.
+/// Takes as long as [`additive_edge_contraction`], with every edge in the heap.
 pub(crate) fn greedy_fixation(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
     let mut joined = UnionFind::new(graph.node_count());
     let mut clusters = ClusterGraph::new(graph);
-    // No sum with this cost is ever positive: what carries it stays apart.
+    // No sum that includes this cost is ever positive, so such pairs stay apart.
     let apart = -2.0 * (1.0 + graph.edges().map(|(_, _, cost)| cost.abs()).sum::<f64>());
     let mut heap: BinaryHeap<_> =
         graph.edges().map(|(tail, head, cost)| entry(&clusters, tail, head, cost.abs())).collect();
@@ -213,7 +213,7 @@ mod tests {
 
     #[test]
     fn ties_go_to_the_pair_with_the_fewest_edges() {
-        // A path 2 - 0 - 1 - 3, all tied: its ends join their neighbours before the middle joins.
+        // A path 2 - 0 - 1 - 3 with equal costs: the ends join their neighbours before the middle joins.
         let list = [(0, 2, 1.0), (0, 1, 1.0), (1, 3, 1.0), (0, 4, -1.0), (1, 4, -1.0), (2, 3, -1.5)];
         let graph = SignedGraph::new(5, list.into_iter());
         let labels = additive_edge_contraction(&graph, Preference::Degree, &mut Budget::new(None, None));

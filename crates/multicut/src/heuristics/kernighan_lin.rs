@@ -6,22 +6,21 @@ use std::collections::BinaryHeap;
 use crate::budget::Budget;
 use crate::graph::signed_graph::SignedGraph;
 
-/// Moves tried after the best one of a sequence before the sequence is given up: at least, for each node of the smaller
-/// cluster besides, and at most.
+/// Number of moves after the best one before a sequence is given up: minimum, per node of the smaller cluster, and maximum.
 const PATIENCE: (usize, usize, usize) = (20, 2, 200);
 
-/// The same for splitting a cluster, where the way to a gain is longer: half of a band has to leave.
+/// The same for splitting a cluster, which needs more moves before it gains: half of a band has to leave.
 const PATIENCE_OF_SPLITS: usize = 10_000;
 
-/// Gains below this share of the absolute costs are rounding errors: taken for gains, they would keep sequences going for ever.
+/// Gains below this share of the absolute costs are rounding errors. If they counted, sequences would never end.
 const TOLERANCE: f64 = 1e-12;
 
-/// Improves `labels` by Kernighan-Lin with joins (Keuper et al., ICCV 2015, algorithm 1, "KLj"): for each pair of
-/// neighbouring clusters the best prefix of a sequence of moves across their border, or joining both; for each
-/// cluster, splitting a part off. Repeated while something improves. Never worsens.
+/// Improves `labels` by Kernighan-Lin with joins (Keuper et al., ICCV 2015, algorithm 1, "KLj"). For each pair of
+/// neighbouring clusters, it takes the best prefix of a sequence of moves across their border, or joins both. For each
+/// cluster, it splits off a part. It repeats while something improves, and never worsens.
 ///
-/// Neighbours are clusters that some edge attracts: where all edges between two repel, nodes that gain by moving across
-/// gain as much by leaving, and splitting finds that. Most pairs of clusters are of that kind.
+/// Two clusters are neighbours if some edge between them attracts. If all edges between them repel, nodes that gain by moving
+/// across gain as much by leaving, and splitting finds that. Most pairs of clusters are of that kind.
 ///
 /// Each sequence takes its moves from a heap: `O(b log b)` for `b` arcs at the nodes that come near the border.
 pub(crate) fn kernighan_lin_with_joins(graph: &SignedGraph, labels: &mut Vec<u32>, budget: &mut Budget) {
@@ -32,10 +31,10 @@ pub(crate) fn kernighan_lin_with_joins(graph: &SignedGraph, labels: &mut Vec<u32
     *labels = graph.connected_labels(labels);
 }
 
-/// Nodes by the gain of moving them, of equal ones the first; entries out of date stay until they come up.
+/// Nodes by the gain of moving them, with ties to the smaller number. Outdated entries stay until they are popped.
 type Heap = BinaryHeap<(Key, Reverse<u32>)>;
 
-/// A sequence of moves, the gain of its best prefix, and that prefix's length.
+/// A sequence of moves, the gain of its best prefix, and the length of that prefix.
 struct Moves {
     nodes: Vec<u32>,
     gain: f64,
@@ -46,10 +45,10 @@ struct Search<'a> {
     graph: &'a SignedGraph,
     labels: &'a mut Vec<u32>,
     members: Vec<Vec<u32>>,
-    /// Whether the cluster changed in this round; in the last round.
+    /// Whether each cluster changed in this round (`changed`) and in the last round (`recent`).
     changed: Vec<bool>,
     recent: Vec<bool>,
-    /// Gain of moving a node across, valid where `stamp` is the current sequence.
+    /// Gain of moving a node to the other cluster, valid if `stamp` is the current sequence.
     gain: Vec<f64>,
     stamp: Vec<u32>,
     moved: Vec<bool>,
@@ -124,7 +123,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Gain of moving `node` from its cluster to the other of two.
+    /// Gain of moving `node` from cluster `from` to cluster `to`.
     fn gain_of(&self, node: u32, from: u32, to: u32) -> f64 {
         let mut gain = 0.0;
         for arc in self.graph.arcs(node) {
@@ -138,11 +137,11 @@ impl<'a> Search<'a> {
         gain
     }
 
-    /// Best prefix of moves between clusters `a` and `b`, or joining them; true if the objective fell.
+    /// Takes the best prefix of moves between clusters `a` and `b`, or joins them; true if the objective fell.
     fn improve(&mut self, a: u32, b: u32, budget: &mut Budget) -> bool {
         self.sequence += 1;
         let splitting = self.members[b as usize].is_empty();
-        // The smaller cluster knows the border; an empty one borders everywhere.
+        // Search the border from the smaller cluster. An empty one borders everywhere.
         let (near, far) = if splitting || self.members[a as usize].len() <= self.members[b as usize].len() {
             (a, b)
         } else {
@@ -155,7 +154,7 @@ impl<'a> Search<'a> {
         for &node in &nodes {
             self.moved[node as usize] = false;
         }
-        // Joining gains the cost of all edges between the two. Where moves gain as much, they are taken: they leave both clusters to
+        // Joining gains the cost of all edges between the two. At equal gain moves win, because they keep both clusters for
         // later sequences.
         let join = between > gain + self.tolerance && !splitting;
         for &node in &nodes[if join { 0 } else { length }..] {
@@ -174,7 +173,7 @@ impl<'a> Search<'a> {
         true
     }
 
-    /// Moves tried after the best one: more for larger clusters, whose way to a gain may be longer.
+    /// Moves tried after the best one: more for larger clusters, which may need more moves before they gain.
     fn patience(&self, near: u32, splitting: bool) -> usize {
         if splitting {
             return PATIENCE_OF_SPLITS;
@@ -183,8 +182,8 @@ impl<'a> Search<'a> {
         (least + each * self.members[near as usize].len()).min(most)
     }
 
-    /// Makes the nodes of both clusters candidates that have an edge to the other one; of a cluster to be split, all. Returns the
-    /// cost of the edges between the clusters.
+    /// Adds all nodes with an edge to the other cluster to the heap; of a cluster to be split, all nodes. Returns the cost of
+    /// the edges between the clusters.
     fn find_border(&mut self, near: u32, far: u32, heap: &mut Heap, budget: &mut Budget) -> f64 {
         let splitting = self.members[far as usize].is_empty();
         let mut between = 0.0;
@@ -209,8 +208,9 @@ impl<'a> Search<'a> {
         between
     }
 
-    /// Moves the node that gains most, each once, until `patience` moves bring nothing better. Moves that lose are made too: the way
-    /// out of a local minimum leads through them (Kernighan, Lin, Bell System Technical Journal 49(2), 1970).
+    /// Repeatedly moves the node that gains most, each node once, until `patience` moves bring nothing better. Losing moves
+    /// count, too, because the way out of a local minimum leads through them (Kernighan, Lin, Bell System Technical Journal
+    /// 49(2), 1970).
     fn move_across(
         &mut self,
         (a, b): (u32, u32),
@@ -221,7 +221,7 @@ impl<'a> Search<'a> {
         let mut best = Moves { nodes: Vec::new(), gain: 0.0, length: 0 };
         let mut total = 0.0;
         while let Some((Key(gain), Reverse(node))) = heap.pop() {
-            // An entry is out of date if its node has moved or gained since; a newer one is in the heap.
+            // An entry is outdated if its node has moved or its gain has changed since; then the heap has a newer one.
             if self.moved[node as usize] || self.gain[node as usize] != gain {
                 continue;
             }
@@ -244,7 +244,7 @@ impl<'a> Search<'a> {
         best
     }
 
-    /// Corrects the gains of a node's neighbours after it has left `from`; returns the arcs visited.
+    /// Updates the gains of a node's neighbours after the node has left `from`; returns the number of arcs visited.
     fn update_neighbours(&mut self, node: u32, from: u32, (a, b): (u32, u32), heap: &mut Heap) -> usize {
         let graph = self.graph;
         let mut work = graph.arcs(node).len();
@@ -254,7 +254,7 @@ impl<'a> Search<'a> {
                 continue;
             }
             if self.stamp[arc.node as usize] == self.sequence {
-                // Moving towards `node` gains what moving away from it lost, and vice versa.
+                // Moving towards `node` now gains the cost that moving away from it lost before, and vice versa.
                 self.gain[arc.node as usize] += if label == from { 2.0 * arc.cost } else { -2.0 * arc.cost };
                 heap.push((Key(self.gain[arc.node as usize]), Reverse(arc.node)));
             } else {
@@ -265,7 +265,7 @@ impl<'a> Search<'a> {
         work
     }
 
-    /// Makes a node a candidate of this sequence; returns the arcs visited.
+    /// Adds a node to the candidates of this sequence; returns the number of arcs visited.
     fn touch(&mut self, node: u32, from: u32, to: u32, heap: &mut Heap) -> usize {
         if self.stamp[node as usize] == self.sequence {
             return 0;
@@ -287,7 +287,7 @@ impl<'a> Search<'a> {
     fn regroup(&mut self, a: u32, b: u32) {
         let mut all = std::mem::take(&mut self.members[a as usize]);
         all.append(&mut self.members[b as usize]);
-        // In order, so that later sequences do not depend on earlier ones more than through the partition.
+        // Sort the members, so that later sequences depend on earlier ones only through the partition.
         all.sort_unstable();
         for node in all {
             let label = self.labels[node as usize];
@@ -340,7 +340,7 @@ mod tests {
 
     #[test]
     fn moves_two_nodes_where_no_single_move_gains() {
-        // Nodes 2 and 3 hold to each other by 5 and to their wrong cluster by less than to the right one.
+        // Nodes 2 and 3 attract each other by 5, and are attracted less by their wrong cluster than by the right one.
         let edges = [(0, 2, 1.0), (0, 3, 1.0), (1, 2, 2.0), (1, 3, 2.0), (2, 3, 5.0), (0, 1, -9.0)];
         assert_eq!(improved(&edges, &[0, 1, 0, 0]), (-7.0, vec![0, 1, 1, 1]));
     }

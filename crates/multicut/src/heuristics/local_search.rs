@@ -1,4 +1,4 @@
-//! Fusion moves: local search on what heuristics leave.
+//! Fusion moves: local search from the results of heuristics.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -10,12 +10,12 @@ use crate::graph::signed_graph::SignedGraph;
 use crate::graph::union_find::UnionFind;
 use crate::reduce::decomposition::decompose;
 
-/// Amplitudes of the noise on costs, in turn.
+/// Amplitudes of the noise on costs, used in turn.
 const NOISE: [f64; 4] = [0.3, 1.0, 0.1, 0.6];
 
-/// Improves `labels` by `rounds` fusion moves (Beier, Hamprecht, Kappes, CVPR 2015): a proposal from greedy contraction
-/// or fixation with noisy costs and Kernighan-Lin, then the best combination that can be found of proposal and incumbent,
-/// by contracting the edges that both join, reducing, and solving the small rest heuristically. Never worsens.
+/// Improves `labels` by `rounds` fusion moves (Beier, Hamprecht, Kappes, CVPR 2015). A proposal comes from greedy contraction
+/// or fixation with noisy costs, and Kernighan-Lin. A good combination of proposal and incumbent follows by contracting the
+/// edges that both join, reducing, and solving the small rest heuristically. Never worsens.
 pub(crate) fn fuse_proposals(
     graph: &SignedGraph,
     labels: &mut Vec<u32>,
@@ -35,7 +35,7 @@ pub(crate) fn fuse_proposals(
             .map(|(tail, head, cost)| (tail, head, cost * (1.0 + noise * random.random_range(-1.0..1.0))))
             .collect();
         let noisy = SignedGraph::new(graph.node_count(), noisy.into_iter());
-        // Every other proposal looks at repulsion first.
+        // Every other proposal comes from fixation, which considers repulsion first.
         let mut proposal = if round % 2 == 0 {
             additive_edge_contraction(&noisy, Preference::Degree, budget)
         } else {
@@ -56,7 +56,7 @@ pub(crate) fn fuse_proposals(
     }
 }
 
-/// A good combination of two labellings: nodes that both join stay joined.
+/// A good combination of two labellings: nodes joined in both stay joined.
 pub(crate) fn fuse(
     graph: &SignedGraph,
     first: &[u32],
@@ -69,11 +69,11 @@ pub(crate) fn fuse(
     solve_contracted(graph, keep, polish, budget)
 }
 
-/// What improves a labelling: Kernighan-Lin with joins, or moves of single nodes.
+/// A function that improves a labelling: Kernighan-Lin with joins, or moves of single nodes.
 pub(crate) type Polish = fn(&SignedGraph, &mut Vec<u32>, &mut Budget);
 
-/// A good labelling that joins the ends of the edges for which `keep` holds: the contracted graph is reduced, its
-/// kernels are contracted greedily and polished, and polishing the whole has the last word.
+/// A good labelling that joins the ends of the edges for which `keep` holds. The contracted graph is reduced, its kernels are
+/// contracted greedily and polished, and at last the whole labelling is polished.
 pub(crate) fn solve_contracted(
     graph: &SignedGraph,
     keep: impl Fn(u32, u32) -> bool,
@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn a_fusion_takes_the_better_half_of_each() {
-        // Two conflicted triangles with a weak tie; each labelling solves one of them.
+        // Two conflicted triangles with a weak edge between them; each labelling solves one of them.
         let triangle = |at: u32| [(at, at + 1, 2.0), (at + 1, at + 2, 1.0), (at, at + 2, -3.0)];
         let edges: Vec<_> = triangle(0).into_iter().chain(triangle(3)).chain([(2, 3, 0.1)]).collect();
         let graph = SignedGraph::new(6, edges.into_iter());

@@ -8,16 +8,16 @@ use crate::graph::signed_graph::SignedGraph;
 /// Gains below this share of a node's absolute costs are rounding errors.
 const TOLERANCE: f64 = 1e-12;
 
-/// Looks at each node so often at most.
+/// Most visits per node, on average.
 const VISITS: usize = 8;
 
-/// Moves each node to the neighbouring cluster that attracts it most, or out of its cluster, while that gains; a node is
-/// looked at again when a neighbour has moved. Never worsens.
+/// Moves each node to the neighbouring cluster that attracts it most, or out of its cluster, while that gains. Visits a node
+/// again when a neighbour has moved. Never worsens.
 ///
-/// Linear in the arcs of the nodes looked at.
+/// Linear in the arcs of the visited nodes.
 pub(crate) fn move_nodes(graph: &SignedGraph, labels: &mut Vec<u32>, budget: &mut Budget) {
     let node_count = graph.node_count();
-    // Clusters beyond the largest label are free for nodes that leave; at most one a node is ever in use.
+    // Labels above the largest one are free for nodes that leave. At most one label per node is in use at any time.
     let clusters = 2 * node_count + 1;
     let mut sizes = vec![0u32; clusters];
     for &label in labels.iter() {

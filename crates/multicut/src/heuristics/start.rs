@@ -1,4 +1,4 @@
-//! Solutions of kernels to start from.
+//! Start solutions of kernels.
 
 use super::greedy::{Preference, contractions};
 use super::kernighan_lin::kernighan_lin_with_joins;
@@ -7,22 +7,21 @@ use super::node_moves::move_nodes;
 use crate::budget::Budget;
 use crate::graph::signed_graph::SignedGraph;
 
-/// Edges from which on a kernel is contracted in one way alone.
+/// Number of edges above which a kernel is contracted in one way only.
 const LARGE: usize = 200_000;
 
-/// Edges up to which Kernighan-Lin also starts from one cluster, which it has to split again and again.
+/// Number of edges up to which Kernighan-Lin also starts from a single cluster. Splitting that repeatedly is slow.
 const SMALL: usize = 10_000;
 
 static PREFERENCES: [Preference; 3] = [Preference::Age, Preference::Degree, Preference::Balance];
 
-/// The contractions that a kernel is worth.
+/// The preferences to contract a kernel with.
 fn preferences(large: bool) -> &'static [Preference] {
     if large { &PREFERENCES[..1] } else { &PREFERENCES }
 }
 
-/// A solution of a kernel by contraction, or bisection where that is better; no worse than joining everything,
-/// wherever a limit ends it. In kernels that are not large, the best of several, fused with the others by contraction
-/// again.
+/// A solution of a kernel by contraction, or by bisection if this is better. It is no worse than joining everything, whenever
+/// a limit ends it. In kernels that are not large, the best of several solutions, fused with the others by contracting again.
 pub(crate) fn contract(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
     let large = graph.edges().count() > LARGE;
     let mut found =
@@ -42,13 +41,13 @@ pub(crate) fn contract(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
     best
 }
 
-/// Work for each edge, and besides, after which [`contract_and_move`] starts nothing new: large kernels
-/// would take long, and gain little from more than the best two.
+/// Work, for each edge and in addition, after which [`contract_and_move`] starts nothing new: large kernels take long, and
+/// gain little from more than the best two solutions.
 const MOVING: (u64, u64) = (200, 1_000_000);
 const MOVING_IN_LARGE: u64 = 40;
 
-/// A solution of a kernel by contractions, Kernighan-Lin with joins from each, and fusions of the best with the
-/// others: the best contraction first, and as many others as limited work allows.
+/// A solution of a kernel: contractions, Kernighan-Lin with joins from each, and fusions of the best with the others. Starts
+/// with the best contraction, and continues with as many others as the work limit allows.
 pub(crate) fn contract_and_move(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
     let edges = graph.edges().count();
     let starts = contractions(graph, preferences(edges > LARGE), budget);

@@ -6,9 +6,9 @@ use crate::graph::union_find::UnionFind;
 /// Independent parts of a graph.
 #[derive(Debug, Default)]
 pub(crate) struct Parts {
-    /// Constant: the repulsive edges that no part holds; cutting them is free of conflict.
+    /// The cost of repulsive edges outside all parts, which can be cut without conflict.
     pub(crate) constant: f64,
-    /// Node sets of the blocks that hold both signs, each sorted.
+    /// Node sets of the blocks with edges of both signs, each sorted.
     pub(crate) conflicted: Vec<Vec<u32>>,
     /// Pairs of nodes to join: the edges of blocks without repulsion.
     pub(crate) joined: Vec<(u32, u32)>,
@@ -16,10 +16,10 @@ pub(crate) struct Parts {
 
 /// Splits a graph into its conflicted blocks.
 ///
-/// A repulsive edge between different components of the attractive edges lies on no cycle with exactly one
-/// repulsive edge, so it is cut for free. Cycles of what remains stay within biconnected blocks, and the
-/// inequalities of the multicut polytope come from cycles: blocks are independent. A block without repulsive edges
-/// (an attractive bridge is one) is joined. Linear time: Hopcroft and Tarjan (CACM 1973), without recursion.
+/// A repulsive edge between different components of the attractive edges is on no cycle with exactly one repulsive edge, so
+/// it is cut without conflict. The cycles of the rest stay within biconnected blocks, and the inequalities of the multicut
+/// polytope come from cycles, so blocks are independent. A block without repulsive edges (for example an attractive bridge)
+/// is joined. Linear time: Hopcroft and Tarjan (CACM 1973), without recursion.
 pub(crate) fn split(graph: &SignedGraph) -> Parts {
     let mut parts = Parts::default();
     let mut components = UnionFind::new(graph.node_count());
@@ -98,7 +98,7 @@ impl<'a> Search<'a> {
         self.low[node as usize] = self.time;
     }
 
-    /// Takes the block whose first edge is `(above, node)` from the stack of edges.
+    /// Pops the block whose first edge is `(above, node)` from the stack of edges.
     fn close(&mut self, above: u32, node: u32, parts: &mut Parts) {
         let start = self.edges.iter().rposition(|&(tail, head, _)| (tail, head) == (above, node));
         let block = self.edges.split_off(start.unwrap_or(0));

@@ -1,4 +1,4 @@
-//! Reductions and independent parts, alternated until only kernels remain.
+//! Reductions and splits into independent blocks, alternated until only kernels remain.
 
 use super::blocks::split;
 use super::reduction::{DegreeTwo, History, Step, lift, reduce};
@@ -16,32 +16,32 @@ pub(crate) struct Piece {
     pub(crate) graph: SignedGraph,
 }
 
-/// What is left of a graph, and how to get back.
+/// The kernels of a graph, and what is needed to extend their solutions to the whole graph.
 #[derive(Debug)]
 pub(crate) struct Decomposition {
     joined: UnionFind,
     undo: Vec<DegreeTwo>,
-    /// What every solution pays outside the kernels.
+    /// The cost of every solution outside the kernels.
     pub(crate) constant: f64,
     pub(crate) kernels: Vec<Piece>,
-    /// What was done, where asked for.
+    /// The steps taken, if recorded.
     pub(crate) trace: Option<Vec<Trace>>,
 }
 
-/// What became of one part of a graph, for a certificate.
+/// The steps on one part of a graph, for a certificate.
 #[derive(Debug, Clone)]
 pub(crate) struct Trace {
-    /// The part it was split from; earlier in the list.
+    /// The part that it was split from, which comes earlier in the list.
     pub(crate) parent: Option<usize>,
     pub(crate) names: Vec<u32>,
     pub(crate) steps: Vec<Step>,
-    /// The kernel that it is, if it is one.
+    /// The index of its kernel, if it is one.
     pub(crate) kernel: Option<usize>,
-    /// The cycles that pack all its repulsion, if it was joined for that; nodes by their positions in `names`.
+    /// The cycles that pack all its repulsion, if it was joined for this reason; nodes are positions in `names`.
     pub(crate) packed: Option<Vec<Packed>>,
 }
 
-/// Reduces a graph, splits it into blocks, reduces those, and so on to a fixpoint.
+/// Reduces a graph, splits it into blocks, reduces these, and repeats until nothing changes.
 pub(crate) fn decompose(graph: SignedGraph, record: bool, budget: &mut Budget) -> Decomposition {
     let node_count = graph.node_count();
     let mut joined = UnionFind::new(node_count);
@@ -53,7 +53,7 @@ pub(crate) fn decompose(graph: SignedGraph, record: bool, budget: &mut Budget) -
     let mut work = vec![(Piece { names: (0..node_count as u32).collect(), graph }, None)];
     while let Some((mut piece, parent)) = work.pop() {
         if budget.is_over() {
-            // No time to look into it: whatever it is, it is left as it is.
+            // The budget is over: keep the piece as a kernel.
             if let Some(trace) = &mut trace {
                 let (names, kernel) = (piece.names.clone(), Some(kernels.len()));
                 trace.push(Trace { parent, names, steps: Vec::new(), kernel, packed: None });
@@ -101,7 +101,7 @@ pub(crate) fn decompose(graph: SignedGraph, record: bool, budget: &mut Budget) -
 }
 
 impl Decomposition {
-    /// A labelling of the decomposed graph from one labelling a kernel.
+    /// A labelling of the decomposed graph from one labelling of each kernel.
     pub(crate) fn assemble<'a>(&self, labels: impl IntoIterator<Item = &'a [u32]>) -> Vec<u32> {
         let mut joined = self.joined.clone();
         for (piece, labels) in self.kernels.iter().zip(labels) {

@@ -1,23 +1,23 @@
 //! Reductions that keep the optimum.
 //!
-//! Costs `c > 0` attract; `S(u)` is the sum of `|c|` over the edges at `u`. Each rule below changes the graph so that
-//! some optimal multicut of the old graph follows from any optimal one of the new.
+//! Costs `c > 0` attract; `S(u)` is the sum of `|c|` over the edges at `u`. After each rule below, some optimal multicut of
+//! the old graph follows from any optimal multicut of the new one.
 //!
-//! * **No attraction.** A node without attractive edges is alone in some optimum: taking it out of its
-//!   cluster never costs. Its edges leave the graph.
+//! * **No attraction.** A node without attractive edges is alone in some optimum, because removing it from its cluster never
+//!   costs. Its edges leave the graph.
 //! * **Degree 1** with attraction: joining it costs nothing and breaks no cycle. Contract.
 //! * **Degree 2**, neighbours `x`, `y`, costs `a`, `b`: given the rest, the node joins one neighbour's cluster, or none.
-//!   If `x` and `y` are joined its best cost is `min(0, a + b)`, if they are apart `min(a, b, a + b)`. So the node leaves, the
-//!   constant rises by the first, and the cost of `xy` by the difference.
-//! * **Dominance** (Lange, Karrenbauer, Andres, ICML 2018; single-node cut): if `c_uv >= S(u) - c_uv`, moving `u` from
-//!   its cluster to that of `v` never costs more than `c_uv` gains. Contract `uv`.
-//! * **Triangle** (after Lange, Andres, Swoboda, CVPR 2019): `uv`, `uw`, `vw` attractive,
-//!   `r_u = S(u) - c_uv - c_uw`, `r_v = S(v) - c_uv - c_vw`. Take an optimum with `u` and `v` apart. If `w` is with
-//!   `v`, moving `u` to both gains `c_uv + c_uw` and loses at most `r_u`; if `w` is with `u`, the same with `v`. If all three are
-//!   apart, moving `u` to `v` gains at least `c_uv - r_u` (the cost of `uw` stays paid), moving `v` to `u` at least
-//!   `c_uv - r_v`, and moving both `u` and `v` to `w` at least `c_uv + c_uw + c_vw - r_u - r_v`. So `uv` may be contracted if
-//!   `c_uv + c_uw >= r_u`, `c_uv + c_vw >= r_v`, and one of the last three is not negative. Without that last clause the rule
-//!   holds for cuts in two parts, but not for multicuts.
+//!   If `x` and `y` are joined, its best cost is `min(0, a + b)`; if they are apart, `min(a, b, a + b)`. So the node leaves, the
+//!   constant rises by the first value, and the cost of `xy` by the difference.
+//! * **Dominance** (Lange, Karrenbauer, Andres, ICML 2018; single-node cut): if `c_uv >= S(u) - c_uv`, moving `u` from its
+//!   cluster to that of `v` never costs more than the gain `c_uv`. Contract `uv`.
+//! * **Triangle** (after Lange, Andres, Swoboda, CVPR 2019): `uv`, `uw`, `vw` attractive, `r_u = S(u) - c_uv - c_uw`,
+//!   `r_v = S(v) - c_uv - c_vw`. Take an optimum with `u` and `v` apart. If `w` is with `v`, moving `u` to both gains
+//!   `c_uv + c_uw` and loses at most `r_u`. If `w` is with `u`, the same holds for `v`. If all three are apart, moving `u` to `v`
+//!   gains at least `c_uv - r_u` (the cost of `uw` is still paid), moving `v` to `u` at least `c_uv - r_v`, and moving both `u`
+//!   and `v` to `w` at least `c_uv + c_uw + c_vw - r_u - r_v`. So `uv` may be contracted if `c_uv + c_uw >= r_u`,
+//!   `c_uv + c_vw >= r_v`, and one of the last three gains is not negative. Without that last condition, the rule holds for cuts
+//!   into two clusters, but not for multicuts.
 //!
 //! Rules run to a fixpoint from a queue of nodes whose edges changed.
 
@@ -27,7 +27,7 @@ use crate::budget::Budget;
 use crate::graph::signed_graph::SignedGraph;
 use crate::graph::union_find::UnionFind;
 
-/// What must be undone, in reverse order, to carry a solution back; nodes bear the caller's names.
+/// An eliminated node. Eliminations are undone in reverse order to extend a solution; nodes have the caller's names.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DegreeTwo {
     pub(crate) node: u32,
@@ -35,25 +35,25 @@ pub(crate) struct DegreeTwo {
     pub(crate) costs: [f64; 2],
 }
 
-/// A step of a reduction, in the caller's names.
+/// A step of a reduction, with the caller's names of nodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Step {
-    /// `gone` was merged into `kept` by dominance (of either end) or because it hung on nothing else.
+    /// `gone` was merged into `kept` by dominance (of either end) or because it had no other edge.
     Dominance { kept: u32, gone: u32 },
-    /// The same by the triangle with `apex`.
+    /// The same by the triangle rule with `apex`.
     Triangle { kept: u32, gone: u32, apex: u32 },
-    /// A node of degree two left.
+    /// A node of degree two was eliminated.
     DegreeTwo { node: u32 },
-    /// A node without attraction left.
+    /// A node without attraction was isolated.
     Isolate { node: u32 },
 }
 
-/// Records what reductions did to the nodes of the graph that names them.
+/// Records the changes that reductions make, with the caller's names of nodes.
 #[derive(Debug)]
 pub(crate) struct History<'a> {
     pub(crate) joined: &'a mut UnionFind,
     pub(crate) undo: &'a mut Vec<DegreeTwo>,
-    /// The steps, where a certificate is wanted.
+    /// The steps, if a certificate is wanted.
     pub(crate) steps: Option<&'a mut Vec<Step>>,
 }
 
@@ -73,16 +73,16 @@ pub(crate) fn lift(joined: &mut UnionFind, undo: &[DegreeTwo]) {
                 joined.union(node, x);
             }
         } else if a.max(b) > 0.0 {
-            // Apart: keep the edge that attracts more. Alone would cost as much or more.
+            // Apart: join the neighbour that attracts more. Being alone costs at least as much.
             joined.union(node, if a >= b { x } else { y });
         }
     }
 }
 
-/// Reduces `graph` to a fixpoint of the node and edge rules; `names` are its nodes in the caller's graph. Adds to
-/// `constant` what leaves the objective. Returns whether anything changed.
+/// Reduces `graph` by the node and edge rules until none applies. `names` are its nodes in the caller's graph. Adds costs
+/// that leave the objective to `constant`. Returns whether anything changed.
 ///
-/// Linear for bounded degrees; a node is looked at again only when its edges changed.
+/// Linear for bounded degrees: a node is visited again only when its edges changed.
 pub(crate) fn reduce(
     graph: &mut SignedGraph,
     names: &[u32],
@@ -143,7 +143,7 @@ pub(crate) fn reduce(
     changed
 }
 
-/// An edge at `node` that dominance, or the triangle with the returned apex, allows to contract.
+/// An edge at `node` that may be contracted by dominance, or by the triangle rule with the returned apex.
 fn contractible(graph: &SignedGraph, node: u32, budget: &mut Budget) -> Option<(u32, Option<u32>)> {
     let arcs = graph.arcs(node);
     let total: f64 = arcs.iter().map(|arc| arc.cost.abs()).sum();
@@ -156,7 +156,7 @@ fn contractible(graph: &SignedGraph, node: u32, budget: &mut Budget) -> Option<(
     if 2.0 * largest.cost >= total {
         return Some((largest.node, None));
     }
-    // c_uv + c_uw >= r_u needs twice the two largest costs to reach S(u): hubs fail here at once.
+    // c_uv + c_uw >= r_u requires that twice the two largest costs reach S(u), which rules out hubs at once.
     for arc in arcs {
         if arc.cost <= 0.0 || 2.0 * (arc.cost + largest.cost) < total {
             continue;
@@ -195,7 +195,8 @@ fn triangle(graph: &SignedGraph, u: u32, v: u32, total_u: f64, budget: &mut Budg
     None
 }
 
-/// First in, first out, each node at most once: changes to a hub gather while its neighbours are dealt with.
+/// A queue, first in, first out, that holds each node at most once: changes to a hub accumulate while its neighbours are
+/// processed.
 struct Queue {
     nodes: VecDeque<u32>,
     waiting: Vec<bool>,

@@ -21,22 +21,22 @@ pub(crate) struct State {
     pub(crate) labels: Vec<u32>,
     /// Objective of `labels`: an upper bound.
     pub(crate) objective: f64,
-    /// Lower bound; at least the optimum's, or the cutoff's.
+    /// Lower bound on the optimum.
     pub(crate) bound: f64,
-    /// Gap that counts as closed.
+    /// Gap up to which the kernel counts as closed.
     tolerance: f64,
     packing: Packing,
-    /// Why the bound holds, where a certificate is wanted.
+    /// Proof of the bound, if a certificate is wanted.
     pub(crate) proof: Option<Proof>,
 }
 
-/// Differences of this share of the absolute costs count as none where costs are not integers.
+/// Differences up to this share of the absolute costs count as zero where costs are not integers.
 const TOLERANCE: f64 = 1e-10;
 
-/// Inside the tree differences must be smaller, so that their sum stays below [`TOLERANCE`].
+/// The same inside the tree, where differences must be smaller so that their sum stays below [`TOLERANCE`].
 const INNER_TOLERANCE: f64 = 1e-12;
 
-/// A relaxation that stalls is left for one with edges fixed if that saves one node in this many.
+/// A stalled relaxation gives way to one with fixed edges if fixing saves at least one node in this many.
 const FEW: usize = 50;
 
 fn magnitude(graph: &SignedGraph) -> f64 {
@@ -48,7 +48,7 @@ impl State {
         self.bound >= self.objective - self.tolerance
     }
 
-    /// A solution, and the least that can be said of the optimum.
+    /// A solution with the trivial lower bound.
     fn unknown(graph: &SignedGraph, labels: Vec<u32>, record: bool) -> Self {
         let (objective, packing) = (graph.objective(&labels), Packing::default());
         let bound = graph.edges().map(|(_, _, cost)| cost.min(0.0)).sum();
@@ -63,7 +63,7 @@ impl State {
         }
     }
 
-    /// Takes over a better bound.
+    /// Replaces the bound by a better one.
     fn raise(&mut self, bound: f64, proof: impl FnOnce() -> Option<Proof>) {
         if bound > self.bound {
             self.bound = bound;
@@ -82,7 +82,7 @@ impl State {
     }
 }
 
-/// Work on the first packing, for each edge and besides: long cycles in large kernels cost more than they bring.
+/// Work on the first packing: a constant, plus some for each edge. Long cycles in large kernels cost more than they gain.
 fn packing_effort(solver: Solver, edges: usize) -> u64 {
     let (each, besides) = match solver {
         Solver::Exact => (200, 20_000_000),
@@ -92,8 +92,8 @@ fn packing_effort(solver: Solver, edges: usize) -> u64 {
     besides + each * edges as u64
 }
 
-/// What is known of a kernel with a solution at hand: its objective and the packing bound. Where costs are no whole
-/// numbers, what capacity the packing leaves tells so much about an optimum that Kernighan-Lin takes it up at once.
+/// The state of a kernel with a given solution: its objective and the packing bound. If costs are not integers, the capacity
+/// that the packing leaves is so informative about an optimum that Kernighan-Lin uses it at once.
 pub(crate) fn survey(
     graph: &SignedGraph,
     labels: Vec<u32>,
@@ -123,7 +123,7 @@ pub(crate) fn improve(graph: &SignedGraph, state: &mut State, rounds: usize, see
     if budget.is_over() {
         return;
     }
-    // If the packing were tight, an optimum would cut no edge with capacity left.
+    // If the packing were tight, an optimum would cut no attractive edge with remaining capacity.
     let kernel = Kernel::new(graph);
     let left = |tail: u32, head: u32| {
         let edge = kernel.edge(tail, head).map_or(0, |edge| edge as usize);
@@ -148,15 +148,15 @@ pub(crate) fn close(graph: &SignedGraph, state: &mut State, budget: &mut Budget)
 
 /// One kernel's branch-and-cut tree.
 struct Tree {
-    /// More than all costs of the kernel together: an edge of this cost is surely joined, one of minus twice this cost
-    /// surely cut. One number for the whole tree, or it would grow with the depth.
+    /// More than all costs of the kernel together: an edge with this cost is always joined, and one with minus twice this
+    /// cost always cut. The whole tree uses one value, because it would grow with the depth otherwise.
     big: f64,
-    /// Gap that counts as closed within the tree; absolute, since big costs would swamp a relative one.
+    /// Gap that counts as closed within the tree. It is absolute, because big costs would make a relative one too large.
     tolerance: f64,
 }
 
 impl Tree {
-    /// Closes the gap of a node, or raises its bound to `cutoff`, which allows for rounding already.
+    /// Closes the gap of a node of the tree, or raises its bound to `cutoff`, which already allows for rounding.
     fn close(&self, graph: &SignedGraph, state: &mut State, cutoff: f64, budget: &mut Budget) {
         let goal = |state: &State| cutoff.min(state.objective - self.tolerance);
         if state.bound >= goal(state) || budget.is_over() {
@@ -176,7 +176,7 @@ impl Tree {
         round(graph, &kernel, &relaxation, state, budget);
         if state.bound < goal(state) && !budget.is_over() {
             if let Some(fixed) = self.fix(graph, &kernel, &packing, goal(state)) {
-                // Whatever the fixed graph leaves out is no better than what is known.
+                // Solutions that the fixed graph excludes are no better than the best known one.
                 let Inside { labels, bound, proof } =
                     self.solve_within(fixed.graph, goal(state), state.proof.is_some(), budget);
                 state.offer(graph, labels);
@@ -191,7 +191,7 @@ impl Tree {
         state.packing = packing;
     }
 
-    /// Joins the ends of attractive edges whose cutting alone would lift the bound over the goal.
+    /// Joins the ends of attractive edges if cutting the edge alone would lift the bound to the goal.
     fn fix(&self, graph: &SignedGraph, kernel: &Kernel, packing: &Packing, goal: f64) -> Option<Fixed> {
         let mut fixed = Fixed { graph: graph.clone(), edges: Vec::new(), nodes: 0, left_out: f64::INFINITY };
         let mut sets = UnionFind::new(graph.node_count());
@@ -199,7 +199,7 @@ impl Tree {
             let without = kernel.rounded(packing.bound + packing.residual[edge]);
             if kernel.costs[edge] > 0.0 && without >= goal {
                 fixed.left_out = fixed.left_out.min(without);
-                // A big cost joins for sure: dominance contracts it at once, and labels keep their numbers.
+                // A big cost forces the join: dominance contracts the edge at once, and nodes keep their numbers.
                 if sets.union(tail, head) {
                     fixed.graph.add_cost(tail, head, self.big);
                     fixed.edges.push((tail, head));
@@ -210,7 +210,7 @@ impl Tree {
         (fixed.nodes > 0).then_some(fixed)
     }
 
-    /// Decomposes a graph and solves its kernels so far as needed to tell its optimum from `cutoff`: labels and bound.
+    /// Decomposes a graph, and solves its kernels as far as needed to decide whether its optimum is below `cutoff`.
     fn solve_within(&self, graph: SignedGraph, cutoff: f64, record: bool, budget: &mut Budget) -> Inside {
         let decomposition = decompose(graph, record, budget);
         let kernels = &decomposition.kernels;
@@ -247,7 +247,7 @@ impl Tree {
         Inside { labels, bound, proof }
     }
 
-    /// Splits on the attractive edge whose value is nearest to one half: joined, or apart.
+    /// Branches on the attractive edge whose value is closest to one half: its ends are joined, or apart.
     fn branch(
         &self,
         graph: &SignedGraph,
@@ -272,7 +272,7 @@ impl Tree {
         for apart in [relaxation.paid[edge] > 0.5, relaxation.paid[edge] <= 0.5] {
             let mut child = graph.clone();
             child.add_cost(tail, head, if apart { -2.0 * self.big } else { self.big });
-            // An edge that is surely cut pays its big reward; the constant takes it back.
+            // An edge that is always cut adds its big negative cost; the constant compensates for it.
             let constant = if apart { 2.0 * self.big } else { 0.0 };
             let goal = cutoff.min(state.objective - self.tolerance) - constant;
             let inside = self.solve_within(child, goal, record, budget);
@@ -287,7 +287,7 @@ impl Tree {
     }
 }
 
-/// Solutions near a fractional point: contraction by cost scaled with how little each edge is cut.
+/// Rounds a fractional point to solutions: contracts by costs that are scaled down for edges that the point cuts more.
 fn round(
     graph: &SignedGraph,
     kernel: &Kernel,
@@ -304,7 +304,7 @@ fn round(
         .zip(&kernel.costs)
         .zip(&relaxation.paid)
         .map(|((&(tail, head), &cost), &paid)| (tail, head, cost * (1.0 - paid.clamp(0.0, 1.0) + 1e-3)));
-    // Where the relaxation is integral, its multicut is the optimum.
+    // If the relaxation is integral, its multicut is the optimum.
     let mut uncut = UnionFind::new(graph.node_count());
     for (edge, &(tail, head)) in kernel.ends.iter().enumerate() {
         if kernel.costs[edge] > 0.0 && relaxation.paid[edge] < 0.5 {
@@ -322,13 +322,13 @@ struct Fixed {
     graph: SignedGraph,
     /// The edges whose ends are joined.
     edges: Vec<(u32, u32)>,
-    /// How many nodes fewer it has.
+    /// Number of nodes saved.
     nodes: usize,
-    /// Lower bound on every solution that is left out.
+    /// Lower bound on every solution that the fixed edges exclude.
     left_out: f64,
 }
 
-/// What [`Tree::solve_within`] finds.
+/// The result of [`Tree::solve_within`].
 struct Inside {
     labels: Vec<u32>,
     bound: f64,

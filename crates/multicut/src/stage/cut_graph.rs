@@ -1,4 +1,4 @@
-//! The signed graph that a pose graph stands for.
+//! The signed graph of a pose graph.
 
 use posecut_graph::{EdgeKind, PoseGraph};
 use serde::Serialize;
@@ -50,7 +50,7 @@ pub struct CutOptions {
 }
 
 impl Default for CutOptions {
-    /// The paper's.
+    /// The options of the paper.
     fn default() -> Self {
         Self { delta: Delta::Frames(1), costs: Costs::Support, graph: CutGraph::Landmark, odometry_cost: 1.0 }
     }
@@ -60,7 +60,7 @@ impl Default for CutOptions {
 pub(crate) type Priced = Vec<(usize, f64)>;
 
 impl CutOptions {
-    /// The place of each landmark edge in use and its cost, with the support that costs rest on.
+    /// The index and the cost of each landmark edge in use, with the support that the costs are based on.
     pub(crate) fn costs(&self, graph: &PoseGraph) -> anyhow::Result<(Priced, Option<Support>)> {
         if self.costs == Costs::Field {
             let costs: anyhow::Result<Priced> = graph
@@ -89,7 +89,7 @@ impl CutOptions {
         Ok((costs, Some(support)))
     }
 
-    /// The signed graph of a pose graph: its nodes are the places of the pose graph's nodes.
+    /// The signed graph of a pose graph. Its nodes are the indices of the pose graph's nodes.
     pub fn cut_graph(&self, graph: &PoseGraph) -> anyhow::Result<Graph> {
         self.graph_of(graph, &self.costs(graph)?.0)
     }

@@ -1,4 +1,4 @@
-//! What a multicut says about a pose graph: rejected edges and numbered landmarks.
+//! The results of a multicut in a pose graph: rejected edges and numbered landmarks.
 
 use std::collections::HashMap;
 
@@ -25,8 +25,8 @@ pub(crate) fn mark(graph: &mut PoseGraph, costs: &[(usize, f64)], labels: &[u32]
     cut
 }
 
-/// Numbers the components that a landmark edge holds together, by their first node, and writes the number to
-/// their nodes; returns how many there are.
+/// Numbers the components that landmark edges connect, by their first node, and writes the numbers to their nodes. Returns
+/// how many there are.
 pub(crate) fn label_landmarks(graph: &mut PoseGraph, costs: &[(usize, f64)], labels: &[u32]) -> usize {
     let mut seen = vec![false; graph.nodes.len()];
     for (index, _) in costs {

@@ -1,4 +1,4 @@
-//! Options of earlier versions that belong to another program now.
+//! Options of earlier versions that now belong to another program.
 
 use anyhow::bail;
 

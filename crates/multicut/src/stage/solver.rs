@@ -1,4 +1,4 @@
-//! How to solve, as a command line says it, and what is reported of a solution.
+//! The solver's options on the command line, and the report on a solution.
 
 use std::time::Duration;
 
@@ -24,7 +24,7 @@ pub struct SolverOptions {
 }
 
 impl SolverOptions {
-    /// How to solve, as the command line says it.
+    /// The solver's options, from those of the command line.
     pub fn options(&self, certificate: bool) -> anyhow::Result<Options> {
         let time_limit = Duration::try_from_secs_f64(self.time_limit).map_err(|_| {
             anyhow::anyhow!(
@@ -42,7 +42,7 @@ impl SolverOptions {
     }
 }
 
-/// Notes what is known of a solution, and doubts it if the proof is not complete.
+/// Adds a solution to the statistics, and raises a doubt if the proof is not complete.
 pub fn note(solution: &Solution, solver: Solver, context: &mut Context) {
     if !solution.optimal {
         let remedy = match solver {

@@ -7,7 +7,7 @@ use super::part::{Part, ROUNDING};
 use super::proof::Checker;
 
 impl<B: BufRead> Checker<B> {
-    /// Residual capacities and bound of packed conflicts; leaves the reader on the line after them.
+    /// Checks packed conflicts. Returns residual capacities and bound; leaves the reader on the line after the conflicts.
     pub(crate) fn packing(&mut self, kernel: &Part, conflicts: usize) -> Result<(Part, f64), VerifyError> {
         let mut residual = kernel.clone();
         for arcs in &mut residual.arcs {
@@ -42,7 +42,7 @@ impl<B: BufRead> Checker<B> {
         Ok((residual, bound))
     }
 
-    /// The edges of a cycle, all attractive but the last.
+    /// The edges of a cycle; all but the last must be attractive.
     fn cycle(&self, kernel: &Part) -> Result<(Vec<(u32, u32)>, f64), VerifyError> {
         let nodes = self.nodes(1..self.words.len())?;
         if nodes.len() < 3 {
@@ -57,8 +57,8 @@ impl<B: BufRead> Checker<B> {
         Ok((uses, 1.0))
     }
 
-    /// The edges of a wheel, each as often as it occurs: an odd number of repulsive ones around, and for each an
-    /// attractive path from one centre to the node where the rim enters it.
+    /// The edges of a wheel, each as often as it occurs: a rim with an odd number of repulsive edges, and for each of these
+    /// an attractive path from one centre to the node where the rim enters it.
     fn wheel(&self, kernel: &Part) -> Result<(Vec<(u32, u32)>, f64), VerifyError> {
         let mut ends: Vec<usize> = (2..self.words.len()).filter(|&place| self.words[place] == "/").collect();
         ends.push(self.words.len());

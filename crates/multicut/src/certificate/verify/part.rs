@@ -1,15 +1,15 @@
-//! The verifier's own graph, and the reductions it checks as it repeats them.
+//! The verifier's own graph, on which it checks and repeats the reductions.
 
 use std::collections::BTreeMap;
 
-/// Share of the costs involved by which a condition may fail for rounding.
+/// Share of the costs involved by which a condition may fail because of rounding.
 pub(crate) const ROUNDING: f64 = 1e-12;
 
-/// A graph as ordered maps, nodes numbered as the certificate numbers them.
+/// A graph as ordered maps, with the certificate's numbers of nodes.
 #[derive(Clone)]
 pub(crate) struct Part {
     pub(crate) arcs: Vec<BTreeMap<u32, f64>>,
-    /// What left the graph.
+    /// The cost of edges that left the graph.
     pub(crate) constant: f64,
 }
 
@@ -49,7 +49,7 @@ impl Part {
         }
     }
 
-    /// Moves the edges among `nodes` to a part of their own, where nodes bear their positions.
+    /// Moves the edges among `nodes` to a separate graph, where nodes are numbered by their positions in `nodes`.
     pub(crate) fn take(&mut self, nodes: &[u32]) -> Result<Self, String> {
         self.has(nodes)?;
         let places: BTreeMap<u32, u32> =
@@ -72,7 +72,7 @@ impl Part {
         Ok(part)
     }
 
-    /// Moves the edges among `nodes` to a graph of their own, where nodes keep their names.
+    /// Moves the edges among `nodes` to a separate graph, where nodes keep their numbers.
     pub(crate) fn split(&mut self, nodes: &[u32]) -> Result<Self, String> {
         let part = self.take(nodes)?;
         let mut named = Self::new(self.arcs.len());

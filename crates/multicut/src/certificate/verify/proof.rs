@@ -5,10 +5,10 @@ use std::io::BufRead;
 use super::VerifyError;
 use super::part::Part;
 
-/// Proofs nested deeper than this are refused, for the sake of the stack.
+/// Proofs with deeper nesting are rejected, because they could overflow the stack.
 const DEPTH: usize = 2_000;
 
-/// Reads a certificate line by line and checks what it states.
+/// Reads a certificate line by line and checks its statements.
 pub(crate) struct Checker<B> {
     lines: std::io::Lines<B>,
     line: usize,
@@ -52,7 +52,7 @@ impl<B: BufRead> Checker<B> {
         (1..self.words.len()).map(|place| self.number(place)).collect()
     }
 
-    /// A proof by reductions, from its line `reduce`; leaves the reader on the line after it.
+    /// Checks a proof by reductions that starts at the current line `reduce`; leaves the reader on the line after it.
     pub(crate) fn reduced(&mut self, whole: Part, depth: usize) -> Result<f64, VerifyError> {
         if depth > DEPTH {
             return Err(self.refute("proofs are nested too deeply".into()));
@@ -92,12 +92,12 @@ impl<B: BufRead> Checker<B> {
             }
             parts.push(part);
         }
-        // What no piece took counts as it is.
+        // Edges that no piece took count with their negative costs.
         parts.extend(whole);
         Ok(bound + parts.iter().map(|part| part.constant + part.negative_sum()).sum::<f64>())
     }
 
-    /// Makes the reduction that the current line states; false if it states none.
+    /// Performs the reduction that the current line states; false if it states none.
     fn step(&mut self, part: &mut Part) -> Result<bool, VerifyError> {
         let made = match self.words.first().map(String::as_str) {
             Some("i") => part.isolate(self.number(1)?),
@@ -110,7 +110,7 @@ impl<B: BufRead> Checker<B> {
         Ok(true)
     }
 
-    /// The proof of a kernel's bound; leaves the reader on the line after it.
+    /// Checks the proof of a kernel's bound; leaves the reader on the line after it.
     fn proof(&mut self, kernel: &Part, depth: usize) -> Result<f64, VerifyError> {
         let integral = kernel.is_integral();
         let round = |bound: f64| {
@@ -150,7 +150,7 @@ impl<B: BufRead> Checker<B> {
                     return Err(self.refute("a branch needs two nodes".into()));
                 }
                 self.next()?;
-                // Rewards hold for any amount: a joined pair does not pay it, a pair apart always does.
+                // The reward is valid for any amount: a joined pair does not pay it, and a separated pair always does.
                 let (mut joined, mut apart) = (kernel.clone(), kernel.clone());
                 joined.add(tail, head, reward);
                 apart.add(tail, head, -2.0 * reward);
