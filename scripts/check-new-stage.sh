@@ -25,9 +25,7 @@ fi
 export CARGO_TARGET_DIR="$place/target" POSECUT_CONTRACT_ONLY=echo
 cd "$copy"
 # Programs that make the samples of the tests, or that some of the tests are about.
-packages=$(for name in echo simulate ingest construct convert inspect oracle pcm multicut optimize evaluate experiment; do echo "-p posecut-$name"; done)
-# shellcheck disable=SC2086 # options are words
-cargo build --release --offline --quiet --bins -p posecut $packages
+cargo build --release --offline --quiet --workspace --bins
 cargo test --release --offline --quiet -p posecut-contract --test contract -- \
   table:: standard_output:: threads::
 programs=$CARGO_TARGET_DIR/release
