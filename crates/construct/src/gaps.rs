@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use posecut_graph::connectivity::Forest;
 use posecut_graph::{EdgeKind, PoseGraph};
 use posecut_stage::random;
 use rand::seq::SliceRandom as _;
@@ -68,22 +69,9 @@ fn draw(graph: &PoseGraph, order: &[usize], wanted: usize) -> Vec<bool> {
 
 /// For each node, the first node (by index) of its odometry chain.
 fn chains(graph: &PoseGraph) -> Vec<usize> {
-    let mut roots: Vec<usize> = (0..graph.nodes.len()).collect();
-    for edge in graph.edges_of(EdgeKind::Odometry) {
-        let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to)) else {
-            continue;
-        };
-        let (from, to) = (root(&mut roots, from), root(&mut roots, to));
-        roots[from.max(to)] = from.min(to);
+    let mut forest = Forest::new(graph.nodes.len());
+    for (from, to) in graph.edges_of(EdgeKind::Odometry).filter_map(|edge| graph.ends(edge)) {
+        forest.join(from, to);
     }
-    (0..roots.len()).map(|index| root(&mut roots, index)).collect()
-}
-
-/// The root of a node's tree, with path halving.
-fn root(roots: &mut [usize], mut index: usize) -> usize {
-    while roots[index] != index {
-        roots[index] = roots[roots[index]];
-        index = roots[index];
-    }
-    index
+    (0..graph.nodes.len()).map(|node| forest.root(node)).collect()
 }

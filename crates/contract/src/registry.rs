@@ -52,7 +52,6 @@ struct Manifest {
 
 #[derive(Deserialize)]
 struct Package {
-    name: String,
     #[serde(default)]
     metadata: Metadata,
 }
@@ -82,14 +81,11 @@ const ONLY: &str = "POSECUT_CONTRACT_ONLY";
 pub fn table() -> &'static [Row] {
     static TABLE: OnceLock<Vec<Row>> = OnceLock::new();
     TABLE.get_or_init(|| {
-        let crates = std::fs::read_dir(workspace().join("crates")).expect("the workspace has crates");
-        let mut folders: Vec<_> = crates.flatten().map(|entry| entry.path()).collect();
-        folders.sort();
-        folders.retain(|folder| folder.join("src/main.rs").is_file());
+        let names = xtask::workspace::programs().expect("the workspace has programs");
         let only = std::env::var(ONLY).ok();
         let asked =
             |row: &Row| only.as_ref().is_none_or(|only| only.split_whitespace().any(|name| name == row.name));
-        folders.iter().flat_map(|folder| rows(&folder.join("Cargo.toml"))).filter(asked).collect()
+        names.into_iter().flat_map(rows).filter(asked).collect()
     })
 }
 
@@ -134,12 +130,12 @@ impl Row {
     }
 }
 
-fn rows(path: &std::path::Path) -> Vec<Row> {
-    let text = std::fs::read_to_string(path).expect("a crate has a Cargo.toml");
+fn rows(name: String) -> Vec<Row> {
+    let path = workspace().join("crates").join(&name).join("Cargo.toml");
+    let text = std::fs::read_to_string(&path).expect("a crate has a Cargo.toml");
     let Manifest { package } =
         toml::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let Some(name) = package.name.strip_prefix("posecut-") else { return Vec::new() };
-    let name: &'static str = name.to_owned().leak();
+    let name: &'static str = name.leak();
     let Declared { calls, statistics } = package.metadata.posecut;
     let graph =
         || Call { arguments: Vec::new(), input: Some("graph.jsonl".into()), pipe: true, stream: true };

@@ -103,7 +103,7 @@ impl Programs {
                 known.join(", ")
             );
         };
-        Ok(Cow::Owned(usual(found)))
+        Ok(Cow::Owned(usual(&found)))
     }
 
     /// The same program with its path, if it is in the folder of programs.
@@ -119,8 +119,10 @@ impl Programs {
     pub fn versions(&self) -> Vec<(String, String, anyhow::Result<String>)> {
         let mut stages = self.listed.clone();
         for found in self.registry.beside() {
-            if found.description().is_some_and(|description| description.phase != Phase::Runs) {
-                stages.entry(found.name.clone()).or_insert_with(|| usual(found));
+            if !stages.contains_key(&found.name)
+                && found.description().is_some_and(|description| description.phase != Phase::Runs)
+            {
+                stages.insert(found.name.clone(), usual(&found));
             }
         }
         stages

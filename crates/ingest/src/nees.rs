@@ -69,9 +69,7 @@ fn measure<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> Vec<Nees> {
 fn steps<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> Vec<Option<Step<G, DOF>>> {
     let mut steps = vec![None; graph.nodes.len().saturating_sub(1)];
     for edge in graph.edges_of(EdgeKind::Odometry) {
-        let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to)) else {
-            continue;
-        };
+        let Some((from, to)) = graph.ends(edge) else { continue };
         let known = || {
             let motion = G::from_components(edge.measurement.as_deref()?)?;
             let information = unpack_upper_triangle(graph.information(edge)?).ok()?;

@@ -43,7 +43,7 @@ fn start(registry: &Registry, name: &OsStr, arguments: impl Iterator<Item = OsSt
             ),
         );
     };
-    become_program(program, arguments)
+    become_program(&program, arguments)
 }
 
 #[cfg(unix)]

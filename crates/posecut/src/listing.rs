@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use posecut_stage::{Description, Phase};
 
-use crate::registry::{Program, Registry};
+use crate::registry::Registry;
 
 /// The text above the list of programs.
 const ABOUT: &str = "posecut finds the wrong landmark edges (false loop closures) of pose graphs.
@@ -20,10 +20,15 @@ A program reads a pose graph from a file or from standard input and writes it to
 
 /// The list of programs. Those beside this one are in the order of a pipeline.
 pub fn help(registry: &Registry) -> String {
-    let mut described: Vec<Description> = registry.beside().filter_map(Program::description).collect();
+    let (mut described, mut others) = (Vec::new(), Vec::new());
+    for program in registry.beside() {
+        match program.description() {
+            Some(description) => described.push(description),
+            None => others.push(program),
+        }
+    }
     described.sort_by(|one, other| key(one).cmp(&key(other)));
-    let silent = registry.beside().filter(|program| described.iter().all(|known| known.name != program.name));
-    let others: Vec<_> = silent.chain(registry.elsewhere()).collect();
+    others.extend(registry.elsewhere());
     let names = described.iter().map(|one| &one.name).chain(others.iter().map(|one| &one.name));
     let width = names.map(String::len).max().unwrap_or(0);
     let mut text = ABOUT.to_owned();

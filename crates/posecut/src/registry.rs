@@ -23,11 +23,11 @@ pub struct Program {
     pub path: PathBuf,
 }
 
-/// The available programs.
+/// Where programs are looked for. Nothing is listed until somebody asks for a list: `posecut NAME` looks for one file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Registry {
-    beside: BTreeMap<String, Program>,
-    elsewhere: BTreeMap<String, Program>,
+    beside: Option<PathBuf>,
+    path: Vec<PathBuf>,
 }
 
 impl Registry {
@@ -40,36 +40,42 @@ impl Registry {
 
     /// The programs of any folders. Of two programs with the same name, the first is taken, as in a shell.
     pub fn of(beside: Option<&Path>, path: impl Iterator<Item = PathBuf>) -> Self {
-        let beside = beside.map(programs_in).unwrap_or_default();
-        let mut elsewhere = BTreeMap::new();
-        for (name, program) in path.flat_map(|folder| programs_in(&folder)) {
-            if !beside.contains_key(&name) {
-                elsewhere.entry(name).or_insert(program);
-            }
-        }
-        Self { beside, elsewhere }
+        Self { beside: beside.map(Path::to_owned), path: path.collect() }
     }
 
     /// A program by its name.
-    pub fn get(&self, name: &str) -> Option<&Program> {
-        self.beside.get(name).or_else(|| self.elsewhere.get(name))
+    pub fn get(&self, name: &str) -> Option<Program> {
+        let mut folders = self.beside.iter().chain(&self.path);
+        is_name(name).then(|| folders.find_map(|folder| program_in(folder, name)))?
     }
 
     /// The programs beside this one, in order of their names.
-    pub fn beside(&self) -> impl Iterator<Item = &Program> {
-        self.beside.values()
+    pub fn beside(&self) -> Vec<Program> {
+        self.beside
+            .iter()
+            .flat_map(|folder| programs_in(folder))
+            .collect::<BTreeMap<_, _>>()
+            .into_values()
+            .collect()
     }
 
     /// The programs on the PATH, in order of their names.
-    pub fn elsewhere(&self) -> impl Iterator<Item = &Program> {
-        self.elsewhere.values()
+    pub fn elsewhere(&self) -> Vec<Program> {
+        let mut found = BTreeMap::new();
+        for (name, program) in self.path.iter().flat_map(|folder| programs_in(folder)) {
+            found.entry(name).or_insert(program);
+        }
+        for program in self.beside() {
+            found.remove(&program.name);
+        }
+        found.into_values().collect()
     }
 
     /// The known name that is most similar to this one, if any is similar enough.
-    pub fn nearest(&self, name: &str) -> Option<&str> {
-        let likeness = |known: &str| strsim::jaro(name, known);
-        let programs = self.beside.keys().chain(self.elsewhere.keys()).map(String::as_str);
-        let known = programs.chain(["help", "version"]);
+    pub fn nearest(&self, name: &str) -> Option<String> {
+        let likeness = |known: &String| strsim::jaro(name, known);
+        let programs = self.beside().into_iter().chain(self.elsewhere()).map(|program| program.name);
+        let known = programs.chain(["help", "version"].map(str::to_owned));
         known
             .filter(|known| likeness(known) > 0.7)
             .max_by(|one, other| likeness(one).total_cmp(&likeness(other)))
@@ -93,14 +99,20 @@ impl Program {
     }
 }
 
+/// The program of a name in a folder.
+fn program_in(folder: &Path, name: &str) -> Option<Program> {
+    let path = folder.join(format!("{PREFIX}{name}{EXE_SUFFIX}"));
+    is_program(&path).then(|| Program { name: name.to_owned(), path })
+}
+
 /// The programs of a folder by name; none if it cannot be read.
-fn programs_in(folder: &Path) -> BTreeMap<String, Program> {
+fn programs_in(folder: &Path) -> Vec<(String, Program)> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let programs = entries.filter_map(|entry| {
         let file = entry.file_name().into_string().ok()?;
-        let name = file.strip_prefix(PREFIX)?.strip_suffix(EXE_SUFFIX)?.to_owned();
-        let path = entry.path();
-        (is_name(&name) && is_program(&path)).then_some((name.clone(), Program { name, path }))
+        let name = file.strip_prefix(PREFIX)?.strip_suffix(EXE_SUFFIX)?;
+        let program = is_name(name).then(|| program_in(folder, name))??;
+        Some((name.to_owned(), program))
     });
     programs.collect()
 }

@@ -181,7 +181,7 @@ fn completions_and_the_manual_page_have_the_programs_at_hand() {
 fn what_is_no_program_is_not_listed() {
     let nowhere = std::iter::once(Path::new("/nonexistent").to_owned());
     let registry = Registry::of(Some(PLACE.folder.path()), nowhere);
-    let names: Vec<&str> = registry.beside().map(|program| program.name.as_str()).collect();
+    let names: Vec<String> = registry.beside().into_iter().map(|program| program.name).collect();
     assert_eq!(names, ["first", "later", "second"]);
-    assert_eq!(registry.elsewhere().count(), 0);
+    assert_eq!(registry.elsewhere().len(), 0);
 }

@@ -214,9 +214,7 @@ impl<'a> Links<'a> {
         let mut parts = UnionFind::<usize>::new(graph.nodes.len());
         let mut left_out = 0_usize;
         for edge in graph.edges_of(EdgeKind::Odometry).filter(|edge| edge.in_use()) {
-            let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to)) else {
-                continue;
-            };
+            let Some((from, to)) = graph.ends(edge) else { continue };
             let full = links[from][1].is_some() || links[to][1].is_some();
             if full || !parts.union(from, to) {
                 left_out += 1;

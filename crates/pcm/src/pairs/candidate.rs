@@ -112,9 +112,7 @@ pub fn group_with<G: LieGroup<DOF>, const DOF: usize>(
             unmeasured += 1;
             continue;
         };
-        let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to)) else {
-            continue;
-        };
+        let Some((from, to)) = graph.ends(edge) else { continue };
         let (from, to) = (chains.places[from], chains.places[to]);
         let covariance = covariance::<DOF>(graph, edge, covariances)?;
         let forward = from <= to;

@@ -45,9 +45,7 @@ fn plane(title: &str, graph: &PoseGraph, label: &[Option<usize>]) -> Panel {
     let mut kept: BTreeMap<&'static str, Vec<(f64, f64)>> = BTreeMap::new();
     let (mut cut, mut earlier, mut wrong) = (Vec::new(), Vec::new(), Vec::new());
     for edge in graph.edges_of(EdgeKind::Landmark) {
-        let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to)) else {
-            continue;
-        };
+        let Some((from, to)) = graph.ends(edge) else { continue };
         let place = (number(from), number(to));
         match edge.rejected_by.as_deref() {
             None => kept.entry(label[from].map_or(colours::UNKNOWN, hue)).or_default().push(place),

@@ -244,9 +244,7 @@ fn edges(graph: &PoseGraph) -> Edges {
     let mut edges = Edges::default();
     let frame = |node: usize| graph.nodes[node].frame.unwrap_or(node as i64);
     for edge in graph.edges_of(EdgeKind::Landmark) {
-        let (Some(from), Some(to)) = (graph.node_index(edge.from), graph.node_index(edge.to)) else {
-            continue;
-        };
+        let Some((from, to)) = graph.ends(edge) else { continue };
         edges.id.push(edge.id);
         edges.from.push(from);
         edges.to.push(to);

@@ -21,8 +21,8 @@ use crate::Verdict;
 ///
 /// Wants POSECUT_SHARED_DATA (the graphs in g2o/ and false_closures/), the release programs, for the part `growth` `cargo build
 /// --release -p posecut-optimize --benches`, and for the part `peers` crates/optimize/peers built to target/peers or to the folder
-/// that PEERS names, and gtsam. Every process is held to one processor. Results gather in target/comparison.json, so that a long
-/// measurement can be made in parts. LIMIT names the seconds that a process may take (40), MOST_WITH_TWO the poses of the largest
+/// that PEERS names, and gtsam. Every process runs on one processor. Results are collected in target/comparison.json, so that you can
+/// make a long measurement in parts. LIMIT names the seconds that a process may take (40), MOST_WITH_TWO the poses of the largest
 /// generated graph that is measured with two threads, too (300000).
 #[derive(Args)]
 pub(crate) struct Optimize {
