@@ -82,11 +82,7 @@ pub struct StageOptions {
     #[arg(long, conflicts_with_all = ["kernel_odometry", "kernel_landmark", "gnc"])]
     pub certify: bool,
 
-    /// Write marginal covariances at the solution.
-    ///
-    /// The field `predicted_covariance` of a landmark edge is the covariance of the relative pose of its two nodes; every
-    /// landmark edge with a measurement gets it, rejected or not. The field `covariance` of a node is the covariance of its
-    /// pose relative to the first node of its component, or given the fixed nodes.
+    /// Write marginal covariances at the solution
     #[arg(long, value_enum, value_name = "OF")]
     pub marginals: Option<MarginalsOf>,
 

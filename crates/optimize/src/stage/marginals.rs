@@ -13,9 +13,9 @@ use crate::{Marginals, PoseGroup, Problem, Solution};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum MarginalsOf {
-    /// `predicted_covariance` on landmark edges
+    /// `predicted_covariance` of the relative pose of its nodes on every landmark edge with a measurement, rejected or not
     Landmark,
-    /// `covariance` on nodes
+    /// `covariance` of the pose on every node, relative to the first node of its component or given its fixed nodes
     Poses,
     /// Both
     All,
