@@ -129,7 +129,7 @@ impl Fault {
 fn excerpt(said: &str, stage: &str) -> Option<String> {
     let lines: Vec<&str> = said.lines().collect();
     let start = lines.iter().position(|line| line.starts_with("FAILED in stage"))?;
-    let end = lines.iter().position(|line| line.starts_with("If the change is meant"))?;
+    let end = lines.iter().position(|line| line.starts_with("If the change is intended"))?;
     lines.get(start).filter(|line| line.contains(&format!("`{stage}`")))?;
     let cut = |line: &&str| match line.chars().count() {
         0..=WIDTH => (*line).to_owned(),
@@ -146,7 +146,7 @@ mod tests {
     fn the_excerpt_starts_where_the_stage_is_blamed() {
         let long = "x".repeat(200);
         let said =
-            format!("before\nFAILED in stage `pcm`: 1 file\n{long}\nIf the change is meant, …\nafter\n");
+            format!("before\nFAILED in stage `pcm`: 1 file\n{long}\nIf the change is intended, …\nafter\n");
         let text = excerpt(&said, "pcm").unwrap();
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 3);
