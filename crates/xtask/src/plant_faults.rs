@@ -15,9 +15,9 @@ use crate::process::{must, visibly};
 /// Plant faults, each one changed line in a copy of the sources, and check that `make check-results` blames its stage
 #[derive(Args)]
 pub(crate) struct PlantFaults {
-    /// Plant the faults of these stages alone: pcm, multicut, construct
+    /// Plant only the faults of these stages: pcm, multicut, construct
     stages: Vec<String>,
-    /// Put the output of the check into docs/experiments.md
+    /// Write the output of the check into docs/experiments.md
     #[arg(long)]
     write: bool,
 }
@@ -64,7 +64,7 @@ impl PlantFaults {
             |fault: &&Fault| self.stages.is_empty() || self.stages.iter().any(|stage| stage == fault.stage);
         for fault in FAULTS.iter().filter(asked) {
             let Some(text) = fault.blamed(&fault.plant()?)? else {
-                eprintln!("the fault in {} is not blamed on it", fault.stage);
+                eprintln!("the check does not blame the stage {} for its fault", fault.stage);
                 return Ok(Verdict::Fails);
             };
             println!("{text}\n");
@@ -92,7 +92,11 @@ impl Fault {
             std::fs::read_to_string(&path).with_context(|| format!("{}: cannot be read", self.file))?;
         let times = text.matches(self.right).count();
         if times != 1 {
-            bail!("{} has {times} times, not once: {}", self.file, self.right);
+            bail!(
+                "{}: must contain this text once, but contains it {times} times: {}",
+                self.file,
+                self.right
+            );
         }
         std::fs::write(&path, text.replace(self.right, self.wrong))?;
         let target = copy.join("target");
