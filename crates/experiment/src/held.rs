@@ -49,7 +49,7 @@ fn resolved(path: &Path) -> anyhow::Result<PathBuf> {
         match std::fs::canonicalize(start) {
             Ok(real) => return Ok(missing.iter().rev().fold(real, |real, part| real.join(part))),
             Err(_) if start.is_symlink() => {
-                bail!("{}: is a link to a file that does not exist; remove it", start.display())
+                bail!("{}: is a link that cannot be followed; remove it", start.display())
             }
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
                 let part = existing.components().next_back().with_context(place)?;

@@ -20,7 +20,7 @@ pub fn accept(expected: &Expected, plan: &Plan, results: &Path) -> anyhow::Resul
     for row in measure(plan, &expected.cover, results) {
         let found = match row.found {
             Ok(found) => found,
-            Err(error) => bail!("nothing was recorded, because a result cannot be read: {error}"),
+            Err(error) => bail!("nothing was recorded, because a result cannot be used: {error}"),
         };
         for name in found.close.keys() {
             expected.tolerance_of(name)?;
