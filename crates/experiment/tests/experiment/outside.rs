@@ -85,7 +85,7 @@ fn task_lists_that_leave_the_folder_of_results_are_refused() {
     workshop.write("plan.jsonl", &list.replace("results/", "elsewhere/"));
     let output = workshop.call("plan", &["plan.jsonl", "--results", "elsewhere"]);
     // If the command line names the folder, only the digests are wrong.
-    assert!(String::from_utf8_lossy(&output.stderr).contains("plan again"));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("run `plan` again"));
 }
 
 #[cfg(unix)]

@@ -88,7 +88,7 @@ fn the_cost_of_gnc_was_taken_for_the_input_file() {
     for arguments in [&["--gnc", "geman-mcclure", "graph.jsonl"][..], &["-q", "--gnc", "tls"]] {
         let error = fail(arguments);
         let cost = arguments.iter().find(|word| ["geman-mcclure", "tls"].contains(word)).unwrap();
-        assert!(error.contains(&format!("write --gnc={cost} ")), "{error}");
+        assert!(error.contains(&format!("write --gnc={cost},")), "{error}");
         assert_eq!(error.lines().count(), 1, "{error}");
     }
     // Both documented uses, with a file after them.

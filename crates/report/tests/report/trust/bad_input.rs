@@ -54,7 +54,7 @@ fn bad_input_is_refused_with_file_line_and_field() {
         (
             good.replace("\"half\":\"test\"", "\"half\":\"tuning\"").replace("\"one\"", "\"two\""),
             [
-                "label `half` of the run pipeline trust, seed 1, session f a is \"test\", and",
+                "label `half` of the run pipeline trust, seed 1, session f a is \"test\", but",
                 "line 2 has \"tuning\" for the same run",
             ],
         ),
