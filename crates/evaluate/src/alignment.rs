@@ -4,7 +4,8 @@ use nalgebra::{Matrix2, Matrix3, Rotation3, Vector2, Vector3};
 use serde::Serialize;
 
 /// Which motions an alignment may use.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Freedom {
     /// None: the poses are compared as they stand
     #[serde(rename = "none")]

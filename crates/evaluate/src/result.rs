@@ -14,10 +14,12 @@ use crate::summary::Summary;
 use crate::trajectory::{AbsoluteError, Match, RelativeError, align, errors, relative_error};
 
 /// Whether sessions are aligned together or each by itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Scope {
     /// One alignment for all poses: a session in the wrong place counts as an error
+    #[default]
     Joint,
     /// One alignment a session: only its shape counts
     PerSession,
@@ -37,23 +39,35 @@ impl Scope {
 }
 
 /// The options of evaluation.
-#[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct Options {
     /// Motions that the alignment may use; SE(2) for planar graphs and SE(3) for others unless given
-    #[arg(long, value_enum)]
+    #[cfg_attr(feature = "cli", arg(long, value_enum))]
     pub align: Option<Freedom>,
 
     /// Which poses share one alignment
-    #[arg(long, value_enum, default_value_t = Scope::Joint)]
+    #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t = Options::DEFAULT.scope))]
     pub scope: Scope,
 
     /// Frames over which relative errors are taken
-    #[arg(long, value_name = "FRAMES", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FRAMES", default_value_t = Options::DEFAULT.rpe_delta, value_parser = clap::value_parser!(u32).range(1..)))]
     pub rpe_delta: u32,
 
     /// NAME=VALUE, kept in the result for tables; may be given several times
-    #[arg(long = "label", value_name = "NAME=VALUE")]
+    #[cfg_attr(feature = "cli", arg(long = "label", value_name = "NAME=VALUE"))]
     pub labels: Vec<String>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+impl Options {
+    /// One alignment for all poses by the motions of the graph's dimension, and relative errors from frame to frame.
+    pub const DEFAULT: Self = Self { align: None, scope: Scope::Joint, rpe_delta: 1, labels: Vec::new() };
 }
 
 /// The result of an evaluation.
