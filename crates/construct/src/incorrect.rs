@@ -8,7 +8,7 @@ mod uniform;
 
 use std::collections::HashSet;
 
-use posecut_stage::ChaCha8Rng;
+use posecut_random::ChaCha8Rng;
 use serde::Serialize;
 
 pub(crate) use claims::Claims;
@@ -17,7 +17,8 @@ use crate::viewpoint::{Headed, Viewpoint};
 use crate::{ConstructError, Options};
 
 /// How incorrect landmark edges come about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum IncorrectKind {
     /// Each by itself, uniform over all pairs of distant viewpoints (the paper's)

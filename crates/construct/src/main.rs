@@ -3,9 +3,9 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use posecut_construct::{Landmarks, MatchMeasurement, Options, construct, read_matches};
+use posecut_construct::{Construction, Landmarks, MatchMeasurement, Options, construct, read_matches};
 use posecut_stage::{
-    CommonArguments, Context, Doubt, Identity, Outcome, Phase, Place, Source, run_with_doubts,
+    CommonArguments, Context, Doubt, Identity, Outcome, Phase, Place, Source, info, run_with_doubts,
 };
 
 #[derive(Parser)]
@@ -49,14 +49,46 @@ fn main() -> ExitCode {
                     Landmarks::Matches { matches: read_matches(&file, &bytes)?, file }
                 }
             };
-            let (mut graph, statistics) = construct(graphs, &landmarks, &command.options)?;
-            context.statistics = statistics;
+            let construction = construct(graphs, &landmarks, &command.options)?;
+            report(&construction, &landmarks, &command.options, context);
+            let mut graph = construction.graph;
             doubt(&landmarks, &command.options, context);
             context.record_provenance(&mut graph, &command.options, Some(command.options.seed))?;
             context.write_graph(&graph)?;
             Ok(Outcome::Done)
         },
     )
+}
+
+/// Reports the edges on standard error and in the statistics.
+fn report(construction: &Construction, landmarks: &Landmarks, options: &Options, context: &mut Context) {
+    let Construction { graph, chains, counts } = construction;
+    let statistics = &mut context.statistics;
+    if let Some(chains) = chains {
+        statistics.note("odometry_gaps", options.odometry_gaps);
+        statistics.note("chains", chains);
+    }
+    statistics.note("sessions", graph.sessions());
+    statistics.note("nodes", graph.nodes.len());
+    statistics.note("nodes_with_truth", counts.nodes_with_truth);
+    statistics.note("landmark_edges", counts.landmark_edges);
+    statistics.note("correct_edges", counts.correct_edges);
+    statistics.note("incorrect_edges", counts.incorrect_edges);
+    match landmarks {
+        Landmarks::Truth => {
+            info!("{} correct landmark edges, {} incorrect", counts.correct_edges, counts.incorrect_edges);
+            statistics.note("incorrect_kind", options.incorrect_kind);
+        }
+        Landmarks::Matches { matches, .. } => info!(
+            "{} matches, of which {} are correct and {} incorrect by ground truth",
+            matches.len(),
+            counts.correct_edges,
+            counts.incorrect_edges
+        ),
+    }
+    if let Some(groups) = counts.incorrect_groups {
+        statistics.note("incorrect_groups", groups);
+    }
 }
 
 /// Records a doubt if edges are made from a list of matches, because a list has no covariances.

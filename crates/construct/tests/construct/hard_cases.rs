@@ -12,7 +12,7 @@ use proptest::prelude::*;
 use crate::rounds::{construct, landmarks, options, rounds, there_and_back, truth};
 
 fn built(options: &Options) -> PoseGraph {
-    construct(vec![rounds("s", 314)], options).unwrap().0
+    construct(vec![rounds("s", 314)], options).unwrap()
 }
 
 fn refusal(options: &Options) -> String {
@@ -124,7 +124,7 @@ fn places_seen_from_the_other_side_are_correct_edges_where_asked_for() {
     let error = construct(graphs(), &Options { minimum_interval: 9.0, ..options() }).unwrap_err().to_string();
     assert!(error.starts_with("no two viewpoints"), "{error}");
     let asked = Options { minimum_interval: 9.0, opposite_direction: true, ..options() };
-    let graph = construct(graphs(), &asked).unwrap().0;
+    let graph = construct(graphs(), &asked).unwrap();
     let right = landmarks(&graph, true);
     assert!(right.len() > 90, "{}", right.len());
     for (from, to) in right {

@@ -11,7 +11,9 @@ fn build(list: &str, names: &[&str], options: &Options) -> Result<PoseGraph, Str
     let matches = read_matches("list.csv", list.as_bytes()).map_err(|error| error.to_string())?;
     let landmarks = Landmarks::Matches { file: "list.csv".to_owned(), matches };
     let graphs = names.iter().map(|name| rounds(name, 200)).collect();
-    construct(graphs, &landmarks, options).map(|(graph, _)| graph).map_err(|error| error.to_string())
+    construct(graphs, &landmarks, options)
+        .map(|construction| construction.graph)
+        .map_err(|error| error.to_string())
 }
 
 #[test]
