@@ -1,7 +1,5 @@
 //! CSV tables of NCLT: a time and then numbers, without a header.
 
-use posecut_stage::ProgressBar;
-
 use crate::IngestError;
 
 /// The usable rows of one file, in ascending order of time.
@@ -29,12 +27,12 @@ impl Table {
     ///
     /// Rows with NaN are left out and counted (NCLT's ground truth starts with some). So are rows whose time does not
     /// advance; if they are more than one in a hundred, that is an error. A row that is too short or has a field that
-    /// is not a number is an error that names its line.
+    /// is not a number is an error that names its line. `parsed` is told the number of further bytes, each MiB.
     pub fn parse(
         file: &str,
         bytes: &[u8],
         columns: usize,
-        progress: &ProgressBar,
+        parsed: &mut dyn FnMut(u64),
     ) -> Result<Self, IngestError> {
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
@@ -67,7 +65,7 @@ impl Table {
             }
             let position = record.position().map_or((0, 0), |place| (place.line(), place.byte()));
             if position.1 > reported + (1 << 20) {
-                progress.inc(position.1 - reported);
+                parsed(position.1 - reported);
                 reported = position.1;
             }
             let Some((time, row)) = parse_row(file, position.0, &record, columns)? else {
@@ -86,7 +84,7 @@ impl Table {
             table.times.push(time);
             table.rows.push(row);
         }
-        progress.inc((bytes.len() as u64).saturating_sub(reported));
+        parsed((bytes.len() as u64).saturating_sub(reported));
         table.check(reversed)?;
         Ok(table)
     }
@@ -175,7 +173,7 @@ mod tests {
     use super::*;
 
     fn parse(text: &str) -> Result<Table, IngestError> {
-        Table::parse("wheels.csv", text.as_bytes(), 2, &ProgressBar::hidden())
+        Table::parse("wheels.csv", text.as_bytes(), 2, &mut |_| ())
     }
 
     #[test]
