@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 use petgraph::graph::NodeIndex;
-use posecut_stage::ChaCha8Rng;
+use posecut_random::ChaCha8Rng;
 use rand::RngExt as _;
 use serde::Serialize;
 
@@ -22,7 +22,8 @@ const TURN_ROUND: f64 = 0.04;
 const NOVELTY: f64 = 0.6;
 
 /// Which way a robot takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Route {
     /// A random walk, which revisits places in both directions
