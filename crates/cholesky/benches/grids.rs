@@ -50,7 +50,7 @@ fn measure<const D: usize>(criterion: &mut Criterion, name: &str, sides: [usize;
         });
     });
     group.bench_function(BenchmarkId::from_parameter("selected inverse"), |bencher| {
-        bencher.iter(|| SelectedInverse::new(&symbolic, &factor));
+        bencher.iter(|| SelectedInverse::new(&symbolic, &mut factor));
     });
     group.finish();
 }

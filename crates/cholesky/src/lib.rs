@@ -57,7 +57,7 @@
 //! factor.solve(&symbolic, &mut values);
 //! assert!((values[1].x - 5.0 / 7.0).abs() < 1e-15);
 //!
-//! let inverse = SelectedInverse::new(&symbolic, &factor);
+//! let inverse = SelectedInverse::new(&symbolic, &mut factor);
 //! let block = inverse.block(&symbolic, 1, 1).expect("the factor has every diagonal block");
 //! assert!((block[(0, 0)] - 3.0 / 7.0).abs() < 1e-15);
 //! # Ok::<(), posecut_cholesky::Breakdown>(())
@@ -72,7 +72,7 @@ mod symbolic;
 
 pub use adjacency::Adjacency;
 pub use fronts::breakdown::Breakdown;
-pub use fronts::factor::{Factor, SINGULAR};
+pub use fronts::factor::{Factor, Memory, SINGULAR};
 pub use inverse_column::Workspace;
 pub use selected_inverse::SelectedInverse;
 pub use symbolic::Symbolic;

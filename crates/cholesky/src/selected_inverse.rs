@@ -9,12 +9,12 @@ use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_uppe
 use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::SMatrix;
 
-use crate::fronts::factor::Factor;
+use crate::fronts::factor::{Factor, resized};
 use crate::symbolic::{Front, Symbolic};
 
 /// The blocks of `A^-1` wherever the factor of `A` has one, which includes the pattern of `A`.
 pub struct SelectedInverse<const D: usize> {
-    panels: Vec<f64>,
+    pub(crate) panels: Vec<f64>,
 }
 
 impl<const D: usize> std::fmt::Debug for SelectedInverse<D> {
@@ -28,21 +28,24 @@ impl<const D: usize> SelectedInverse<D> {
     ///
     /// With a front's columns `[L; M]`, and `Z_RR` the inverse over the rows `R` below, known from the parent:
     /// `Z_RJ = -Z_RR W` and `Z_JJ = L^-T L^-1 - W^T Z_RJ`, where `W = M L^-1`.
-    pub fn new(symbolic: &Symbolic, factor: &Factor<D>) -> Self {
-        let mut panels = vec![0.0; factor.panels.len()];
+    ///
+    /// The factor is only changed in memory that every factorisation overwrites.
+    pub fn new(symbolic: &Symbolic, factor: &mut Factor<D>) -> Self {
+        let Factor { panels: factor, stacks, inverse, .. } = factor;
+        let mut panels = resized(std::mem::take(inverse), factor.len());
         // A child's `Z_RR` is stored where its update matrix was. Fronts come in the opposite order, so the stacks still fit.
-        let mut stacks = symbolic.stack_blocks.map(|blocks| vec![0.0; blocks * D * D]);
         let largest = symbolic.fronts.iter().map(|front| front.below() * front.columns).max().unwrap_or(0);
         let mut product = vec![0.0; largest * D * D];
         // Parents come first: the inverse over a front's rows is part of the inverse over its parent's columns and rows.
         for front in symbolic.fronts.iter().rev() {
             let range = front.panel * D * D..(front.panel + front.columns * front.height()) * D * D;
             let panel = &mut panels[range.clone()];
-            let [even, odd] = &mut stacks;
+            panel.fill(0.0);
+            let [even, odd] = &mut *stacks;
             let (own, others) = if front.stack == 0 { (&*even, odd) } else { (&*odd, even) };
             let below = front.below() * D;
             let corner = &own[front.update * D * D..][..below * below];
-            invert_front(&factor.panels[range], panel, corner, front.columns * D, &mut product);
+            invert_front(&factor[range], panel, corner, front.columns * D, &mut product);
             for &child in &symbolic.children[front.children.clone()] {
                 let child = &symbolic.fronts[child];
                 let order = child.below() * D;

@@ -78,7 +78,7 @@ fn temporary_folder() -> anyhow::Result<TempDir> {
     tempfile::tempdir_in(&parent).with_context(|| {
         // Escape the path, because the environment variable may hold line breaks.
         let place = parent.to_string_lossy().escape_debug().to_string();
-        format!("{place}: no temporary folder can be made there; name another one by TMPDIR")
+        format!("{place}: cannot hold a temporary folder; set TMPDIR to another folder")
     })
 }
 
@@ -93,7 +93,7 @@ fn remove(folder: TempDir) {
 /// The graph that a run wrote, or the reason why there is none.
 fn graph_of(run: &Run) -> Result<PoseGraph, String> {
     if !run.succeeded() {
-        return Err(format!("on a sound graph: {}", run.said()));
+        return Err(format!("on a valid graph: {}", run.said()));
     }
     PoseGraph::read("its output", run.stdout.as_slice()).map_err(|error| error.to_string())
 }
@@ -111,7 +111,7 @@ pub fn check(program: &Program) -> anyhow::Result<Report> {
     let mut checks = Vec::new();
     for check in all.into_iter().flatten() {
         let outcome = if check.works_on_output && bench.output.is_err() {
-            Outcome::Skipped("it makes no graph of the sample".to_owned())
+            Outcome::Skipped("the program writes no valid graph for the sample".to_owned())
         } else {
             match (check.test)(&bench)? {
                 Ok(()) => Outcome::Passed,

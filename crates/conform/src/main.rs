@@ -8,7 +8,7 @@ use clap::Parser;
 use posecut_conform::{Program, check};
 use posecut_stage::{CommonArguments, Identity, Outcome, Phase, Place, run};
 
-/// How the report is written.
+/// The format of the report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Format {
     /// For people
@@ -19,17 +19,17 @@ enum Format {
 
 /// `--strict` of all programs has a meaning of its own here, where no doubts arise.
 #[derive(Parser)]
-#[command(mut_arg("strict", |strict| strict.help("Fail on advice too: exit status 1").help_heading(None)))]
+#[command(mut_arg("strict", |strict| strict.help("Exit with status 1 for advice too").help_heading(None)))]
 struct Command {
     /// The program and its own options, after `--`
     #[arg(value_name = "PROGRAM", last = true, required = true)]
     program: Vec<String>,
 
-    /// How the report is written; JSON for an output named .json unless given
+    /// Write the report in this format [default: json for an output named .json, text for any other]
     #[arg(long, value_enum)]
     format: Option<Format>,
 
-    /// Seconds that one run of the program may take
+    /// End a run of the program after this many seconds, and fail its check
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
     time_limit: f64,
 
@@ -41,7 +41,7 @@ fn main() -> ExitCode {
     let identity = Identity {
         name: "conform",
         version: env!("CARGO_PKG_VERSION"),
-        about: "Hold a program to the contract of posecut's stages, and report",
+        about: "Check a program against the contract of posecut's stages",
         place: Place(Phase::Runs, 20),
     };
     run::<Command>(
@@ -50,7 +50,7 @@ fn main() -> ExitCode {
         |command, context| {
             let limit = Duration::try_from_secs_f64(command.time_limit).map_err(|_| {
                 anyhow::anyhow!(
-                    "--time-limit is {}, and must be a positive number of seconds",
+                    "--time-limit is {}, but must be a positive number of seconds",
                     command.time_limit
                 )
             })?;

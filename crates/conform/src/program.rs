@@ -44,10 +44,10 @@ impl Run {
     pub fn said(&self) -> String {
         let lines = || self.stderr.lines().filter(|line| !line.trim().is_empty());
         // In a traceback, the last line names the error.
-        let told = if self.stderr.contains("Traceback") { lines().next_back() } else { lines().next() };
-        match told {
-            Some(line) => format!("{}; it said: {line}", self.ending),
-            None => format!("{}; it said nothing", self.ending),
+        let line = if self.stderr.contains("Traceback") { lines().next_back() } else { lines().next() };
+        match line {
+            Some(line) => format!("{}; its message: {line}", self.ending),
+            None => format!("{}; no message", self.ending),
         }
     }
 }
@@ -81,7 +81,7 @@ impl Program {
             .stderr(Stdio::piped())
             .spawn()
             .with_context(|| {
-                format!("{name}: cannot be started; name an executable file, or a command of the PATH")
+                format!("{name}: cannot be started; name an executable file, or a command on the PATH")
             })?;
         let mut stdin = child.stdin.take().context("the program's input is a pipe")?;
         let stdout = child.stdout.take().context("the program's output is a pipe")?;
@@ -130,10 +130,10 @@ fn all_of(mut stream: impl Read) -> Vec<u8> {
 
 /// The ending in words, and whether the signal of a closed pipe caused it. Shells report that signal as status 128 + 13.
 fn describe(status: Option<ExitStatus>) -> (String, bool) {
-    let Some(status) = status else { return ("the time limit ended it".to_owned(), false) };
+    let Some(status) = status else { return ("time limit reached".to_owned(), false) };
     #[cfg(unix)]
     if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
-        return (format!("signal {signal} ended it"), signal == 13);
+        return (format!("ended by signal {signal}"), signal == 13);
     }
     let code = status.code().unwrap_or(-1);
     (format!("exit status {code}"), code == 128 + 13)

@@ -110,7 +110,7 @@ impl Report {
             }
         }
         if let Some((rejected, all)) = self.rejected {
-            text += &format!("\nOf the sample's {all} landmark edges it rejected {rejected}.\n");
+            text += &format!("\nThe program rejected {rejected} of the sample's {all} landmark edges.\n");
         }
         let [passed, failed, advice, skipped] = self.figures().map(|(_, count)| count);
         let verdict = if self.conforms(false) { "conforms" } else { "does not conform" };

@@ -20,7 +20,7 @@ pub fn program(name: &str) -> PathBuf {
     let folder =
         test.parent().and_then(Path::parent).expect("tests lie in target/PROFILE/deps, examples beside");
     let path = folder.join(format!("posecut-{name}{}", std::env::consts::EXE_SUFFIX));
-    assert!(path.is_file(), "{} is not built; run the tests by `make test`", path.display());
+    assert!(path.is_file(), "{} is not built; run the tests with `make test`", path.display());
     path
 }
 

@@ -142,7 +142,7 @@ fn rows(name: String) -> Vec<Row> {
     let calls = calls.unwrap_or_else(|| vec![graph()]);
     assert!(
         !calls.is_empty(),
-        "{}: `calls` is empty, so nothing holds the program to the contract",
+        "{}: `calls` is empty, so no test checks the program against the contract; declare at least one call",
         path.display()
     );
     let row = |call: Call| {

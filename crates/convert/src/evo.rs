@@ -46,7 +46,7 @@ pub fn write(
     let Some(summary) = Summary::of(&distances) else {
         return Err(ConvertError::graph(
             "no node has a time (utime) and a pose in both graphs",
-            "evo's results go by time; the ids of both graphs must mean the same nodes",
+            "evo's results need times, and ids that mean the same nodes in both graphs",
         ));
     };
     let turn = UnitQuaternion::from_rotation_matrix(&alignment.rotation);
@@ -79,7 +79,7 @@ pub fn write(
         ("estimate.tum", trajectory(&timed, &aligned)),
     ];
     archive(&files).map_err(|error| {
-        ConvertError::graph(format!("the archive cannot be made: {error}"), "name another format")
+        ConvertError::graph(format!("the archive cannot be written: {error}"), "choose another format")
     })
 }
 

@@ -15,7 +15,7 @@ pub enum FileFormat {
     Tum,
     /// KITTI trajectories (.kitti): 3x4 matrices, row by row
     Kitti,
-    /// Results of evo (.zip): the error of the poses against --reference; written only
+    /// evo results (.zip): the error of the poses against --reference; only as output
     Evo,
 }
 

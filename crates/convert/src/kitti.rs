@@ -27,7 +27,7 @@ pub fn read(file: &str, reader: impl BufRead, session: &str) -> Result<PoseGraph
             return Err(ConvertError::line(
                 file,
                 place,
-                format!("the first three columns are no rotation (off by {off:.1e})"),
+                format!("the first three columns are not a rotation matrix (off by {off:.1e})"),
                 "the order is r11 r12 r13 x r21 r22 r23 y r31 r32 r33 z",
             ));
         }
@@ -60,8 +60,8 @@ pub fn write(graph: &PoseGraph, poses: Poses, session: Option<&str>) -> Result<V
     }
     if text.is_empty() {
         return Err(ConvertError::graph(
-            "no node has the poses asked for",
-            "optimise the graph first, or ask for --poses truth",
+            "no node has a pose of the kind that --poses selects",
+            "optimise the graph first, or use --poses truth",
         ));
     }
     Ok(text.into_bytes())

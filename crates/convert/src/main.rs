@@ -10,22 +10,22 @@ use posecut_convert::{FileFormat, Repair, evo, g2o, kitti, toro, tum};
 use posecut_evaluate::alignment::Freedom;
 use posecut_graph::{InputDigest, PoseGraph};
 use posecut_stage::{
-    CommonArguments, Context, Doubt, Identity, Outcome, Phase, Place, Source, info, open, run_with_doubts,
-    warn,
+    CommonArguments, Context, Doubt, Identity, Outcome, Phase, Place, Source, counted, info, open,
+    run_with_doubts, warn,
 };
 use serde::Serialize;
 
 #[derive(Parser)]
 struct Command {
-    /// The file to read; `-` is standard input. Several g2o or TORO files, such as one a robot, become one graph
+    /// The file to read; `-` is standard input. Several g2o or TORO files (such as one per robot) become one graph
     #[arg(value_name = "INPUT", default_value = "-")]
     inputs: Vec<Source>,
 
-    /// Format of the input; by its name unless given
+    /// Read this format [default: by the name of the input, JSON Lines for standard input]
     #[arg(long, value_enum)]
     from: Option<FileFormat>,
 
-    /// Format of the output; by its name unless given, JSON Lines for standard output
+    /// Write this format [default: by the name of the output, JSON Lines for standard output]
     #[arg(long, value_enum)]
     to: Option<FileFormat>,
 
@@ -36,19 +36,19 @@ struct Command {
     #[arg(long)]
     keep_rejected: bool,
 
-    /// Which poses trajectories are made of
+    /// Write trajectories of these poses
     #[arg(long, value_enum, default_value_t = Poses::Estimate)]
     poses: Poses,
 
-    /// Write the trajectory of this session alone
+    /// Write the trajectory of this session only
     #[arg(long, value_name = "NAME")]
     only_session: Option<String>,
 
-    /// For evo's results: the graph with the poses to compare with
+    /// Compare with the poses of this graph, for evo's results
     #[arg(long, value_name = "FILE")]
     reference: Option<Source>,
 
-    /// For evo's results: motions that the alignment may use; SE(2) for planar graphs and SE(3) for others unless given
+    /// Align by these motions, for evo's results [default: se2 for planar graphs, se3 for spatial graphs]
     #[arg(long, value_enum)]
     align: Option<Freedom>,
 
@@ -58,7 +58,7 @@ struct Command {
 
 #[derive(clap::Args, Serialize)]
 struct Reading {
-    /// Name of the session for files that name none
+    /// Use this session name for files that name no session
     #[arg(long, value_name = "NAME", default_value = "0")]
     session: String,
 
@@ -66,7 +66,7 @@ struct Reading {
     #[arg(long)]
     repair_information: bool,
 
-    /// Leave lines of unknown type out instead of refusing them
+    /// Skip lines of unknown type instead of refusing them
     #[arg(long)]
     skip_unknown: bool,
 }
@@ -111,7 +111,7 @@ fn main() -> ExitCode {
 fn by_name(path: &Path, option: &str) -> anyhow::Result<FileFormat> {
     let Some(format) = FileFormat::of_name(path) else {
         bail!(
-            "{}: its name does not tell its format; say {option} jsonl, g2o, toro, tum, kitti or evo",
+            "{}: the name does not determine the format; set {option} to jsonl, g2o, toro, tum, kitti or evo",
             path.display()
         );
     };
@@ -136,7 +136,7 @@ fn read(command: &Command, from: FileFormat, context: &mut Context) -> anyhow::R
     let graph = match from {
         FileFormat::Tum => tum::read(&name, &mut input, session)?,
         FileFormat::Evo => bail!(
-            "{name}: evo's results hold errors and no graph, and are written only; read the trajectories that they were made from"
+            "{name}: evo's results contain errors, not a graph, and can only be written; read the trajectories that they compare"
         ),
         _ => kitti::read(&name, &mut input, session)?,
     };
@@ -171,7 +171,7 @@ fn report(name: &str, summary: &g2o::ReadSummary, context: &mut Context) {
         context.doubt(
             Doubt::CovarianceInvented,
             format!(
-                "{name}: {} not positive semidefinite, negative eigenvalues set to zero; export the sensor's own covariances",
+                "{name}: {} not positive semidefinite, so negative eigenvalues are set to zero; export the sensor's own covariances",
                 match summary.repaired {
                     1 => "1 information matrix is".to_owned(),
                     count => format!("{count} information matrices are"),
@@ -181,15 +181,16 @@ fn report(name: &str, summary: &g2o::ReadSummary, context: &mut Context) {
     }
     if let Some((line, from, to)) = summary.first_open {
         warn!(
-            "{name}: {} of the information matrices may be singular within the rounding of their printed digits, first that of edge {from} {to} in line {line}; they are taken as they stand",
-            summary.open
+            "{name}: {} with an information matrix that may be singular within the rounding of its printed digits (first: edge {from} {to} in line {line}); used unchanged",
+            counted(summary.open, "edge")
         );
     }
     for (tag, count) in &summary.skipped {
-        warn!("{name}: {count} lines of type {tag} left out");
+        warn!("{name}: skipped {} of type {tag}", counted(*count, "line"));
     }
     if summary.without_vertex > 0 {
-        info!("{name}: {} nodes have no vertex, and so no pose to start from", summary.without_vertex);
+        let nodes = counted(summary.without_vertex, "node");
+        info!("{name}: added {nodes} without a pose, because edges name them but no vertex line does");
     }
     context.statistics.note("repaired_information", summary.repaired);
     context.statistics.note("open_information", summary.open);
@@ -209,7 +210,7 @@ fn write(
         FileFormat::Kitti => kitti::write(graph, command.poses, session)?,
         FileFormat::Evo => {
             let Some(reference) = &command.reference else {
-                bail!("evo's results compare two graphs; name the other one by --reference FILE");
+                bail!("evo's results compare two graphs; name the second one with --reference FILE");
             };
             let reference = context.read_graph(reference, "reference")?;
             evo::write(graph, &reference, command.align, session)?
@@ -222,8 +223,9 @@ fn write(
             };
             if summary.rejected + summary.unmeasured > 0 {
                 info!(
-                    "{} rejected edges and {} without measurement left out (--keep-rejected writes the former)",
-                    summary.rejected, summary.unmeasured
+                    "omitted {} and {} without a measurement (--keep-rejected writes rejected edges)",
+                    counted(summary.rejected, "rejected edge"),
+                    counted(summary.unmeasured, "edge")
                 );
             }
             context.statistics.note("rejected_left_out", summary.rejected);

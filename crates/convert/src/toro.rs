@@ -65,8 +65,11 @@ pub fn write(graph: &PoseGraph, keep_rejected: bool) -> Result<(Vec<u8>, WriteSu
         let mut numbers = pose_to_toro(dimension, measurement);
         let perturbation = perturbation(dimension, &numbers).ok_or_else(|| {
             ConvertError::graph(
-                format!("{}: its pitch is a right angle, where roll and yaw are one", edge.name()),
-                "TORO's roll, pitch and yaw cannot hold its information; write g2o",
+                format!(
+                    "{}: the measured pitch is a right angle, where roll and yaw are indistinguishable",
+                    edge.name()
+                ),
+                "TORO cannot represent the information matrix there; write g2o",
             )
         })?;
         let information = unpack(dimension, information);

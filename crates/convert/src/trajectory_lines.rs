@@ -39,7 +39,7 @@ pub(crate) fn numbers<'a>(
                 file,
                 place,
                 format!("expected {}, found {}", layout.described, fields.len()),
-                format!("the line is cut short, or the file is no {} trajectory", layout.format),
+                format!("the line is cut short, or the file is not a {} trajectory", layout.format),
             )));
         }
         let parsed: Result<Vec<f64>, _> = fields.iter().map(|field| number(file, place, field)).collect();

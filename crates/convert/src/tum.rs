@@ -46,19 +46,23 @@ pub fn read(file: &str, reader: impl BufRead, session: &str) -> Result<PoseGraph
             ));
         }
         let time = microseconds(numbers[0]).ok_or_else(|| {
-            let problem =
-                format!("the time {:?} s is beyond what microseconds in 64 bits can count", numbers[0]);
-            ConvertError::line(file, place, problem, "the first number of a line is seconds; correct it")
+            let problem = format!("the time {:?} s does not fit into 64 bits of microseconds", numbers[0]);
+            ConvertError::line(
+                file,
+                place,
+                problem,
+                "correct the first number of the line, the time in seconds",
+            )
         })?;
         if let Some((before, line)) = last.replace((time, place))
             && time <= before
         {
-            let relation = if time == before { "that" } else { "before that" };
+            let relation = if time == before { "the same as in" } else { "before that of" };
             return Err(ConvertError::line(
                 file,
                 place,
-                format!("the time {} s is {relation} of line {line}, in microseconds", numbers[0]),
-                "a trajectory has one pose for each time; sort the lines, and keep one of those with one time",
+                format!("the time {} s is {relation} line {line}, in microseconds", numbers[0]),
+                "sort the lines by time, and keep one pose for each time",
             ));
         }
         let id = graph.nodes.len() as u64;
@@ -80,7 +84,7 @@ pub fn write(graph: &PoseGraph, poses: Poses, session: Option<&str>) -> Result<V
         spatial_poses(graph, poses, session).filter_map(|(node, pose)| Some((node.utime?, pose))).collect();
     if lines.is_empty() {
         return Err(ConvertError::graph(
-            "no node has both a time (utime) and the poses asked for",
+            "no node has both a time (utime) and a pose of the kind that --poses selects",
             "TUM files need times; write g2o or KITTI instead",
         ));
     }

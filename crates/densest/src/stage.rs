@@ -16,9 +16,9 @@ use crate::{Affinity, densest_clique};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Weight {
-    /// exp(-d^2 / 2 sigma^2) of its Mahalanobis distance d
+    /// exp(-d^2 / (2 sigma^2)), where d is the pair's Mahalanobis distance
     Gaussian,
-    /// 1: the densest clique is then the largest
+    /// 1 for every pair, so that the densest clique is the largest
     None,
 }
 
@@ -26,37 +26,38 @@ pub enum Weight {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Select {
-    /// All of it
+    /// All of them
     Clique,
-    /// Its densest part alone: as many edges as the density rounds to, those that agree best (CLIPPER)
+    /// Only the N edges that agree best, where N is the rounded density (CLIPPER)
     Rounded,
 }
 
 /// The options of the densest clique.
 #[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
 pub struct Options {
-    /// Probability with which a pair of correct edges counts as consistent
+    /// Treat pairs of edges beyond this chi-square probability as inconsistent
     #[arg(long, value_name = "P", default_value_t = 0.99)]
     pub probability: f64,
 
-    /// How much a consistent pair counts
+    /// Choose the weight of a consistent pair
     #[arg(long, value_enum, default_value_t = Weight::Gaussian)]
     pub weight: Weight,
 
-    /// Width sigma of the weight in standard deviations; default is the root of the degrees of freedom, 1.73 in the plane and
-    /// 2.45 in space: the typical distance of a correct pair
+    /// Set the width sigma of the Gaussian weight, in standard deviations [default: 1.73 in 2D, 2.45 in 3D].
+    ///
+    /// The default is the square root of the degrees of freedom: the typical distance of a correct pair.
     #[arg(long, value_name = "SIGMA")]
     pub spread: Option<f64>,
 
-    /// Which part of the clique is kept
+    /// Choose which edges of the clique to keep
     #[arg(long, value_enum, default_value_t = Select::Clique)]
     pub select: Select,
 
-    /// Local maxima to look for, the first from the degrees, the others from random starts
+    /// Climb from this many starts: the vertex degrees first, then random vectors
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..))]
     pub starts: u32,
 
-    /// Seed of the random starts
+    /// Set the seed of the random starts
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     pub seed: u64,
 }

@@ -26,7 +26,7 @@ pub(crate) fn call(task: &Task, lock: &Lock, threads: usize) -> anyhow::Result<O
     for output in task.outputs.iter().chain(&task.statistics) {
         if let Some(folder) = Path::new(output).parent() {
             std::fs::create_dir_all(folder)
-                .with_context(|| format!("{}: cannot be made", folder.display()))?;
+                .with_context(|| format!("{}: cannot be created", folder.display()))?;
         }
     }
     let called = || task.argv.iter().map(|word| shell(word)).collect::<Vec<_>>().join(" ");
@@ -39,7 +39,9 @@ pub(crate) fn call(task: &Task, lock: &Lock, threads: usize) -> anyhow::Result<O
     let mut child = command.spawn().with_context(|| format!("cannot be started: {}", called()))?;
     let mut said = Vec::new();
     if let Some(mut stderr) = child.stderr.take() {
-        stderr.read_to_end(&mut said).with_context(|| format!("cannot be listened to: {}", called()))?;
+        stderr
+            .read_to_end(&mut said)
+            .with_context(|| format!("its messages cannot be read: {}", called()))?;
     }
     let ended = child.wait4().with_context(|| format!("cannot be waited for: {}", called()))?;
     let cpu_seconds = (ended.rusage.utime + ended.rusage.stime).as_secs_f64();
@@ -61,7 +63,7 @@ pub(crate) fn call(task: &Task, lock: &Lock, threads: usize) -> anyhow::Result<O
     }
     let outputs = task.outputs.iter().map(|output| {
         let digest = digest_path(Path::new(output))
-            .with_context(|| format!("`{}` ended well and wrote no {output}", called()))?;
+            .with_context(|| format!("`{}` succeeded but did not write {output}", called()))?;
         Ok((output.clone(), digest))
     });
     Ok(Outcome::Done { outputs: outputs.collect::<anyhow::Result<_>>()?, cpu_seconds })
@@ -102,7 +104,7 @@ fn failed_by_itself(status: ExitStatus) -> bool {
 
 /// The last line of a program's messages, without folders, which differ from machine to machine.
 fn reason(task: &Task, said: &str) -> String {
-    let last = said.lines().last().unwrap_or("it ended with an error and said nothing");
+    let last = said.lines().last().unwrap_or("it failed without a message");
     let mut text = last.split_once("error: ").map_or(last, |(_, error)| error).to_owned();
     for path in task.inputs.iter().chain(&task.outputs) {
         if let Some(name) = Path::new(path).file_name() {

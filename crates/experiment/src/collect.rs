@@ -124,9 +124,9 @@ fn result(task: &Task) -> anyhow::Result<Option<Map<String, Value>>> {
         Err(error) => return Err(error).with_context(|| format!("{path}: cannot be read")),
     };
     let all: Map<String, Value> = serde_json::from_slice(&bytes)
-        .with_context(|| format!("{path}: is no result; run the experiment again"))?;
+        .with_context(|| format!("{path}: is not a result; run the experiment again"))?;
     if all.get("format").and_then(Value::as_str) != Some("posecut-result") {
-        bail!("{path}: is no result of posecut-evaluate; run the experiment again");
+        bail!("{path}: is not a result of posecut-evaluate; run the experiment again");
     }
     Ok(Some(all.into_iter().filter(|(name, _)| KEPT.contains(&name.as_str())).collect()))
 }

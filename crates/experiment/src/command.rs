@@ -19,70 +19,70 @@ pub(crate) struct Command {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Expand experiments to tasks: command line, inputs, outputs and digest of every stage call
+    /// Expand experiments into tasks: command line, inputs, outputs and digest of each stage call
     Plan {
         #[command(flatten)]
         selection: Selection,
 
-        /// How the plan is written
+        /// Choose the format of the plan
         #[arg(long, value_enum, default_value_t = Format::Tasks)]
         format: Format,
     },
-    /// Run what has not been run yet; --threads tasks at once
+    /// Run all unfinished tasks, --threads of them at once
     Run {
         #[command(flatten)]
         selection: Selection,
 
-        /// Only what several runs share: simulated sessions and session graphs
+        /// Run only the tasks that several runs share: simulated sessions and session graphs
         #[arg(long, conflicts_with = "shard")]
         shared: bool,
 
-        /// Only share K of N of the runs, whose shared part is there
+        /// Run only share K of N of the runs, after a run with --shared
         #[arg(long, value_name = "K/N", value_parser = shard)]
         shard: Option<(usize, usize)>,
 
-        /// Run failed runs again; otherwise they stay failed until their program, options or input change
+        /// Run failed runs again, even if their program, options and input have not changed
         #[arg(long)]
         retry: bool,
     },
-    /// Gather results in one file, JSON Lines; failed runs too
+    /// Collect all results, failed runs included, in one JSON Lines file
     Collect {
         #[command(flatten)]
         selection: Selection,
 
-        /// Write the CPU seconds of each run's method to this file, JSON Lines
+        /// Write the CPU seconds of each run's method to this JSON Lines file
         #[arg(long, value_name = "FILE")]
         times: Option<PathBuf>,
     },
-    /// Compare results with what is expected; exit status 1 if something differs
+    /// Compare results with expectations; exit status 1 if they differ
     Check {
         #[command(flatten)]
         selection: Selection,
 
-        /// The expectations
+        /// Use the expectations in this file
         #[arg(long, value_name = "FILE", default_value = "pipelines/expected.toml")]
         expected: PathBuf,
 
-        /// Write the comparison as JUnit XML too
+        /// Also write the comparison to this file, as JUnit XML
         #[arg(long, value_name = "FILE")]
         junit: Option<PathBuf>,
     },
-    /// Record results as what is expected, and show what changes
+    /// Record results as the new expectations, and show the changes
     Accept {
         #[command(flatten)]
         selection: Selection,
 
-        /// The expectations
+        /// Use the expectations in this file
         #[arg(long, value_name = "FILE", default_value = "pipelines/expected.toml")]
         expected: PathBuf,
     },
-    /// List the stage programs and what their version commands say; exit status 1 if one is not there
+    /// List the stage programs and their versions; exit status 1 if one is missing
     Stages {
-        /// The list of stage programs
+        /// Read the list of stage programs from this file
         #[arg(long, value_name = "FILE", default_value = "pipelines/stages.toml")]
         stages: PathBuf,
 
-        /// Where stage programs lie that are named without a path; beside this program unless given
+        /// Look for stage programs named without a path in this folder [default: the folder of this program]
         #[arg(long, value_name = "DIRECTORY")]
         programs: Option<PathBuf>,
     },
@@ -90,7 +90,7 @@ enum Task {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Format {
-    /// JSON Lines, one task a line, for any engine
+    /// JSON Lines, one task per line, for any engine
     Tasks,
     /// Rules for make -f
     Make,
@@ -99,7 +99,7 @@ enum Format {
 }
 
 fn shard(text: &str) -> Result<(usize, usize), String> {
-    let wrong = || format!("\"{text}\" is no share; write 3/10 for the third of ten");
+    let wrong = || format!("\"{text}\" is not a share; write K/N, such as 3/10 for the third of ten");
     let (shard, of) = text.split_once('/').ok_or_else(wrong)?;
     let (shard, of): (usize, usize) = (shard.parse().map_err(|_| wrong())?, of.parse().map_err(|_| wrong())?);
     if (1..=of).contains(&shard) { Ok((shard, of)) } else { Err(wrong()) }
@@ -195,7 +195,7 @@ fn execute_check(
         write_atomically(file, |writer| Ok(writer.write_all(junit(&report).as_bytes())?))?;
     }
     if report.rows.is_empty() {
-        bail!("{}: expects nothing of these experiments; add them under [[cover]]", expected.display());
+        bail!("{}: has no expectations for these experiments; add them under [[cover]]", expected.display());
     }
     context.statistics.note("rows", report.rows.len());
     context.statistics.note("not_checked", report.not_checked);
@@ -224,7 +224,7 @@ fn execute_run(
     context.statistics.note("run", summary.run);
     context.statistics.note("finished_before", summary.finished_before);
     if summary.failed_runs > 0 {
-        info!("{} noted", counted(summary.failed_runs, "failed run"));
+        info!("{} recorded", counted(summary.failed_runs, "failed run"));
     }
     context.statistics.note("failed_runs", summary.failed_runs);
     context.statistics.note("without_input", summary.without_input);
@@ -233,9 +233,9 @@ fn execute_run(
     context.statistics.note("stages", &summary.stages);
     if !summary.failed.is_empty() {
         bail!(
-            "{} failed twice, and {} that read from them were not run; fix them and run again: finished tasks are kept\n  {}",
+            "{} failed twice ({} not run); fix the cause and run again: finished tasks are kept\n  {}",
             counted(summary.failed.len(), "task"),
-            summary.not_run,
+            counted(summary.not_run, "dependent task"),
             summary.failed.join("\n  ")
         );
     }
@@ -251,7 +251,7 @@ fn list_stages(stages: &Path, programs: Option<&PathBuf>, context: &mut Context)
     for (stage, program, version) in Programs::read(stages, Some(&folder))?.versions() {
         let said = version.unwrap_or_else(|error| {
             outcome = Outcome::CheckFailed;
-            format!("not there: {error:#}")
+            format!("missing: {error:#}")
         });
         text.push_str(&format!("{stage}\t{program}\t{said}\n"));
     }

@@ -168,14 +168,14 @@ impl Experiment {
         let place = path.display();
         let text = text(path).with_context(|| format!("{place}: cannot be read"))?;
         let file: File = toml_text::parse(&text)
-            .with_context(|| format!("{place}: is no declaration of an experiment"))?;
+            .with_context(|| format!("{place}: is not a declaration of an experiment"))?;
         above.push(std::fs::canonicalize(path).with_context(|| format!("{place}: cannot be read"))?);
         let mut experiment = match &file.base {
             Some(base) => {
                 let path = path.with_file_name(base);
                 let real = std::fs::canonicalize(&path).ok();
                 if real.is_some() && real.as_ref() == above.last() {
-                    bail!("{place}: names itself as its base; name another file or none");
+                    bail!("{place}: names itself as its base; name another file, or remove `base`");
                 }
                 if real.is_some_and(|real| above.contains(&real)) {
                     bail!(
@@ -184,7 +184,7 @@ impl Experiment {
                 }
                 if above.len() == LONGEST_CHAIN {
                     bail!(
-                        "{place}: is base {} of a chain, and a chain has at most {LONGEST_CHAIN} declarations; join some of them",
+                        "{place}: is base {} of a chain, but a chain may have at most {LONGEST_CHAIN} declarations; merge some of them",
                         LONGEST_CHAIN - 1
                     );
                 }
@@ -266,21 +266,21 @@ impl Experiment {
             halves.validate()?;
         }
         if self.cpu_limit == Some(0) {
-            bail!("cpu_limit is 0, and must be a number of CPU seconds from 1");
+            bail!("cpu_limit is 0, but must be at least 1 CPU second");
         }
         for grid in &self.grids {
             if let Some(axis) = grid.axes.keys().find(|axis| !self.parameters.contains_key(*axis)) {
-                bail!("a grid varies \"{axis}\", which is no parameter; declare it under [parameters]");
+                bail!("a grid varies \"{axis}\", which is not a parameter; declare it under [parameters]");
             }
         }
         if let Some((name, derived)) =
             self.derived.iter().find(|(_, derived)| !self.parameters.contains_key(&derived.of))
         {
-            bail!("derived.{name} is computed of \"{}\", which is no parameter", derived.of);
+            bail!("derived.{name} is computed from \"{}\", which is not a parameter; declare it", derived.of);
         }
         for name in self.parameters.keys().chain(self.derived.keys()) {
             if LABELS.contains(&name.as_str()) {
-                bail!("\"{name}\" cannot be a parameter, since results have a label of that name");
+                bail!("\"{name}\" cannot be a parameter: results have a label of that name; rename it");
             }
         }
         Ok(())
@@ -334,7 +334,7 @@ fn text(path: &Path) -> anyhow::Result<String> {
     let mut text = String::new();
     let read = std::fs::File::open(path)?.take(LARGEST_FILE + 1).read_to_string(&mut text)?;
     if read as u64 > LARGEST_FILE {
-        bail!("it is larger than {} MiB, which is no declaration", LARGEST_FILE >> 20);
+        bail!("it is larger than {} MiB, so it is not a declaration", LARGEST_FILE >> 20);
     }
     Ok(text)
 }
@@ -347,13 +347,13 @@ fn step(value: &Value) -> anyhow::Result<Step> {
     let options = |value: &Value| match value {
         Value::String(text) => Ok(words(text)),
         Value::Array(items) => items.iter().map(scalar).collect(),
-        other => bail!("options are text, or a list of words, not {other}"),
+        other => bail!("options must be text or a list of words, not {other}"),
     };
     let Value::Table(table) = value else {
         return Ok(Step { program: None, options: options(value)? });
     };
     if let Some(name) = table.keys().find(|name| !["program", "options"].contains(&name.as_str())) {
-        bail!("a step has \"program\" and \"options\", not \"{name}\"");
+        bail!("a step can have \"program\" and \"options\", but not \"{name}\"");
     }
     Ok(Step {
         program: table.get("program").map(scalar).transpose()?,
@@ -385,7 +385,7 @@ fn grid(table: &BTreeMap<String, Value>) -> anyhow::Result<Grid> {
             "except" => grid.except = list()?,
             "seeds" => {
                 let seeds = value.as_integer().and_then(|seeds| u64::try_from(seeds).ok());
-                grid.seeds = Some(seeds.context("a grid's seeds are a number of seeds")?);
+                grid.seeds = Some(seeds.context("the seeds of a grid must be a number, at least 0")?);
             }
             _ => {
                 grid.axes.insert(name.clone(), list().with_context(|| format!("grid, {name}"))?);

@@ -106,7 +106,7 @@ impl Expected {
         let place = path.display();
         let text = std::fs::read_to_string(path).with_context(|| format!("{place}: cannot be read"))?;
         let expected: Self = crate::toml_text::parse(&text)
-            .with_context(|| format!("{place}: does not state expectations"))?;
+            .with_context(|| format!("{place}: is not a file of expectations"))?;
         for row in &expected.close {
             for name in row.values.keys() {
                 expected.tolerance_of(name).with_context(|| format!("{place}: {}", row.file))?;

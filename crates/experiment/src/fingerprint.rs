@@ -28,7 +28,7 @@ impl Fingerprint {
         }
         let bytes = std::fs::read(path).with_context(|| format!("{place}: cannot be read"))?;
         if name.ends_with(".result.json") {
-            return result(&bytes).with_context(|| format!("{place}: is no result of posecut-evaluate"));
+            return result(&bytes).with_context(|| format!("{place}: is not a result of posecut-evaluate"));
         }
         if path.extension().is_some_and(|extension| extension == "jsonl") {
             return Ok(graph(&PoseGraph::read(&place.to_string(), bytes.as_slice())?));

@@ -67,7 +67,7 @@ impl Graphs {
         for files in &self.files {
             let pattern = format!("{}/{files}", glob::Pattern::escape(&data.to_string_lossy()));
             let found = glob::glob(&pattern)
-                .with_context(|| format!("graphs, files = \"{files}\": is no pattern of file names"))?
+                .with_context(|| format!("graphs, files = \"{files}\": is not a pattern of file names"))?
                 .collect::<Result<Vec<PathBuf>, _>>()
                 .with_context(|| format!("{}: cannot be listed", data.display()))?;
             if found.is_empty() {
@@ -119,7 +119,7 @@ fn members(folder: &Path) -> anyhow::Result<Vec<String>> {
         (stem.parse::<u64>().unwrap_or(u64::MAX), stem)
     });
     if paths.is_empty() {
-        bail!("{}: holds no graph, which ends with .{}", folder.display(), EXTENSIONS.join(", ."));
+        bail!("{}: contains no graph (.{})", folder.display(), EXTENSIONS.join(", ."));
     }
     Ok(paths.iter().map(|path| path.to_string_lossy().into_owned()).collect())
 }

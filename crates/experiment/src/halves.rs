@@ -12,9 +12,9 @@ use serde::Deserialize;
 /// One of the two halves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, clap::ValueEnum)]
 pub enum Half {
-    /// Constants are chosen on it
+    /// The half on which constants are chosen
     Tuning,
-    /// Results are reported on it
+    /// The half on which results are reported
     Test,
 }
 
@@ -55,7 +55,7 @@ impl Halves {
             (true, false) => Ok(Half::Tuning),
             (false, true) => Ok(Half::Test),
             (true, true) => bail!(
-                "[halves]: \"{name}\" is in both halves, so that constants would be tuned on the test; name it in one"
+                "[halves]: \"{name}\" is in both halves, so constants would be tuned on test data; name it in only one"
             ),
             (false, false) => bail!("[halves]: \"{name}\" is in neither half; name it in tuning or test"),
         }
@@ -83,16 +83,16 @@ impl Halves {
             return Ok(());
         }
         if !self.tuning.is_empty() || !self.test.is_empty() {
-            bail!("[halves]: has names and seeds; name the halves by one of them");
+            bail!("[halves]: has both names and seeds; define the halves by one of them");
         }
         if let Some(seed) = self.tuning_seeds.iter().find(|seed| self.test_seeds.contains(seed)) {
             bail!(
-                "[halves]: seed {seed} is in both halves, so that constants would be tuned on the test; name it in one"
+                "[halves]: seed {seed} is in both halves, so constants would be tuned on test data; name it in only one"
             );
         }
         if self.dependent.is_none() {
             bail!(
-                "[halves]: blocks of seeds share their sessions; say under `dependent` why the halves are not independent"
+                "[halves]: blocks of seeds share their sessions; explain in `dependent` why the halves are not independent"
             );
         }
         Ok(())
@@ -106,7 +106,7 @@ impl Halves {
             let &mut (known, other) = clusters.entry(cluster).or_insert((half, name));
             if known != half && self.dependent.is_none() {
                 bail!(
-                    "[halves]: \"{name}\" and \"{other}\" are of one cluster, \"{cluster}\", and in different halves; move one, or say under `dependent` why the halves are not independent"
+                    "[halves]: \"{name}\" and \"{other}\" belong to one cluster, \"{cluster}\", but to different halves; move one, or explain in `dependent` why the halves are not independent"
                 );
             }
         }

@@ -21,7 +21,7 @@ pub(crate) fn check(plan: &Plan, source: &Source) -> anyhow::Result<()> {
             let real = if path.is_symlink() { resolved(path)? } else { in_folder(path, &mut folders)? };
             if !roots.iter().any(|root| real.starts_with(root) && real != *root) {
                 bail!(
-                    "{file}: would be written as {}, outside the folders of --results and --simulated; name the folder by --results or --simulated, or remove the link that leads there",
+                    "{file}: would be written as {}, outside the folders of --results and --simulated; name its folder with one of these options, or remove the link that leads there",
                     real.display()
                 );
             }
@@ -49,7 +49,7 @@ fn resolved(path: &Path) -> anyhow::Result<PathBuf> {
         match std::fs::canonicalize(start) {
             Ok(real) => return Ok(missing.iter().rev().fold(real, |real, part| real.join(part))),
             Err(_) if start.is_symlink() => {
-                bail!("{}: is a link that leads nowhere; remove it", start.display())
+                bail!("{}: is a link that cannot be followed; remove it", start.display())
             }
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
                 let part = existing.components().next_back().with_context(place)?;

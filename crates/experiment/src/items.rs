@@ -82,7 +82,7 @@ pub(crate) fn items(
 ) -> anyhow::Result<Vec<Item>> {
     let by_seed = experiment.halves.as_ref().is_some_and(Halves::by_seed);
     if by_seed && !experiment.graphs.is_empty() {
-        bail!("[halves]: given graphs have one seed; name the halves by graphs");
+        bail!("[halves]: given graphs have only one seed; define the halves by graph names");
     }
     let mut found = given_graphs(experiment, source)?;
     add_sessions(experiment, source, &mut found, missing)?;
@@ -102,7 +102,7 @@ pub(crate) fn items(
     }
     if let Some(half) = source.half {
         if experiment.halves.is_none() {
-            bail!("has no [halves], and --half {} asks for one; declare them", half.name());
+            bail!("has no [halves], but --half {} needs them; declare them", half.name());
         }
         found.retain(|item| by_seed || item.half == Some(half));
     }
@@ -146,7 +146,7 @@ fn add_sessions(
             continue;
         }
         if !experiment.graphs.is_empty() && experiment.source.is_none() {
-            bail!("there is no graph \"{name}\"; it has {}", names(found));
+            bail!("there is no graph \"{name}\"; the experiment has {}", names(found));
         }
         let parts: Vec<&str> = name.split('+').collect();
         parts.iter().try_for_each(|part| check("session", part))?;

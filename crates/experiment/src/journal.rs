@@ -98,7 +98,7 @@ fn read(path: &Path, bytes: &[u8]) -> (BTreeMap<String, Entry>, bool) {
     }
     if let Some(first) = broken.first() {
         warn!(
-            "{}, line {first}: is no finished task; ignored {}, whose tasks run again",
+            "{}, line {first}: is not the record of a finished task; ignored {}: the tasks run again",
             path.display(),
             counted(broken.len(), "such line")
         );
@@ -112,7 +112,7 @@ fn set_aside(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     name.push(".damaged");
     let aside = PathBuf::from(name);
     write_atomically(&aside, |writer| Ok(writer.write_all(bytes)?))?;
-    warn!("{}: the damaged file is kept there", aside.display());
+    warn!("{}: a copy of the damaged file is kept here", aside.display());
     Ok(())
 }
 

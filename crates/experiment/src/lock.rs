@@ -17,7 +17,7 @@ impl Lock {
         let group = Path::new(group);
         let name = group.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let path = group.with_file_name(format!(".{name}.lock"));
-        let place = || format!("{}: cannot be made", path.display());
+        let place = || format!("{}: cannot be created", path.display());
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).with_context(place)?;
         }
@@ -26,14 +26,14 @@ impl Lock {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
                 info!(
-                    "another run is at work here or has left stages at work; waiting for it ({})",
+                    "another run, or a stage that it started, is still working here; waiting for the lock {}",
                     path.display()
                 );
                 file.lock().with_context(|| format!("{}: cannot be locked", path.display()))?;
             }
             Err(TryLockError::Error(error)) => {
                 warn!(
-                    "{}: cannot be locked ({error}); see that no other run is at work here",
+                    "{}: cannot be locked ({error}); make sure that no other run is working here",
                     path.display()
                 );
             }

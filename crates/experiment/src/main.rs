@@ -10,7 +10,7 @@ fn main() -> ExitCode {
     let identity = Identity {
         name: "experiment",
         version: env!("CARGO_PKG_VERSION"),
-        about: "Plan and run declared experiments, and hold their results to expectations",
+        about: "Plan and run declared experiments, and compare their results with expectations",
         place: Place(Phase::Runs, 10),
     };
     run::<command::Command>(identity, |command| &command.common, command::execute)

@@ -24,13 +24,13 @@ pub(crate) fn check_value(what: &str, value: &str) -> anyhow::Result<()> {
     let allowed = |character: &char| character.is_alphanumeric() || MARKS.contains(*character);
     if let Some(wrong) = value.chars().find(|character| !allowed(character)) {
         bail!(
-            "{what} \"{}\" contains {wrong:?}, and becomes part of a path; use letters, digits and {MARKS}",
+            "{what} \"{}\" contains {wrong:?}, but becomes part of a path; use only letters, digits and {MARKS}",
             shown(value)
         );
     }
     if value.len() > LONGEST {
         bail!(
-            "{what} \"{}\" is {} bytes long, and becomes part of a path; use at most {LONGEST}",
+            "{what} \"{}\" is {} bytes long, but becomes part of a path; use at most {LONGEST} bytes",
             shown(value),
             value.len()
         );

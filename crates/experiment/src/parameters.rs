@@ -50,20 +50,20 @@ impl Point {
             return Ok(value.clone());
         }
         let derived = experiment.derived.get(name).with_context(|| {
-            format!("\"{{{name}}}\" in the options is no parameter; declare it under [parameters]")
+            format!("\"{{{name}}}\" in the options is not a parameter; declare it under [parameters]")
         })?;
         let text = &self.0[&derived.of];
         if !derived.texts.is_empty() {
             return derived.texts.get(text).or(derived.otherwise.as_ref()).cloned().with_context(|| {
-                format!("derived.{name} has no text for {} = {text}; add it, or say `otherwise`", derived.of)
+                format!("derived.{name} has no text for {} = {text}; add it, or set `otherwise`", derived.of)
             });
         }
         let base: f64 = text.parse().with_context(|| {
-            format!("\"{name}\" is computed of {}, and \"{text}\" is no number", derived.of)
+            format!("\"{name}\" is computed from {}, but \"{text}\" is not a number", derived.of)
         })?;
         let value = derived.factor * base.powf(derived.power);
         if !value.is_finite() {
-            bail!("\"{name}\" is no finite number for {} = {text}", derived.of);
+            bail!("\"{name}\" is not a finite number for {} = {text}", derived.of);
         }
         Ok(six_digits(value))
     }

@@ -66,8 +66,9 @@ impl Plan {
         let mut plan = Self::default();
         for (number, line) in bounded_lines(BufReader::new(file)).enumerate() {
             let line = line.with_context(|| format!("{place}: cannot be read"))?;
-            let task = serde_json::from_str(&line)
-                .with_context(|| format!("{place}, line {}: is no task; write it with `plan`", number + 1))?;
+            let task = serde_json::from_str(&line).with_context(|| {
+                format!("{place}, line {}: is not a task; write the list with `plan`", number + 1)
+            })?;
             plan.tasks.push(task);
         }
         held::check(&plan, source).with_context(|| place.to_string())?;
@@ -76,7 +77,7 @@ impl Plan {
         for (task, stated) in plan.tasks.iter().zip(stated) {
             if task.digest != stated {
                 bail!(
-                    "{place}: the program or the input of {} has changed since the plan was made; plan again",
+                    "{place}: the program or the input of {} has changed since the plan was written; run `plan` again",
                     task.id
                 );
             }

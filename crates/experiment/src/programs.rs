@@ -71,7 +71,7 @@ impl Programs {
         let place = path.display();
         let text = std::fs::read_to_string(path).with_context(|| format!("{place}: cannot be read"))?;
         let sections: BTreeMap<String, Section> = crate::toml_text::parse(&text)
-            .with_context(|| format!("{place}: is no list of stage programs"))?;
+            .with_context(|| format!("{place}: is not a list of stage programs"))?;
         let path = std::env::var_os("PATH").unwrap_or_default();
         let registry = Registry::of(folder, std::env::split_paths(&path));
         let mut programs = Self { listed: BTreeMap::new(), registry, folder: folder.map(Path::to_owned) };
@@ -167,7 +167,7 @@ pub(crate) fn locate(program: &str) -> anyhow::Result<PathBuf> {
         return if path.is_file() {
             Ok(path)
         } else {
-            bail!("{program}: there is no such program; build it, or name another")
+            bail!("{program}: this program does not exist; build it, or name another one")
         };
     }
     std::env::var_os("PATH")

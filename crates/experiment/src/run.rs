@@ -145,7 +145,7 @@ fn work(
         let mut outcome = call(task, lock, threads);
         for _ in 1..ATTEMPTS {
             match &outcome {
-                Err(error) => warn!("{}: failed, and is tried again: {error:#}", task.id),
+                Err(error) => warn!("{}: failed, trying again: {error:#}", task.id),
                 Ok(Outcome::FailedRun { by_limit: false, .. }) => {}
                 Ok(_) => break,
             }
@@ -204,7 +204,7 @@ fn finish(
         && before.outputs != outputs
     {
         warn!(
-            "{}: the same program, arguments and input gave other bytes than before; its stage is not deterministic",
+            "{}: the same program, arguments and input gave different bytes than before; its stage is not deterministic",
             task.id
         );
     }
@@ -229,7 +229,7 @@ fn fail(
     progress: &ProgressBar,
 ) -> anyhow::Result<()> {
     let task = &plan.tasks[place];
-    info!("{}: a failed run: {said}", task.id);
+    info!("{}: recorded as a failed run: {said}", task.id);
     let (id, digest) = (task.id.clone(), task.digest.clone());
     let entry = Entry { id, digest, outputs: BTreeMap::new(), failed: Some(said) };
     state.journals.add(&task.group, entry)?;

@@ -80,7 +80,7 @@ impl Schedule {
         }
         if let Some(place) = (0..plan.tasks.len()).find(|&place| needed[place] && !selected[place]) {
             bail!(
-                "{}: is not there yet, and this part of the plan reads it; run the plan with --shared first",
+                "{}: does not exist yet, but this part of the plan reads it; run the plan with --shared first",
                 plan.tasks[place].id
             );
         }

@@ -14,23 +14,23 @@ pub struct Selection {
     #[arg(required = true, value_name = "EXPERIMENT")]
     pub experiments: Vec<PathBuf>,
 
-    /// The list of stage programs
+    /// Read the list of stage programs from this file
     #[arg(long, value_name = "FILE", default_value = "pipelines/stages.toml")]
     pub stages: PathBuf,
 
-    /// Where stage programs lie that are named without a path; beside this program unless given
+    /// Look for stage programs named without a path in this folder [default: the folder of this program]
     #[arg(long, value_name = "DIRECTORY")]
     pub programs: Option<PathBuf>,
 
-    /// Another program for a stage, called in the same way; may be given several times
+    /// Use another program for a stage, called in the same way; may be repeated
     #[arg(long = "program", value_name = "STAGE=PROGRAM")]
     pub replacements: Vec<String>,
 
-    /// NCLT sessions, as DATE/ or DATE_sen.tar.gz; simulated sessions unless given
+    /// Read NCLT sessions from this folder, as DATE/ or DATE_sen.tar.gz [default: simulate sessions]
     #[arg(long, value_name = "DIRECTORY")]
     pub nclt: Option<PathBuf>,
 
-    /// Where given graphs lie, and real sessions in its folder nclt
+    /// Read given graphs from this folder, and real sessions from its subfolder nclt
     #[arg(long, value_name = "DIRECTORY")]
     pub data: Option<PathBuf>,
 
@@ -38,27 +38,29 @@ pub struct Selection {
     #[arg(long, value_enum)]
     pub half: Option<Half>,
 
-    /// Where simulated sessions go
+    /// Write simulated sessions to this folder
     #[arg(long, value_name = "DIRECTORY", default_value = "data/simulated")]
     pub simulated: PathBuf,
 
-    /// Where results go
+    /// Write results to this folder, or read them from it
     #[arg(long, value_name = "DIRECTORY", default_value = "results")]
     pub results: PathBuf,
 
-    /// Instead of the declared sessions and graphs
+    /// Use these sessions and graphs instead of the declared ones
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub sessions: Vec<String>,
 
-    /// Seeds 1 to N, instead of the declared number
+    /// Use seeds 1 to N instead of the declared number
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub seeds: Option<u64>,
 
-    /// Instead of the declared methods
+    /// Use these methods instead of the declared ones
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub methods: Vec<String>,
 
-    /// Other options for a step of an experiment; may be given several times
+    /// Replace the options of a step of an experiment; may be repeated.
+    ///
+    /// For example `--set "paper.pcm=--probability 0.95"`.
     #[arg(long = "set", value_name = "EXPERIMENT.STEP=OPTIONS")]
     pub settings: Vec<String>,
 }

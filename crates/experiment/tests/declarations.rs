@@ -23,11 +23,11 @@ fn mistakes_are_told_with_place_and_remedy() {
             "there is no method \"pcn\"; [method] declares none, oracle, pcm, pcm+gc",
         ),
         ("\"multicut\"]", "\"multicat\"]", "there is no stage \"multicat\""),
-        ("--gate 1", "--gate {gate}", "\"{gate}\" in the options is no parameter"),
+        ("--gate 1", "--gate {gate}", "\"{gate}\" in the options is not a parameter"),
         (
             "pcm = \"--gate 1\"",
             "pcm = { prog = \"x\" }",
-            "a step has \"program\" and \"options\", not \"prog\"",
+            "a step can have \"program\" and \"options\", but not \"prog\"",
         ),
         ("seeds = 2", "base = \"trial.toml\"", "names itself as its base"),
     ];
@@ -37,7 +37,7 @@ fn mistakes_are_told_with_place_and_remedy() {
         assert!(said.contains(told) && said.contains("trial"), "{told} in {said}");
     }
     let said = refused(&GRID.replace("[[grid]]\nscale", "[[grid]]\nskale"), &[]);
-    assert!(said.contains("a grid varies \"skale\", which is no parameter"), "{said}");
+    assert!(said.contains("a grid varies \"skale\", which is not a parameter"), "{said}");
     let said = refused(
         &GRID
             .replace("factor = 0.1, ", "factor = 0.1, power = -1, ")
@@ -45,7 +45,7 @@ fn mistakes_are_told_with_place_and_remedy() {
             .replace("[1, 9]", "[0]"),
         &[],
     );
-    assert!(said.contains("\"sigma\" is no finite number for scale = 0"), "{said}");
+    assert!(said.contains("\"sigma\" is not a finite number for scale = 0"), "{said}");
     let said =
         refused(&GRID.replace("--gate {gate}", "").replace("[parameters]", "[parameters]\nmethod = 1"), &[]);
     assert!(said.contains("\"method\" cannot be a parameter"), "{said}");
@@ -57,7 +57,9 @@ fn the_command_line_is_held_to_the_declaration() {
     assert!(refused(EXPERIMENT, &["--methods", "gcm"]).contains("there is no method \"gcm\""));
     assert!(refused(EXPERIMENT, &["--program", "pcn=x"]).contains("there is no stage \"pcn\""));
     assert!(refused(EXPERIMENT, &["--nclt", "nowhere"]).contains("no session has data"));
-    assert!(refused(EXPERIMENT, &["--program", "pcm=./none"]).contains("./none: there is no such program"));
+    assert!(
+        refused(EXPERIMENT, &["--program", "pcm=./none"]).contains("./none: this program does not exist")
+    );
 }
 
 #[test]

@@ -116,13 +116,13 @@ fn blamed(said: &str) -> Vec<&str> {
 }
 
 #[test]
-fn unchanged_results_pass_and_distances_are_told() {
+fn unchanged_results_pass_and_deviations_are_reported() {
     let workshop = results();
     let (status, said, junit) = check(&workshop);
     assert_eq!(status, Some(0), "{said}");
     assert!(
         said.contains(
-            "trial-simulated pcm: 2 of 2 files as expected; largest distance 0.0e0 of its tolerance"
+            "trial-simulated pcm: 2 of 2 files as expected; largest deviation 0.0e0 of its tolerance"
         ),
         "{said}"
     );
@@ -232,7 +232,7 @@ fn a_missing_or_broken_file_fails() {
     let (status, said, _) = check(&workshop);
     assert_eq!(status, Some(1));
     assert!(said.contains("graph.jsonl: cannot be read"), "{said}");
-    assert!(said.contains("pcm.result.json: is no result"), "{said}");
+    assert!(said.contains("pcm.result.json: is not a result"), "{said}");
     let before = fs::read(workshop.path("expected.toml")).unwrap();
     let output = workshop.call("accept", &["--expected", "expected.toml"]);
     assert_eq!(output.status.code(), Some(2));
@@ -300,7 +300,7 @@ fn a_file_without_expectation_fails() {
     let (status, said, _) = check(&workshop);
     assert_eq!(status, Some(1));
     assert!(said.contains("has no expectation yet"), "{said}");
-    assert!(said.contains("not checked, since this run does not make them: 1 file"), "{said}");
+    assert!(said.contains("not checked, because this plan does not write them: 1 file"), "{said}");
 }
 
 /// Regression: `accept -o` with the name of a result replaced the result by the list of changes.

@@ -107,7 +107,7 @@ fn a_half_is_run_by_itself_and_a_mixed_declaration_is_refused() {
     assert!(said.contains("\"second\" is in neither half"), "{said}");
     let one_cluster = GRAPHS.replace("from =", "cluster = \"all\"\nfrom =");
     let said = refused(&one_cluster, DATA);
-    assert!(said.contains("of one cluster, \"all\", and in different halves"), "{said}");
+    assert!(said.contains("belong to one cluster, \"all\", but to different halves"), "{said}");
     let explained = one_cluster.replace("[halves]", "[halves]\ndependent = \"for a reason\"");
     assert!(workshop(&explained).call("plan", DATA).status.success());
     let halves = GRAPHS.find("[halves]").unwrap()..GRAPHS.find("[[graphs]]").unwrap();

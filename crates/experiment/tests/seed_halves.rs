@@ -53,9 +53,9 @@ fn blocks_that_mix_tuning_and_test_are_refused() {
     let said = refused(&experiment.replace("[3, 4]", "[3]"));
     assert!(said.contains("seed 4 is in neither half"), "{said}");
     let said = refused(&experiment.replace("test_seeds", "test = [\"one\"]\ntest_seeds"));
-    assert!(said.contains("has names and seeds"), "{said}");
+    assert!(said.contains("has both names and seeds"), "{said}");
     let said = refused(&experiment.replace("dependent", "# dependent"));
     assert!(said.contains("share their sessions"), "{said}");
     let said = refused(&format!("{experiment}\n[[graphs]]\nfiles = \"*.g2o\"\n"));
-    assert!(said.contains("given graphs have one seed"), "{said}");
+    assert!(said.contains("given graphs have only one seed"), "{said}");
 }

@@ -16,30 +16,30 @@ use posecut_fuzz::{Campaign, TARGETS, Target};
 #[derive(Parser)]
 #[command(about = "Give hostile input to every reader and stage")]
 struct Arguments {
-    /// Targets; all unless named
+    /// Names of the targets [default: all]
     targets: Vec<String>,
 
-    /// Seconds in all
+    /// Stop after this many seconds in total
     #[arg(long, default_value_t = 60.0)]
     seconds: f64,
 
-    /// Inputs a campaign, before the next target has its turn
+    /// Try this many inputs on a target before the next target
     #[arg(long, default_value_t = 3_000)]
     inputs: u64,
 
-    /// Seed of the first round; each further round takes the next
+    /// Set the seed of the first round; each further round adds 1
     #[arg(long, default_value_t = 1)]
     seed: u64,
 
-    /// Where findings go
+    /// Write findings to this folder
     #[arg(long, default_value = "target/fuzz")]
     findings: PathBuf,
 
-    /// Seconds that one input may take
+    /// Stop with a finding if one input takes more than this many seconds
     #[arg(long, default_value_t = 20.0)]
     slowest: f64,
 
-    /// Write each input to a file before it is tried
+    /// Write each input to a file before trying it
     #[arg(long)]
     trace: bool,
 }
@@ -58,8 +58,11 @@ fn main() -> anyhow::Result<ExitCode> {
             arguments.targets.is_empty() || arguments.targets.iter().any(|name| name == target.name)
         })
         .collect();
-    anyhow::ensure!(!targets.is_empty(), "no target has one of these names");
-    std::fs::create_dir_all(&arguments.findings).context("the folder of findings cannot be made")?;
+    anyhow::ensure!(
+        !targets.is_empty(),
+        "no target has one of these names; the README of the crate lists them"
+    );
+    std::fs::create_dir_all(&arguments.findings).context("the folder of findings cannot be created")?;
     // A panic is a finding and is reported once, without the default message.
     std::panic::set_hook(Box::new(|_| {}));
     let current = Current::default();
@@ -133,7 +136,7 @@ fn watch(current: Current, slowest: Duration, findings: PathBuf) {
             }
             waited += LOOK;
             if waited > slowest {
-                say(&format!("finding {name}: still at it after {:.0} s", waited.as_secs_f64()));
+                say(&format!("finding {name}: not finished after {:.0} s", waited.as_secs_f64()));
                 drop(std::fs::write(findings.join(name), input));
                 std::process::abort();
             }

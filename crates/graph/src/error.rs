@@ -99,7 +99,7 @@ pub enum WriteError {
     Io(#[from] std::io::Error),
     /// A number that JSON cannot represent. The program that computed it must be fixed.
     #[error(
-        "{record}, field \"{field}\": the value is {value}, and NaN and infinity are not written; look at the stage's own input and options, or report it as a fault of the stage"
+        "{record}, field \"{field}\": the value is {value}, but a pose graph holds only finite numbers; check the input and the options of the stage, or report it as an error of the stage"
     )]
     NotFinite {
         /// The record, such as `node 17`.

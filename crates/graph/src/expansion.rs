@@ -35,7 +35,7 @@ impl<D: Read> Read for Expansion<D> {
             return Err(io::Error::new(
                 io::ErrorKind::InvalidData,
                 format!(
-                    "{} compressed bytes expand to more than {} MiB, {LARGEST_RATIO} times their size, as no such file does; decompress it yourself if you trust it",
+                    "{} compressed bytes expand to more than {} MiB, over the limit of {LARGEST_RATIO} times their size; if you trust the file, decompress it first",
                     self.compressed.get(),
                     self.content >> 20
                 ),

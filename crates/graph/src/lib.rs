@@ -1,6 +1,6 @@
 //! Pose-graph JSON Lines, version 1: the one file format that all posecut stages read and write.
 //!
-//! A file is a header line, then nodes, then edges, one JSON object a line, each with a `"kind"`.
+//! A file is a header line, then nodes, then edges, one JSON object per line, each with a `"kind"`.
 //! Poses are `[x, y, theta]` (dimension 2) or `[x, y, z, qx, qy, qz, qw]` (dimension 3), in metres and
 //! radians; `information` is the row-major upper triangle of the information matrix (6 or 21 terms) in
 //! the order translation, rotation, and weighs `Log(measurement^-1 * (X_from^-1 * X_to))`.

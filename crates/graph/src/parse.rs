@@ -32,14 +32,14 @@ pub(crate) fn parse_header(line: &str) -> Result<Header, Problem> {
         let found = fields.version.map_or_else(|| "none".to_owned(), |version| version.to_string());
         return Err(Problem::new(
             format!("this program reads version {VERSION} of the format, found {found}"),
-            "use a posecut of that version, or write the file anew with this one",
+            "use a posecut that reads that version, or write the file again with this one",
         )
         .record(header())
         .field("version"));
     }
     let Some(dimension) = fields.dimension.and_then(Dimension::from_number) else {
         let found = fields.dimension.map_or_else(|| "none".to_owned(), |number| number.to_string());
-        return Err(Problem::new(format!("expected 2 or 3, found {found}"), "say \"dimension\":2 or 3")
+        return Err(Problem::new(format!("expected 2 or 3, found {found}"), "set \"dimension\" to 2 or 3")
             .record(header())
             .field("dimension"));
     };
@@ -104,7 +104,9 @@ pub(crate) fn check_unknown(line: &str) -> Result<(), Problem> {
 }
 
 fn missing(record: &str, field: &str) -> Problem {
-    Problem::new("the field is missing", "every record of this kind must have it").record(record).field(field)
+    Problem::new("the field is missing", "add it: every record of this kind needs it")
+        .record(record)
+        .field(field)
 }
 
 #[derive(Default)]

@@ -102,7 +102,7 @@ fn parse_record(line: &[u8], validator: &mut Validator) -> Result<Record, Proble
     let line = text(line)?;
     match kind_of(line)?.as_ref() {
         "header" => {
-            Err(Problem::new("a second header", "a file has one header; join graphs with posecut-construct"))
+            Err(Problem::new("the file has a second header", "remove it; join graphs with posecut-construct"))
         }
         "node" => {
             let node = parse_node(line)?;
@@ -128,7 +128,7 @@ fn text(line: &[u8]) -> Result<&str, Problem> {
     std::str::from_utf8(line).map_err(|error| {
         Problem::new(
             format!("byte {} of the line is not UTF-8", error.valid_up_to() + 1),
-            "write the file in UTF-8; a compressed file is recognised by its first bytes, so it may be damaged",
+            "write the file in UTF-8; if it is a compressed file, its first bytes are damaged",
         )
     })
 }
@@ -149,7 +149,7 @@ impl LineFault {
             Self::Io(error) => ReadError::Io { source_name: source_name.to_owned(), error },
             Self::TooLong => Problem::new(
                 format!("the line is longer than {} MiB", LONGEST_LINE >> 20),
-                "write one record a line",
+                "write one record per line",
             )
             .at(source_name, line),
         }
@@ -301,8 +301,8 @@ fn duplicates<'a, T>(
     let again = move |(pair, _): &(&[T], &[u64])| id(&pair[0]) == id(&pair[1]);
     records.windows(2).zip(lines.windows(2)).filter(again).map(move |(pair, lines)| {
         let problem = Problem::new(
-            format!("its id stands already in line {} ({})", lines[0], name(&pair[0])),
-            "ids are unique among nodes, and among edges of all kinds; number them anew",
+            format!("line {} ({}) already has this id", lines[0], name(&pair[0])),
+            "ids must be unique among nodes, and among edges of all kinds; renumber them",
         );
         (problem.record(name(&pair[1])).field("id"), lines[1])
     })

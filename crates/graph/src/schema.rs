@@ -14,7 +14,7 @@ pub fn schema() -> Value {
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": format!("{FORMAT} pose graph, version {VERSION}: one line"),
-        "description": "JSON Lines: a header, then nodes, then edges, one object a line. Metres, radians, microseconds UTC.",
+        "description": "JSON Lines: a header, then nodes, then edges, one object per line. Metres, radians, microseconds UTC.",
         "anyOf": [{"$ref": "#/$defs/plane"}, {"$ref": "#/$defs/space"}],
         "$defs": {
             "plane": record(Dimension::Two),
@@ -106,7 +106,7 @@ fn edge(dimension: Dimension, odometry: bool) -> Value {
         "description": if odometry {
             "Motion between successive nodes of a session."
         } else {
-            "A recognised place: a loop closure, right or wrong."
+            "A landmark edge (loop closure), correct or incorrect."
         },
         "required": required,
         "properties": {
@@ -117,7 +117,7 @@ fn edge(dimension: Dimension, odometry: bool) -> Value {
             "information": {"description": "Upper triangle, row by row.", "anyOf": optional(&information(dimension))["anyOf"]},
             "noise": {"description": "A noise model of the header.", "$ref": "#/$defs/text"},
             "truth": {"type": ["object", "null"], "properties": {"correct": {"type": ["boolean", "null"]}}},
-            "rejected_by": {"description": "The stage that rejected it; absent while it is in use.", "$ref": "#/$defs/text"},
+            "rejected_by": {"description": "The stage that rejected the edge; absent while the edge is in use.", "$ref": "#/$defs/text"},
             "cost": {"$ref": "#/$defs/number"},
             "score": {"$ref": "#/$defs/number"}
         },

@@ -44,7 +44,7 @@ impl Validator {
     pub(crate) fn edge(&mut self, edge: &Edge) -> Result<(), Problem> {
         if edge.from == edge.to {
             return Err(Problem::new(
-                format!("it joins node {} to itself", edge.from),
+                format!("the edge joins node {} to itself", edge.from),
                 "remove the edge or correct its ends",
             )
             .record(edge.name())
@@ -69,7 +69,7 @@ impl Validator {
         }
         if edge.noise.is_some() && edge.information.is_some() {
             return Err(Problem::new(
-                "it has both \"noise\" and \"information\", and they may disagree",
+                "the edge has both \"noise\" and \"information\", which may disagree",
                 "keep one of the two",
             )
             .record(edge.name())
@@ -83,7 +83,7 @@ impl Validator {
         let layout = self.dimension.pose_layout();
         if edge.measurement.is_none() && edge.kind == EdgeKind::Odometry {
             return Err(Problem::new(
-                "an odometry edge must say how it moved",
+                "an odometry edge needs a measurement",
                 format!("add \"measurement\": {layout}"),
             )
             .record(edge.name())
@@ -91,7 +91,7 @@ impl Validator {
         }
         if edge.measurement.is_some() && !weighed {
             return Err(Problem::new(
-                "there is a measurement, but nothing says how sure it is",
+                "the edge has a measurement, but no information matrix",
                 format!(
                     "add \"information\" ({} terms) or \"noise\" (a name from the header)",
                     self.dimension.information_terms()

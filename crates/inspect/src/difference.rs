@@ -5,6 +5,7 @@ use std::fmt;
 
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_graph::{Dimension, PoseGraph, WriteError};
+use posecut_stage::counted;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -288,28 +289,31 @@ impl fmt::Display for Difference {
             if let Some(farthest) = farthest {
                 writeln!(
                     out,
-                    "moved       {} nodes, {mean:.3} m in the mean, node {} farthest by {:.3} m; turned by at most {turned:.4} rad",
-                    self.moved.len(),
-                    farthest.id,
-                    farthest.translation
+                    "moved       {} by {mean:.3} m on average and {:.3} m at most (node {}), rotated by at most {turned:.4} rad",
+                    counted(self.moved.len(), "node"),
+                    farthest.translation,
+                    farthest.id
                 )?;
             }
         }
         write_changes(out, "edge", &self.edges)?;
         for (stage, ids) in &self.marked {
-            writeln!(out, "marked      {} edges by {stage}: {}", ids.len(), listed(ids))?;
+            writeln!(out, "marked      {} by {stage}: {}", counted(ids.len(), "edge"), listed(ids))?;
         }
         for (stage, ids) in &self.unmarked {
-            writeln!(out, "unmarked    {} edges that {stage} had rejected: {}", ids.len(), listed(ids))?;
+            let edges = counted(ids.len(), "edge");
+            writeln!(out, "unmarked    {edges} that {stage} had rejected: {}", listed(ids))?;
         }
         if !self.marked_anew.is_empty() {
-            writeln!(out, "marked anew {} edges: {}", self.marked_anew.len(), listed(&self.marked_anew))?;
+            let edges = counted(self.marked_anew.len(), "edge");
+            writeln!(out, "marked anew {edges}: {}", listed(&self.marked_anew))?;
         }
         if self.unknown_added + self.unknown_removed > 0 {
             writeln!(
                 out,
-                "unknown     {} records added, {} removed",
-                self.unknown_added, self.unknown_removed
+                "unknown     {} added, {} removed",
+                counted(self.unknown_added, "record"),
+                self.unknown_removed
             )?;
         }
         for line in &self.provenance_removed {
@@ -327,7 +331,7 @@ fn write_changes(out: &mut fmt::Formatter<'_>, what: &str, changes: &Changes) ->
         [("added", &changes.added), ("removed", &changes.removed), ("changed", &changes.changed)]
     {
         if !ids.is_empty() {
-            writeln!(out, "{:11} {} {what}s: {}", word, ids.len(), listed(ids))?;
+            writeln!(out, "{:11} {}: {}", word, counted(ids.len(), what), listed(ids))?;
         }
     }
     for (name, field) in &changes.fields {
@@ -336,7 +340,7 @@ fn write_changes(out: &mut fmt::Formatter<'_>, what: &str, changes: &Changes) ->
         let counts: Vec<String> = counts
             .into_iter()
             .filter(|(_, count)| *count > 0)
-            .map(|(word, count)| format!("{word} {count} {what}s"))
+            .map(|(word, count)| format!("{word} {}", counted(count, what)))
             .collect();
         writeln!(out, "field       {name} {}", counts.join(", "))?;
     }

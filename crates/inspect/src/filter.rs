@@ -10,11 +10,11 @@ use crate::parts::parts;
 /// What is kept: all that passes every option given. Ids, marks and unknown records stay as they are.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, clap::Args)]
 pub struct Options {
-    /// Keep the nodes of these sessions; 2012-01-22 means its experiences /a and /b too
+    /// Keep the nodes of this session (may be given several times); 2012-01-22 includes its experiences /a and /b
     #[arg(long, value_name = "NAME", help_heading = "Nodes")]
     pub session: Vec<String>,
 
-    /// Keep the nodes with ids from FIRST to LAST; either may be left out
+    /// Keep the nodes with ids from FIRST to LAST; either bound may be omitted
     #[arg(long, value_name = "FIRST..LAST", help_heading = "Nodes")]
     pub nodes: Option<Range>,
 
@@ -26,23 +26,23 @@ pub struct Options {
     #[arg(long, value_name = "FIRST..LAST", allow_hyphen_values = true, help_heading = "Nodes")]
     pub times: Option<Range>,
 
-    /// Keep the N-th largest of the parts that the edges in use hold together, counted from 1
+    /// Keep the nodes of the N-th largest connected component of the edges in use, counted from 1
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), help_heading = "Nodes")]
     pub component: Option<u64>,
 
-    /// Keep the edges of this kind
+    /// Keep only the edges of this kind
     #[arg(long, value_enum, help_heading = "Edges")]
     pub kind: Option<Kind>,
 
-    /// Keep rejected landmark edges, or those in use
+    /// Keep only the landmark edges that are rejected, or only those in use
     #[arg(long, value_enum, help_heading = "Edges")]
     pub rejected: Option<Rejected>,
 
-    /// Keep the landmark edges that the truth calls correct or incorrect, or that it does not know
+    /// Keep only the landmark edges with this label
     #[arg(long, value_enum, help_heading = "Edges")]
     pub truth: Option<Truth>,
 
-    /// Take the truth out of nodes and edges
+    /// Remove the truth from nodes and edges
     #[arg(long, help_heading = "Edges")]
     pub strip_truth: bool,
 }
@@ -51,9 +51,9 @@ pub struct Options {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
-    /// Motion
+    /// Odometry edges
     Odometry,
-    /// Recognised places
+    /// Landmark edges (loop closures)
     Landmark,
 }
 
@@ -61,21 +61,21 @@ pub enum Kind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rejected {
-    /// Some stage has rejected it
+    /// Rejected by some stage
     Yes,
-    /// It is in use
+    /// In use
     No,
 }
 
-/// What the truth says of a landmark edge.
+/// What the truth says about a landmark edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Truth {
-    /// Both nodes see the same place
+    /// The truth calls the edge correct
     Correct,
-    /// They do not
+    /// The truth calls the edge incorrect
     Incorrect,
-    /// Nobody knows
+    /// The edge has no label
     Unknown,
 }
 
@@ -99,7 +99,7 @@ impl FromStr for Range {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let expected =
-            || format!("\"{text}\" is no range; say FIRST..LAST, FIRST.. or ..LAST, both included");
+            || format!("\"{text}\" is not a range; use FIRST..LAST, FIRST.. or ..LAST (both ends included)");
         let (first, last) = text.split_once("..").ok_or_else(expected)?;
         let end = |text: &str| {
             // Ids and times fit into 64 bits; a number with more digits is a typing error.
@@ -113,7 +113,7 @@ impl FromStr for Range {
         if let (Some(first), Some(last)) = (range.first, range.last)
             && first > last
         {
-            return Err(format!("the range {text} is empty; name the smaller number first"));
+            return Err(format!("the range {text} is empty; put the smaller number first"));
         }
         Ok(range)
     }

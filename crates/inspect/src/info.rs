@@ -5,6 +5,7 @@ use std::fmt;
 
 use posecut_evaluate::edges::{EdgeScores, score};
 use posecut_graph::{Edge, EdgeKind, PoseGraph, doubts_of};
+use posecut_stage::counted;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -234,7 +235,7 @@ impl fmt::Display for Info {
         )?;
         for session in self.sessions.iter().take(LISTED) {
             let name = if session.name.is_empty() { "(no session)" } else { &session.name };
-            write!(out, "session      {name}: {} nodes", session.nodes)?;
+            write!(out, "session      {name}: {}", counted(session.nodes, "node"))?;
             if let Some((first, last)) = session.frames {
                 write!(out, ", frames {first} to {last}")?;
             }
@@ -243,7 +244,7 @@ impl fmt::Display for Info {
             }
             writeln!(out)?;
         }
-        more(out, self.sessions.len(), "sessions")?;
+        more(out, self.sessions.len(), "session")?;
         if let Some(bounds) = &self.bounding_box {
             write!(out, "bounding box")?;
             for (name, (low, high)) in ["x", "y", "z"].iter().zip(bounds.smallest.iter().zip(&bounds.largest))
@@ -253,10 +254,11 @@ impl fmt::Display for Info {
             writeln!(out)?;
         }
         for (name, edges) in [("odometry", &self.odometry), ("landmark", &self.landmark)] {
+            let count = counted(edges.count, "edge");
             writeln!(
                 out,
-                "{name:12} {} edges ({} in use, {} without measurement, {} between sessions)",
-                edges.count, edges.in_use, edges.unmeasured, edges.between_sessions
+                "{name:12} {count} ({} in use, {} without measurement, {} between sessions)",
+                edges.in_use, edges.unmeasured, edges.between_sessions
             )?;
         }
         for (stage, count) in &self.rejected_by {
@@ -276,17 +278,17 @@ impl fmt::Display for Info {
             )?;
         }
         for (name, count) in self.noise_models.iter().take(LISTED) {
-            writeln!(out, "noise model  {name}: {count} edges")?;
+            writeln!(out, "noise model  {name}: {}", counted(*count, "edge"))?;
         }
-        more(out, self.noise_models.len(), "noise models")?;
+        more(out, self.noise_models.len(), "noise model")?;
         let sizes: Vec<String> = self.components.sizes.iter().take(LISTED).map(ToString::to_string).collect();
         let rest = if self.components.count > LISTED { ", …" } else { "" };
         writeln!(out, "components   {} (nodes: {}{rest})", self.components.count, sizes.join(", "))?;
         for (name, count) in &self.unknown_fields {
-            writeln!(out, "unknown      field {name} in {count} records")?;
+            writeln!(out, "unknown      field {name} in {}", counted(*count, "record"))?;
         }
         if self.unknown_records > 0 {
-            writeln!(out, "unknown      {} records of other kinds", self.unknown_records)?;
+            writeln!(out, "unknown      {} of other kinds", counted(self.unknown_records, "record"))?;
         }
         for (place, line) in self.provenance.iter().enumerate() {
             writeln!(out, "made by      {}. {line}", place + 1)?;
@@ -296,5 +298,9 @@ impl fmt::Display for Info {
 }
 
 fn more(out: &mut fmt::Formatter<'_>, count: usize, what: &str) -> fmt::Result {
-    if count > LISTED { writeln!(out, "             and {} further {what}", count - LISTED) } else { Ok(()) }
+    if count > LISTED {
+        writeln!(out, "             and {}", counted(count - LISTED, &format!("further {what}")))
+    } else {
+        Ok(())
+    }
 }

@@ -24,27 +24,27 @@ struct Command {
 #[derive(Subcommand)]
 #[allow(clippy::large_enum_variant, reason = "there is one, once a run")]
 enum Task {
-    /// What is in a graph: sessions, counts, bounding box, marks, parts, history
+    /// Summarise a graph: sessions, counts, bounding box, rejections, components, history
     Info {
-        /// The pose graph to read (may be compressed); `-` is standard input
+        /// The pose graph to read (JSON Lines, may be compressed); `-` is standard input
         #[arg(value_name = "INPUT", default_value = "-")]
         input: Source,
     },
-    /// Whether a graph is sound: all faults and warnings; exit status 1 if there is a fault
+    /// List all errors and warnings of a graph; exit status 1 if there is an error
     Validate {
-        /// The pose graph to read (may be compressed); `-` is standard input
+        /// The pose graph to read (JSON Lines, may be compressed); `-` is standard input
         #[arg(value_name = "INPUT", default_value = "-")]
         input: Source,
 
-        /// Exit status 1 for warnings too
+        /// Exit with status 1 for warnings too
         #[arg(long)]
         strict: bool,
 
-        /// Findings listed; the rest is counted
+        /// List at most this many findings, and count the others
         #[arg(long, value_name = "N", default_value_t = 100)]
         most: usize,
     },
-    /// What changed between two graphs; exit status 1 if anything but the history did
+    /// List what changed between two graphs; exit status 1 if anything except the history changed
     Diff {
         /// The graph before; `-` is standard input
         #[arg(value_name = "BEFORE")]
@@ -54,13 +54,13 @@ enum Task {
         #[arg(value_name = "AFTER")]
         after: Source,
 
-        /// Numbers that differ by at most this are the same
+        /// Treat numbers that differ by at most this as equal
         #[arg(long, value_name = "SIZE", default_value_t = 0.0)]
         tolerance: f64,
     },
-    /// A part of a graph, sound by itself
+    /// Extract a part of a graph as a valid graph of its own
     Filter {
-        /// The pose graph to read (may be compressed); `-` is standard input
+        /// The pose graph to read (JSON Lines, may be compressed); `-` is standard input
         #[arg(value_name = "INPUT", default_value = "-")]
         input: Source,
 
@@ -77,7 +77,7 @@ fn main() -> ExitCode {
     let identity = Identity {
         name: "inspect",
         version: env!("CARGO_PKG_VERSION"),
-        about: "Tell what is in a pose graph, whether it is sound, what changed between two, and take a part of one",
+        about: "Summarise, validate, compare and extract pose graphs",
         place: Place(Phase::Results, 30),
     };
     run::<Command>(
@@ -94,12 +94,12 @@ fn main() -> ExitCode {
                     graph.drop_rejected();
                 }
                 info!(
-                    "{} and {} kept; left out: {}, {}, and {} that lost a node",
+                    "kept {} and {}; removed {}, {} by the options for edges, and {} that lost a node",
                     counted(graph.nodes.len(), "node"),
                     counted(graph.edges.len(), "edge"),
                     counted(left.nodes, "node"),
                     counted(left.edges, "edge"),
-                    left.edges_without_nodes
+                    counted(left.edges_without_nodes, "edge")
                 );
                 context.statistics.note("nodes", graph.nodes.len());
                 context.statistics.note("edges", graph.edges.len());
@@ -130,9 +130,10 @@ fn check(input: &Source, strict: bool, most: usize, context: &mut Context) -> an
         text += &format!("{finding}\n");
     }
     if findings.len() > most {
-        text += &format!("and {} further findings; --most lists more\n", findings.len() - most);
+        let further = counted(findings.len() - most, "further finding");
+        text += &format!("and {further}; raise --most to list more\n");
     }
-    text += &format!("{name}: {}, {}\n", counted(faults, "fault"), counted(warnings, "warning"));
+    text += &format!("{name}: {}, {}\n", counted(faults, "error"), counted(warnings, "warning"));
     context.statistics.note("faults", faults);
     context.statistics.note("warnings", warnings);
     context.statistics.note("findings", &findings);
@@ -147,10 +148,10 @@ fn compare(
     context: &mut Context,
 ) -> anyhow::Result<Outcome> {
     if *before == Source::Standard && *after == Source::Standard {
-        bail!("standard input can be one of the two graphs; name a file for the other");
+        bail!("only one of the two graphs can be standard input; name a file for the other");
     }
     if !(tolerance >= 0.0) {
-        bail!("--tolerance is {tolerance}, and must be zero or a positive number");
+        bail!("--tolerance is {tolerance}, but must be zero or a positive number");
     }
     let before = context.read_graph(before, "before")?;
     let after = context.read_graph(after, "after")?;

@@ -6,6 +6,7 @@ use std::io::BufRead;
 
 use posecut_geometry::covariance::{CovarianceError, covariance_from_information, unpack_upper_triangle};
 use posecut_graph::{Dimension, Edge, EdgeKind, Examination, FormatProblem, PoseGraph, ReadError, examine};
+use posecut_stage::counted;
 use serde::Serialize;
 
 use crate::parts::parts;
@@ -39,7 +40,7 @@ pub struct Finding {
 
 impl fmt::Display for Finding {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let severity = if self.severity == Severity::Fault { "fault" } else { "warning" };
+        let severity = if self.severity == Severity::Fault { "error" } else { "warning" };
         write!(out, "{severity}: ")?;
         let mut place = Vec::new();
         if self.line > 0 {
@@ -114,26 +115,26 @@ impl Warnings<'_> {
         let falls = |lines: &[u64]| lines.windows(2).find(|pair| pair[0] > pair[1]).map(|pair| pair[1]);
         for (what, line) in [("nodes", falls(&self.node_lines)), ("edges", falls(&self.edge_lines))] {
             if let Some(line) = line {
-                let problem = format!("the {what} do not stand in the order of their ids");
+                let problem = format!("the {what} are not in the order of their ids");
                 self.warn(
                     line,
                     None,
                     Some("id"),
                     problem,
-                    "any stage writes them in order; posecut-inspect filter does nothing else",
+                    "posecut-inspect filter without options writes them in order",
                 );
             }
         }
         if let (Some(&last), Some(&first)) = (self.node_lines.iter().max(), self.edge_lines.iter().min())
             && first < last
         {
-            let problem = "an edge stands before the last node".to_owned();
+            let problem = "an edge comes before the last node".to_owned();
             self.warn(
                 first,
                 None,
                 None,
                 problem,
-                "any stage writes nodes first; posecut-inspect filter does nothing else",
+                "posecut-inspect filter without options writes all nodes first",
             );
         }
     }
@@ -154,18 +155,18 @@ impl Warnings<'_> {
                 if let Some(frame) = node.frame
                     && let Some(other) = frames.insert(frame, node.id)
                 {
-                    let problem = format!("frame {frame} of its session is node {other} too");
+                    let problem = format!("node {other} of the same session has frame {frame} too");
                     self.warn(
                         line,
                         name.clone(),
                         Some("frame"),
                         problem,
-                        "number the frames of a session once; support edges are counted in frames",
+                        "give each node of a session a frame of its own: support edges are counted in frames",
                     );
                 }
                 if let Some(time) = node.utime {
                     if let Some((before, other)) = last.filter(|&(before, _)| time < before) {
-                        let problem = format!("its time {time} lies before that of node {other}, {before}");
+                        let problem = format!("its time {time} is before {before}, the time of node {other}");
                         self.warn(
                             line,
                             name,
@@ -183,8 +184,8 @@ impl Warnings<'_> {
             let index = graph.nodes.iter().position(|node| node.pose.is_none()).unwrap_or_default();
             let name = format!("node {}", graph.nodes[index].id);
             let problem = format!(
-                "it is the first of {} nodes without a pose, while others have one",
-                graph.nodes.len() - posed
+                "it is the first of {} without a pose, while others have one",
+                counted(graph.nodes.len() - posed, "node")
             );
             self.warn(
                 self.node_lines[index],
@@ -225,7 +226,7 @@ impl Warnings<'_> {
                     Some(edge.name()),
                     Some("rejected_by"),
                     format!("{stage} rejected an odometry edge"),
-                    "stages judge landmark edges; remove the mark",
+                    "stages may reject only landmark edges; remove the field",
                 );
             }
             if edge.kind == EdgeKind::Odometry && self.session(edge.from) != self.session(edge.to) {
@@ -280,7 +281,7 @@ impl Warnings<'_> {
                 Some(name),
                 Some(field),
                 format!("the quaternion has norm {norm}"),
-                "it is taken as it is; normalise it with all its digits",
+                "it is used unchanged; normalise it in full precision",
             );
         }
     }
@@ -292,12 +293,18 @@ impl Warnings<'_> {
             let largest = parts.iter().map(|part| part.nodes.len()).max().unwrap_or_default();
             let second = parts[1].nodes[0];
             let problem = format!(
-                "it begins the second of {} parts that no edge in use joins; the largest has {largest} of {} nodes",
+                "it is the first node of the second of {} components that no edge in use joins; the largest has {largest} of {} nodes",
                 parts.len(),
                 self.graph.nodes.len()
             );
             let name = format!("node {}", self.graph.nodes[second].id);
-            self.warn(self.node_lines[second], Some(name), None, problem, "their places relative to each other are unknown; posecut-inspect filter --component takes one");
+            self.warn(
+                self.node_lines[second],
+                Some(name),
+                None,
+                problem,
+                "their relative poses are unknown; posecut-inspect filter --component N extracts one",
+            );
         }
     }
 
@@ -311,7 +318,7 @@ impl Warnings<'_> {
                 Some("header".to_owned()),
                 Some("noise_models"),
                 format!("no edge uses the noise model \"{name}\""),
-                "remove it, or name it in the edges",
+                "remove it, or refer to it in the edges",
             );
         }
         for (place, entry) in header.provenance.iter().enumerate() {
@@ -320,15 +327,15 @@ impl Warnings<'_> {
                     1,
                     Some("header".to_owned()),
                     Some("provenance"),
-                    format!("entry {} names no stage or no version", place + 1),
-                    "say what made the file: crates/graph/README.md has the layout",
+                    format!("entry {} has no \"stage\" or no \"version\"", place + 1),
+                    "add the program that wrote the file; crates/graph/README.md describes the layout",
                 );
             }
         }
     }
 }
 
-const WEAK_REMEDY: &str = "give every direction a measurable information, or leave the measurement out";
+const WEAK_REMEDY: &str = "give the measurement information in every direction, or omit it";
 
 /// Describes in which component an information matrix is singular to working precision; `None` if it is regular.
 fn weakness(dimension: Dimension, terms: &[f64]) -> Option<String> {
@@ -340,7 +347,7 @@ fn weakness(dimension: Dimension, terms: &[f64]) -> Option<String> {
         Ok(()) => None,
         Err(CovarianceError::Singular { index } | CovarianceError::NotPositiveDefinite { index, .. }) => {
             Some(format!(
-                "the matrix is singular to working precision: component {} says nothing of its own",
+                "the matrix is singular to working precision: component {} has no information of its own",
                 index + 1
             ))
         }

@@ -95,15 +95,19 @@ nonsense
 fn warnings_name_what_is_strange() {
     let only: Vec<String> = findings(GRAPH).iter().map(ToString::to_string).collect();
     assert_eq!(only.len(), 1, "{only:?}");
-    assert!(only[0].starts_with("warning: line 5, node 3: it begins the second of 2 parts"), "{}", only[0]);
+    assert!(
+        only[0].starts_with("warning: line 5, node 3: it is the first node of the second of 2 components"),
+        "{}",
+        only[0]
+    );
     for (from, to, part) in [
         (
             "\"frame\":1",
             "\"frame\":0",
-            "line 3, node 1, field \"frame\": frame 0 of its session is node 0 too",
+            "line 3, node 1, field \"frame\": node 0 of the same session has frame 0 too",
         ),
-        ("\"utime\":2000000", "\"utime\":5", "field \"utime\": its time 5 lies before"),
-        (",\"pose\":[3,4,0]", "", "node 1, field \"pose\": it is the first of 1 nodes without a pose"),
+        ("\"utime\":2000000", "\"utime\":5", "field \"utime\": its time 5 is before"),
+        (",\"pose\":[3,4,0]", "", "node 1, field \"pose\": it is the first of 1 node without a pose"),
         (
             "\"information\":[1,0,0,1,0,1],",
             "\"information\":[1,0,0,1,0,0],",
@@ -127,14 +131,14 @@ fn warnings_name_what_is_strange() {
         (
             "\"id\":1,\"session\"",
             "\"id\":9,\"session\"",
-            "line 3, field \"id\": the nodes do not stand in the order",
+            "line 3, field \"id\": the nodes are not in the order",
         ),
         (
             "\"from\":1,\"to\":3",
             "\"from\":2,\"to\":0",
             "landmark 2, field \"to\": it joins the same nodes as landmark 1",
         ),
-        ("\"stage\":\"ingest\",", "", "entry 1 names no stage"),
+        ("\"stage\":\"ingest\",", "", "entry 1 has no \"stage\""),
         (
             "\"wheels\":{\"inf",
             "\"laser\":{\"information\":[1,0,0,1,0,1]},\"wheels\":{\"inf",

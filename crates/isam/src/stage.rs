@@ -26,7 +26,7 @@ use session::{Arrival, Session};
 const IDENTITY: Identity = Identity {
     name: "isam",
     version: env!("CARGO_PKG_VERSION"),
-    about: "Optimise the poses of a pose graph incrementally: pose by pose, and edges retracted on request",
+    about: "Optimise the poses of a pose graph incrementally, pose by pose, and retract edges on request",
     place: Place(Phase::Optimisation, 20),
 };
 
@@ -70,27 +70,27 @@ pub fn main() -> ExitCode {
 /// The options of the incremental stage.
 #[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
 pub struct StageOptions {
-    /// Relinearise a pose when a component of its translation has moved by more than this since, metres
+    /// Relinearise a pose when a component of its translation has changed by more than this, metres
     #[arg(long, value_name = "METRES", default_value_t = IncrementalOptions::default().relinearise_translation)]
     pub relinearise_translation: f64,
 
-    /// The same for components of its rotation, radians
+    /// Relinearise a pose when a component of its rotation has changed by more than this, radians
     #[arg(long, value_name = "RADIANS", default_value_t = IncrementalOptions::default().relinearise_rotation)]
     pub relinearise_rotation: f64,
 
-    /// Consider relinearisation in every so many steps
+    /// Check for relinearisation once in this many steps
     #[arg(long, value_name = "STEPS", default_value_t = IncrementalOptions::default().relinearise_every)]
     pub relinearise_every: usize,
 
-    /// Propagate an update down the Bayes tree where a pose changed by more than this, metres and radians
+    /// Propagate an update down the Bayes tree where a pose changed by more than this, metres or radians
     #[arg(long, value_name = "SIZE", default_value_t = IncrementalOptions::default().propagate)]
     pub propagate: f64,
 
-    /// Relinearise once linearisation errors amount to this share of the cost; 0 does in any case
+    /// Relinearise poses beyond the thresholds once their linearisation errors exceed this share of the cost; 0 relinearises them at once
     #[arg(long, value_name = "SHARE", default_value_t = IncrementalOptions::default().linearisation_error)]
     pub linearisation_error: f64,
 
-    /// Most linear solutions in a step
+    /// Solve the linear system at most this many times per step
     #[arg(long, value_name = "N", default_value_t = IncrementalOptions::default().iterations)]
     pub solutions: usize,
 
@@ -103,18 +103,18 @@ pub struct StageOptions {
     #[serde(flatten)]
     pub kernels: KernelOptions,
 
-    /// Write the estimates of all poses after every so many steps, and after the last, to the file of --estimates
-    #[arg(long, value_name = "STEPS", requires = "estimates", help_heading = "Estimates on the way")]
+    /// Write the estimates of all poses to the file of `--estimates` once in this many steps, and after the last step
+    #[arg(long, value_name = "STEPS", requires = "estimates", help_heading = "Intermediate estimates")]
     #[serde(skip)]
     pub every: Option<usize>,
 
-    /// Where the estimates on the way go, JSON Lines
-    #[arg(long, value_name = "FILE", requires = "every", help_heading = "Estimates on the way")]
+    /// Write the intermediate estimates to FILE, JSON Lines
+    #[arg(long, value_name = "FILE", requires = "every", help_heading = "Intermediate estimates")]
     #[serde(skip)]
     pub estimates: Option<PathBuf>,
 }
 
-/// A line of estimates on the way.
+/// A line of intermediate estimates.
 #[derive(Serialize)]
 struct Checkpoint<'a> {
     kind: &'static str,
@@ -242,7 +242,7 @@ fn tell<G: PoseGroup<DOF>, const DOF: usize>(
 ) {
     for split in &session.splits {
         warn!(
-            "after node {}: an edge was taken back that had joined {} to the rest; the part stays where it was, and node {} is held fixed",
+            "after node {}: a retracted edge was the last connection of {} to the rest; this component keeps its poses, and node {} is fixed from now on",
             split.at,
             counted(split.nodes, "node"),
             split.gauge

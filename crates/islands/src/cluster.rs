@@ -10,7 +10,7 @@ use posecut_graph::{Edge, EdgeKind, PoseGraph};
 pub enum FrameError {
     /// An edge ends at a node without a session or a frame.
     #[error(
-        "{edge}: its node {node} has no \"session\" or no \"frame\", so which edges are its neighbours is unknown; number the frames of every session"
+        "{edge}: its node {node} has no \"session\" or no \"frame\", so its neighbouring edges cannot be found; number the frames of every session"
     )]
     NoFrame {
         /// The edge.

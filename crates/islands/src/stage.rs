@@ -12,15 +12,15 @@ use crate::{Match, clusters, matches};
 /// The options of islands.
 #[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
 pub struct Options {
-    /// Frames by which two landmark edges of one island may be apart at each end
+    /// Join landmark edges into an island if they are at most this many frames apart at both ends
     #[arg(long, value_name = "FRAMES", default_value_t = 2)]
     pub gap: u64,
 
-    /// Different query frames that an island must hold
+    /// Keep islands with at least this many different query frames
     #[arg(long, value_name = "N", default_value_t = 3)]
     pub minimum_frames: usize,
 
-    /// Sum of the edges' scores that an island must reach; edges without a score count 1
+    /// Keep islands whose edge scores sum to at least this; an edge without a score counts 1
     #[arg(long, value_name = "SCORE", default_value_t = 0.0)]
     pub minimum_score: f64,
 }

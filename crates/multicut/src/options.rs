@@ -9,10 +9,10 @@ use serde::Serialize;
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Solver {
-    /// Bounds and branching until the optimum is proved
+    /// Lower bounds and branching until the optimum is proved
     #[default]
     Exact,
-    /// Greedy contraction, then Kernighan-Lin with joins
+    /// Greedy additive edge contraction, then Kernighan-Lin with joins
     Klj,
     /// Greedy additive edge contraction
     Gaec,

@@ -71,11 +71,15 @@ impl StageOptions {
             (true, true) => context.also_doubt(Doubt::EverythingCut),
             (true, false) => context.doubt(
                 Doubt::EverythingCut,
-                format!("all of {} are cut; check their costs", counted(costs.len(), "landmark edge")),
+                format!("all landmark edges are cut ({} in use); check their costs", costs.len()),
             ),
             _ => {}
         }
-        info!("{cut_edges} of {} landmark edges cut, {landmarks} landmarks remain", costs.len());
+        info!(
+            "{cut_edges} of {} cut, {} remaining",
+            counted(costs.len(), "landmark edge"),
+            counted(landmarks, "landmark")
+        );
         let statistics = &mut context.statistics;
         statistics.note("landmark_edges", costs.len());
         statistics.note("unsupported_edges", repulsive);
@@ -112,7 +116,7 @@ impl StageOptions {
         context.doubt(
             Doubt::NoSupportWithinDelta,
             format!(
-                "{lone} of {} cut only because no other landmark edge is within {reach}, which is no evidence against them; {remedy}",
+                "{lone} of {} cut only because no other landmark edge is within {reach}, which is not evidence against them; {remedy}",
                 if all == 1 { "1 landmark edge is".to_owned() } else { format!("{all} landmark edges are") }
             ),
         );

@@ -103,7 +103,7 @@ fn cost_models_and_cut_graphs() {
     assert!(!succeed(&folder, "g.jsonl --drop-rejected").contains("\"id\":23,"));
     let missing = POSES.replace("\"cost\":2,", "");
     std::fs::write(folder.join("m.jsonl"), missing).unwrap();
-    assert!(fails(&folder, "m.jsonl --costs field", 2).contains("landmark 21: has no \"cost\""));
+    assert!(fails(&folder, "m.jsonl --costs field", 2).contains("landmark 21: it has no \"cost\""));
     assert!(fails(&folder, "g.jsonl --graph full --odometry-cost nan", 2).contains("--odometry-cost"));
 }
 

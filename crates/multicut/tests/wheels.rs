@@ -42,7 +42,7 @@ fn a_sound_wheel_is_accepted() {
 #[test]
 fn a_spoiled_wheel_is_refuted() {
     for (wheel, reason) in [
-        ("wheel 2.5 1 2 3 / 0 1 / 0 2 / 0 3", "beyond its cost"),
+        ("wheel 2.5 1 2 3 / 0 1 / 0 2 / 0 3", "more than its cost"),
         ("wheel -1 1 2 3 / 0 1 / 0 2 / 0 3", "positive"),
         ("wheel NaN 1 2 3 / 0 1 / 0 2 / 0 3", "positive"),
         ("wheel 2 1 2 3 / 0 1 / 0 2", "missing"),

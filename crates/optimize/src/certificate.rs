@@ -22,7 +22,7 @@ use crate::model::problem::Edge;
 use crate::normal_equations::Pattern;
 use crate::options::Options;
 use chordal_cost::ChordalEdge;
-use posecut_cholesky::{Factor, Symbolic};
+use posecut_cholesky::{Factor, Memory, Symbolic};
 
 /// The verdict is 'global' if the bound is below the cost by at most this share of it.
 const GAP: f64 = 1e-6;
@@ -72,7 +72,8 @@ where
     let pattern = Pattern::of(poses.len(), 1, edges);
     let refine = Options { cost_tolerance: 1e-14, max_iterations: 500, ..Options::default() };
     let magnitude = Magnitude::of(edges.iter());
-    let outcome = Workspace::new(&pattern, magnitude).minimise(&terms, &mut poses, &refine);
+    let outcome =
+        Workspace::new(&pattern, magnitude, Memory::default()).minimise(&terms, &mut poses, &refine);
     let (matrix, trace) = Matrix::<M>::new::<G, DOF, N>(&terms, &poses);
     let size = (N * poses.len()) as f64;
     let tolerance = (GAP * outcome.cost / size).max(ROUNDING * matrix.largest());

@@ -42,7 +42,7 @@ fn separate_cost(words: &[String]) -> Option<String> {
         words.windows(2).find(|pair| pair[0] == "--gnc" && Graduation::from_str(&pair[1], false).is_ok())?;
     let cost = &pair[1];
     Some(format!(
-        "--gnc takes its cost with an equals sign: write --gnc={cost} (a file of this name: ./{cost})"
+        "--gnc takes its cost after an equals sign: write --gnc={cost}, or ./{cost} for an input file of this name"
     ))
 }
 
@@ -51,7 +51,7 @@ fn moved_option(words: &[String]) -> Option<String> {
     let options = words.iter().map(|word| word.split_once('=').map_or(word.as_str(), |(option, _)| option));
     let option = options.into_iter().find(|option| *option == "--solver" || OF_ISAM.contains(option))?;
     Some(if option == "--solver" {
-        "--solver is no option any more: posecut-optimize is the batch solver, and posecut-isam the incremental one; run \
+        "--solver is no longer an option: posecut-optimize is the batch solver, and posecut-isam the incremental one; run \
          posecut-isam instead of --solver isam2, or leave --solver out"
             .to_owned()
     } else {

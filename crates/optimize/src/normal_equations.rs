@@ -11,7 +11,7 @@ use posecut_geometry::LieGroup;
 
 use crate::model::problem::Edge;
 use crate::model::residual::Term;
-use posecut_cholesky::Symbolic;
+use posecut_cholesky::{Factor, Memory, Symbolic};
 
 /// Positions of an edge's blocks.
 #[derive(Clone, Copy, Debug)]
@@ -138,6 +138,22 @@ impl<const D: usize> NormalEquations<D> {
             .flat_map(|(gradient, block)| (0..D).map(|axis| (gradient[axis], block[(axis, axis)])))
             .map(ratio)
             .fold(0.0, f64::max)
+    }
+}
+
+/// A pattern, and memory for its equations and their factor.
+#[derive(Debug)]
+pub(crate) struct System<const D: usize> {
+    pub(crate) pattern: Pattern,
+    pub(crate) equations: NormalEquations<D>,
+    pub(crate) factor: Factor<D>,
+}
+
+impl<const D: usize> System<D> {
+    pub(crate) fn new(pattern: Pattern, memory: Memory) -> Self {
+        let equations = NormalEquations::new(&pattern);
+        let factor = Factor::with_memory(&pattern.symbolic, memory);
+        Self { pattern, equations, factor }
     }
 }
 

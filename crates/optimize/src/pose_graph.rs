@@ -20,13 +20,13 @@ pub fn fixed_nodes(graph: &PoseGraph) -> anyhow::Result<Vec<usize>> {
 pub fn is_fixed(node: &Node) -> anyhow::Result<bool> {
     let fixed = node.is_fixed().map_err(|value| {
         anyhow::anyhow!(
-            "node {}, field \"fixed\": expected true or false, found {value}; say true to hold the node at its pose",
+            "node {}, field \"fixed\": expected true or false, found {value}; give true to fix the node at its pose",
             node.id
         )
     })?;
     anyhow::ensure!(
         !fixed || node.pose.is_some(),
-        "node {} is fixed and has no pose to stay at; give it one, or take the field \"fixed\" away",
+        "node {} is fixed but has no pose; give it one, or remove the field \"fixed\"",
         node.id
     );
     Ok(fixed)

@@ -29,13 +29,13 @@ use crate::{Initialisation, Method, Options, Phases, PoseGroup, Problem, Solutio
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Start {
-    /// The one of the following with the lowest cost
+    /// Whichever of the following costs least
     Best,
     /// The poses in the file
     Given,
-    /// Odometry, its chains joined over landmark edges
+    /// Odometry, with its chains joined by landmark edges
     SpanningTree,
-    /// Rotations first (chordal relaxation), then translations
+    /// Rotations by the chordal relaxation, then translations
     Chordal,
 }
 
@@ -43,48 +43,46 @@ pub enum Start {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum StepMethod {
-    /// Gauss-Newton steps, damped once one fails
+    /// Gauss-Newton steps, damped after one fails
     LevenbergMarquardt,
-    /// Gauss-Newton steps; the first that fails is the last
+    /// Gauss-Newton steps; stops at the first that fails
     GaussNewton,
-    /// Powell's dogleg
+    /// Powell's dogleg within a trust region
     Dogleg,
 }
 
 /// The options of the optimisation stage.
 #[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
 pub struct StageOptions {
-    /// Where to start from
+    /// Choose the poses to start from
     #[arg(long, value_enum, default_value_t = Start::Best)]
     pub initialisation: Start,
 
-    /// How steps are chosen
+    /// Choose how steps are computed
     #[arg(long, value_enum, default_value_t = StepMethod::LevenbergMarquardt)]
     pub method: StepMethod,
 
-    /// Most steps tried per component
+    /// Try at most this many steps per component
     #[arg(long, value_name = "N", default_value_t = Options::default().max_iterations)]
     pub max_iterations: usize,
 
-    /// Converged when a full step promises to lower the cost by less than this share of it
+    /// Stop when a full step would lower the cost by less than this share of it
     #[arg(long, value_name = "SHARE", default_value_t = Options::default().cost_tolerance)]
     pub cost_tolerance: f64,
 
-    /// Converged when no component of a full step exceeds this: share of the median measured distance, radians
+    /// Stop when no component of a full step exceeds this (shares of the median measured distance, radians)
     #[arg(long, value_name = "SIZE", default_value_t = Options::default().step_tolerance)]
     pub step_tolerance: f64,
 
-    /// Converged when no cosine of the angle between the residuals and a derivative of theirs exceeds this
+    /// Stop when no cosine of the angle between the residuals and one of their derivatives exceeds this
     #[arg(long, value_name = "COSINE", default_value_t = Options::default().gradient_tolerance)]
     pub gradient_tolerance: f64,
 
-    /// Tell in the statistics whether the solution is provably global, by SE-Sync's dual certificate for its own cost
+    /// Report in the statistics whether the solution is provably global, by SE-Sync's dual certificate for SE-Sync's cost
     #[arg(long, conflicts_with_all = ["kernel_odometry", "kernel_landmark", "gnc"])]
     pub certify: bool,
 
-    /// Write covariances at the solution: of the relative pose between the two nodes of every landmark edge that has a
-    /// measurement, rejected or not, as `predicted_covariance`; of poses, relative to the first node of their part, as
-    /// `covariance`
+    /// Write marginal covariances at the solution
     #[arg(long, value_enum, value_name = "OF")]
     pub marginals: Option<MarginalsOf>,
 
@@ -161,10 +159,11 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
     let semidefinite = problem.semidefinite();
     if let [first, ..] = semidefinite {
         info!(
-            "{} numerically singular, its smallest eigenvalue within 1e-9 of the largest (first: {}); used unchanged",
+            "{} (smallest eigenvalue within 1e-9 of the largest; first: {})",
             match semidefinite.len() {
-                1 => "1 information matrix is".to_owned(),
-                count => format!("{count} information matrices are"),
+                1 => "1 information matrix is numerically singular and is used unchanged".to_owned(),
+                count =>
+                    format!("{count} information matrices are numerically singular and are used unchanged"),
             },
             graph.edges[places[*first]].name()
         );
@@ -210,7 +209,7 @@ fn tell<G>(solution: &Solution<G>, unmeasured: usize) {
 /// Warns of edges without a measurement, which are not used.
 pub fn warn_of_unmeasured(unmeasured: usize) {
     if unmeasured > 0 {
-        warn!("{} in use without a measurement: not optimised over", counted(unmeasured, "edge"));
+        warn!("{} in use without a measurement: ignored in the optimisation", counted(unmeasured, "edge"));
     }
 }
 

@@ -5,7 +5,7 @@
 
 use anyhow::bail;
 use posecut_graph::{EdgeKind, PoseGraph};
-use posecut_stage::{Context, GraphStage, Phase, Place, info};
+use posecut_stage::{Context, GraphStage, Phase, Place, counted, info};
 use serde::Serialize;
 
 /// The oracle has no options.
@@ -21,10 +21,11 @@ impl GraphStage for Options {
         let (rejected, unknown) = reject_incorrect(graph);
         if unknown > 0 {
             bail!(
-                "{unknown} landmark edges carry no \"truth\":{{\"correct\":…}}, so their correctness is unknown; use graphs from posecut-construct, or label the edges"
+                "{} without \"truth\":{{\"correct\":…}} cannot be judged; use a graph from posecut-construct, or label the edges with posecut-label",
+                counted(unknown, "landmark edge")
             );
         }
-        info!("{rejected} incorrect landmark edges rejected");
+        info!("rejected {}", counted(rejected, "incorrect landmark edge"));
         context.statistics.note("landmark_edges", graph.edges_of(EdgeKind::Landmark).count());
         context.statistics.note("rejected", rejected);
         Ok(())

@@ -19,9 +19,9 @@ struct Command {
 
 #[derive(Subcommand)]
 enum Task {
-    /// A minimum-cost multicut of a signed graph: one label a line, in the order of the nodes
+    /// Find a minimum-cost multicut of a signed graph, and write one label per line, in the order of the nodes
     Solve(solve::Arguments),
-    /// What a certificate proves about a signed graph or a pose graph; exit status 1 if it does not hold
+    /// Check what a certificate proves about a signed graph or a pose graph; exit status 1 if it does not hold
     Verify(verify::Arguments),
 }
 

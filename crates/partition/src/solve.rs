@@ -10,7 +10,7 @@ use posecut_stage::{Context, Outcome, Source, counted, info, warn};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// The signed graph to read (may be compressed): a line MULTICUT, then `u v cost` a line; `-` is standard input
+    /// The signed graph to read (may be compressed): a line MULTICUT, then a line `u v cost` per edge; `-` is standard input
     #[arg(value_name = "INSTANCE", default_value = "-")]
     instance: Source,
 
@@ -33,7 +33,7 @@ pub(crate) fn run(arguments: &Arguments, context: &mut Context) -> anyhow::Resul
         info!("no edge has a negative cost, so nothing is cut");
     }
     if graph.self_loops() > 0 {
-        warn!("{} left out: none can be cut", counted(graph.self_loops(), "self-loop"));
+        warn!("{} ignored: a self-loop cannot be cut", counted(graph.self_loops(), "self-loop"));
     }
     let clusters = solution.labels.iter().max().map_or(0, |&label| label as usize + 1);
     info!("objective {}, {}", solution.objective, counted(clusters, "cluster"));

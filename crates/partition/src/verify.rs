@@ -11,11 +11,11 @@ use posecut_stage::{Context, Outcome, Source};
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// The certificate, which `posecut-partition solve` or `posecut-multicut` wrote
+    /// The certificate to check, from `posecut-partition solve` or `posecut-multicut`
     #[arg(value_name = "CERTIFICATE")]
     certificate: PathBuf,
 
-    /// What was cut (may be compressed): a signed graph as `solve` reads it, or a pose graph (JSON Lines); `-` is standard input
+    /// The graph that was cut (may be compressed): a signed graph as `solve` reads it, or a pose graph (JSON Lines); `-` is standard input
     #[arg(value_name = "INPUT", default_value = "-")]
     input: Source,
 
@@ -77,8 +77,8 @@ fn read(arguments: &Arguments, context: &mut Context) -> anyhow::Result<Graph> {
     }
     ensure!(
         arguments.cut == CutOptions::default(),
-        "{name}: is no pose graph, and --delta, --costs, --graph and --odometry-cost are for pose graphs; a signed graph has its \
-         costs, so leave them out"
+        "{name}: this is not a pose graph, but --delta, --costs, --graph and --odometry-cost are for pose graphs; a signed graph \
+         has its own costs, so leave these options out"
     );
     read_mc(input).context(name)
 }

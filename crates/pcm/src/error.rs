@@ -15,7 +15,7 @@ pub enum PcmError {
     },
     /// A probability outside (0, 1).
     #[error(
-        "a probability is {value}, and must lie between 0 and 1, both excluded; --help marks the options that take one by P"
+        "a probability is {value}, and must be greater than 0 and less than 1; --help shows the options that take one with the value P"
     )]
     Probability {
         /// The given value.
@@ -31,7 +31,7 @@ pub enum PcmError {
     },
     /// An option that has no effect on a test without covariances.
     #[error(
-        "{option} has no effect on --test threshold, which reads no covariances; leave one of the two out"
+        "{option} has no effect with --test threshold, which reads no covariances; leave out one of the two"
     )]
     CovariancesUnread {
         /// The option.
@@ -39,7 +39,7 @@ pub enum PcmError {
     },
     /// The consistency graph of a group is requested, but it is not computed.
     #[error(
-        "--consistency-graph needs all pairs, and a group of {candidates} candidates is solved by cells, which never makes them; add --scheme exact (it takes {megabytes} MB for that group)"
+        "--consistency-graph needs the tests of all pairs, but a group of {candidates} candidates is solved by cells, without these tests; add --scheme exact, which takes {megabytes} MB for this group"
     )]
     GraphNotMade {
         /// Candidates of the group.

@@ -30,12 +30,12 @@ const STALL: f64 = 20.0;
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Scheme {
-    /// All pairs up to 20000 candidates between two chains, cells beyond
+    /// `exact` for up to 20000 candidates between two chains, `cells` for more
     #[default]
     Auto,
-    /// All pairs and the maximum clique; N^2 / 8 bytes
+    /// Tests of all pairs, then the maximum clique; N candidates take N^2 / 8 bytes
     Exact,
-    /// Cells of distance travelled, a clique over hypotheses, growth; memory linear in N
+    /// The maximum clique over hypotheses from cells of travelled distance, then growth; memory is linear in N
     Cells,
 }
 
@@ -122,62 +122,64 @@ impl<'de> Deserialize<'de> for Scale {
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 #[serde(default)]
 pub struct Options {
-    /// When two edges are consistent
+    /// Choose the test of whether two edges are consistent
     #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t = Options::DEFAULT.test))]
     pub test: Test,
 
-    /// Probability with which correct edges pass the test
+    /// Set the probability that correct edges pass the test
     #[cfg_attr(feature = "cli", arg(long, value_name = "P", default_value_t = Options::DEFAULT.probability))]
     pub probability: f64,
 
-    /// What the probability refers to
+    /// Choose what the probability refers to
     #[cfg_attr(feature = "cli", arg(long, value_enum, value_name = "WHAT", default_value_t = Options::DEFAULT.correction))]
     pub correction: Correction,
 
-    /// Largest error of a loop in metres a step (`--test threshold`)
+    /// Accept loops up to this translation error, metres per step (`--test threshold`)
     #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", default_value_t = Options::DEFAULT.translation_per_step))]
     pub translation_per_step: f64,
 
-    /// Largest error of a loop in radians a step (`--test threshold`)
+    /// Accept loops up to this rotation error, radians per step (`--test threshold`)
     #[cfg_attr(feature = "cli", arg(long, value_name = "RADIANS", default_value_t = Options::DEFAULT.rotation_per_step))]
     pub rotation_per_step: f64,
 
-    /// Multiply all covariances by FACTOR, or by two: ODOMETRY,LANDMARK; `auto` estimates both from loops
+    /// Multiply all covariances by FACTOR, or by two factors, ODOMETRY,LANDMARK; `auto` estimates both from loops.
+    ///
+    /// For example, `--scale 0.5,2` halves the covariances of odometry edges and doubles those of landmark edges.
     #[cfg_attr(feature = "cli", arg(long, value_name = "FACTOR", default_value_t = Options::DEFAULT.scale))]
     pub scale: Scale,
 
-    /// Divide the informations of odometry and landmark edges by their estimated scales, for the optimiser that comes next
+    /// Rescale the information matrices in the output by the estimated covariance scales
     #[cfg_attr(feature = "cli", arg(long))]
     pub calibrate: bool,
 
-    /// Do not hold the candidates of one chain against its odometry alone before they are held against each other
+    /// Skip the odometry-only test of edges within one chain
     #[cfg_attr(feature = "cli", arg(long))]
     pub no_odometry_test: bool,
 
-    /// After the clique, keep candidates too that agree with three of four members near them at this probability
+    /// Also keep candidates outside the clique that agree, at this probability, with three quarters of the members near them
     #[cfg_attr(feature = "cli", arg(long, value_name = "P"))]
     pub grow: Option<f64>,
 
-    /// Drop edges that agree by chance alone, where a wrong edge costs as much as COST correct ones; always applied to grown edges and to `--scheme cells` [default there: 3]
+    /// Reject edges that agree by chance alone, where a wrong edge costs as much as COST correct ones [default: 3 for grown edges and --scheme cells, otherwise no such test]
     #[cfg_attr(feature = "cli", arg(long, value_name = "COST"))]
     pub chance: Option<f64>,
 
-    /// How a group of candidates is solved
+    /// Choose how each group of candidates is solved
     #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t = Options::DEFAULT.scheme, help_heading = "Search"))]
     pub scheme: Scheme,
 
-    /// Side of a cell in metres travelled (`--scheme cells`)
+    /// Set the side of a cell, metres travelled (`--scheme cells`)
     #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", default_value_t = Options::DEFAULT.cell_size, help_heading = "Search"))]
     pub cell_size: f64,
 
-    /// Stop the proof after this many branch-and-bound nodes in all groups together and keep the largest cliques found [default: 2e7, times (1000/N)^2 above 1000 candidates; 1e3 (1000/N)^2 with --scale auto]
+    /// Stop the search after this many branch-and-bound nodes in all groups together, and keep the largest cliques found [default: 2e7, times (1000/N)^2 above 1000 candidates; with --scale auto 1e3 (1000/N)^2].
     ///
-    /// Groups share the limit by the squares of their candidates, and what one does not need goes to the next ones. Without this
-    /// option a search also ends when its bound stalls: when a twentieth of the nodes brings no progress.
+    /// Each group gets a share in proportion to its squared number of candidates; later groups use what earlier ones leave.
+    /// Without this option, a search also stops when its bound stalls: when a twentieth of the nodes brings no progress.
     #[cfg_attr(feature = "cli", arg(long, value_name = "NODES", help_heading = "Search"))]
     pub work_limit: Option<u64>,
 
-    /// Seconds after which all searches end; what is kept then depends on the machine
+    /// Stop all searches after this many seconds; the result then depends on the machine
     #[cfg_attr(feature = "cli", arg(long, value_name = "SECONDS", help_heading = "Search"))]
     pub time_limit: Option<f64>,
 }

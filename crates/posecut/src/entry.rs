@@ -25,7 +25,7 @@ pub fn run(registry: &Registry, mut arguments: impl Iterator<Item = OsString>) -
         Some("--version" | "-V") => print(&format!("posecut {}\n", env!("CARGO_PKG_VERSION"))),
         Some("--generate") => generate(registry, &arguments.next().unwrap_or_default().to_string_lossy()),
         Some(option) if option.starts_with('-') => {
-            fail(NAME, &format!("{option} stands before the name of a program; say posecut NAME {option}"))
+            fail(NAME, &format!("{option} comes before the name of a program; write posecut NAME {option}"))
         }
         _ => start(registry, &first, arguments),
     }
@@ -52,7 +52,7 @@ fn become_program(program: &Program, arguments: impl Iterator<Item = OsString>) 
     hand_over_standard_output();
     // Returns only where the program could not be started.
     let error = Command::new(&program.path).args(arguments).exec();
-    fail(NAME, &format!("{}: cannot be started: {error}; install it again", program.path.display()))
+    fail(NAME, &format!("{}: cannot be started: {error}; reinstall it", program.path.display()))
 }
 
 #[cfg(not(unix))]
@@ -61,7 +61,7 @@ fn become_program(program: &Program, arguments: impl Iterator<Item = OsString>) 
         // A program that a signal ended has no exit status.
         Ok(status) => ExitCode::from(status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(2)),
         Err(error) => {
-            fail(NAME, &format!("{}: cannot be started: {error}; install it again", program.path.display()))
+            fail(NAME, &format!("{}: cannot be started: {error}; reinstall it", program.path.display()))
         }
     }
 }
@@ -75,7 +75,7 @@ fn generate(registry: &Registry, what: &str) -> ExitCode {
     use clap::ValueEnum as _;
     let mut command = clap::Command::new(NAME)
         .version(env!("CARGO_PKG_VERSION"))
-        .about("Run a program of posecut by its name")
+        .about("Run a posecut program by its name")
         .disable_help_subcommand(true)
         .subcommand(clap::Command::new("help").about("List the programs, or show the help of one"))
         .subcommand(clap::Command::new("version").about("Show the versions of all programs"));
@@ -93,7 +93,7 @@ fn generate(registry: &Registry, what: &str) -> ExitCode {
         _ => {
             return fail(
                 NAME,
-                &format!("--generate {what:?} is unknown; say man, bash, elvish, fish, powershell or zsh"),
+                &format!("--generate {what:?} is unknown; use man, bash, elvish, fish, powershell or zsh"),
             );
         }
     }

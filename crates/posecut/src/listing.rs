@@ -7,13 +7,13 @@ use posecut_stage::{Description, Phase};
 use crate::registry::Registry;
 
 /// The text above the list of programs.
-const ABOUT: &str = "posecut finds the wrong landmark edges (false loop closures) of pose graphs.
+const ABOUT: &str = "posecut finds incorrect landmark edges (false loop closures) in pose graphs.
 
-Usage: posecut NAME [ARGUMENTS]     what posecut-NAME does
-       posecut help [NAME]          this list, or the help of one program
-       posecut version              the versions of all programs
+Usage: posecut NAME [ARGUMENTS]     run posecut-NAME
+       posecut help [NAME]          list the programs, or show the help of one
+       posecut version              show the versions of all programs
 
-A program reads a pose graph from a file or from standard input and writes it to a file or to standard output:
+A program reads a pose graph from a file or standard input and writes it to a file or standard output:
 
     posecut convert graph.g2o --to jsonl | posecut verify | posecut optimize > optimized.jsonl
 ";
@@ -59,7 +59,7 @@ pub fn versions(registry: &Registry) -> String {
     let mut text = format!("posecut {}\n", env!("CARGO_PKG_VERSION"));
     for program in registry.beside() {
         let version =
-            program.version().unwrap_or_else(|| format!("posecut-{}: says no version", program.name));
+            program.version().unwrap_or_else(|| format!("posecut-{}: version unknown", program.name));
         let _ = writeln!(text, "{version}");
     }
     for program in registry.elsewhere() {

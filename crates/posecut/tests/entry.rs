@@ -154,8 +154,8 @@ fn an_unknown_program_is_an_error_with_the_nearest_name() {
             &["help", "xyz"],
             "there is no program posecut-xyz beside posecut or on the PATH; posecut help lists",
         ),
-        (&["--quiet", "first"], "say posecut NAME --quiet"),
-        (&["--generate", "x"], "say man, bash"),
+        (&["--quiet", "first"], "write posecut NAME --quiet"),
+        (&["--generate", "x"], "use man, bash"),
     ] {
         let output = place.run(arguments);
         let said = text(&output.stderr);

@@ -15,27 +15,29 @@ use crate::{Search, largest_consensus};
 /// The options of RANSAC.
 #[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
 pub struct Options {
-    /// Probability with which a pair of correct edges passes the test
+    /// Treat pairs of edges beyond this chi-square probability as inconsistent
     #[arg(long, value_name = "P", default_value_t = 0.99)]
     pub probability: f64,
 
-    /// Landmark edges in a minimal set; one fixes the alignment of two chains, more make the vote stricter
+    /// Draw this many landmark edges for each minimal set.
+    ///
+    /// One edge fixes the alignment of two chains; more make the vote stricter.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
     pub set_size: u32,
 
-    /// Probability with which one set at least shall hold correct edges alone
+    /// Draw sets until at least one contains only correct edges with this probability
     #[arg(long, value_name = "P", default_value_t = 0.999)]
     pub confidence: f64,
 
-    /// Sets to draw at most for each pair of chains
+    /// Draw at most this many sets for each pair of chains
     #[arg(long, value_name = "N", default_value_t = 10_000)]
     pub most_trials: u64,
 
-    /// Edges that a consensus set must hold; smaller ones are no evidence, and all edges of the pair of chains are rejected
+    /// Reject all edges of a pair of chains if its consensus set has fewer edges than this
     #[arg(long, value_name = "N", default_value_t = 2)]
     pub minimum_consensus: usize,
 
-    /// Seed of the random sets
+    /// Set the seed of the random sets
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     pub seed: u64,
 }
@@ -125,7 +127,7 @@ impl Summary {
             context.doubt(
                 Doubt::SearchLimit,
                 format!(
-                    "the limit of trials ended {} before the confidence was reached; raise --most-trials or lower --confidence",
+                    "{} reached the limit of trials before the confidence; raise --most-trials or lower --confidence",
                     counted(self.unsure, "group")
                 ),
             );

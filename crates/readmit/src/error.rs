@@ -19,7 +19,9 @@ pub enum ReadmitError {
         reason: String,
     },
     /// A node without an estimate.
-    #[error("node {node}: it has no pose; re-admission needs an optimised graph")]
+    #[error(
+        "node {node}: it has no pose; re-admission needs an optimised graph, as posecut-optimize --marginals landmark writes it"
+    )]
     Pose {
         /// The node.
         node: u64,

@@ -177,7 +177,7 @@ fn predicted<const DOF: usize>(edge: &Edge) -> Result<Option<SMatrix<f64, DOF, D
     }
     let terms: Option<Vec<f64>> =
         value.as_array().and_then(|terms| terms.iter().map(serde_json::Value::as_f64).collect());
-    let terms = terms.ok_or_else(|| missing("is no list of numbers"))?;
+    let terms = terms.ok_or_else(|| missing("is not a list of numbers"))?;
     unpack_upper_triangle::<DOF>(&terms)
         .map(Some)
         .map_err(|error| missing(&format!("does not fit ({error})")))

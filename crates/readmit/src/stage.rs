@@ -13,11 +13,11 @@ use crate::{Readmission, Readmitted, readmit};
 /// The options of re-admission.
 #[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
 pub struct Options {
-    /// Probability within which the innovation of a rejected edge re-admits it
+    /// Re-admit a rejected edge whose innovation is within the chi-square quantile of this probability
     #[arg(long, value_name = "P", default_value_t = 0.99)]
     pub admit: f64,
 
-    /// Probability beyond which the innovation of an edge in use drops it
+    /// Drop an edge in use whose innovation is beyond the chi-square quantile of this probability
     #[arg(long, value_name = "P", default_value_t = 0.9999)]
     pub drop: f64,
 
@@ -25,11 +25,11 @@ pub struct Options {
     #[arg(long, value_name = "FACTOR", default_value_t = Scale::Fixed(Scales::ONE), value_parser = one_factor)]
     pub scale: Scale,
 
-    /// Divide the information of landmark edges by the scale, for the optimiser that comes next
+    /// Rescale the information matrices of landmark edges in the output by the covariance scale
     #[arg(long)]
     pub apply_scale: bool,
 
-    /// Leave edges rejected that agree by chance alone, where a wrong edge costs as much as COST correct ones
+    /// Do not re-admit edges that agree by chance alone, where a wrong edge costs as much as COST correct ones
     #[arg(long, value_name = "COST", default_value_t = COST)]
     pub chance: f64,
 }
@@ -102,7 +102,7 @@ fn note(result: &Readmitted, graph: &PoseGraph, context: &mut Context) {
     }
     if let Some(estimate) = result.unbounded_scale {
         warn!(
-            "the landmark edges in use suggest a scale of {estimate:.1}; {} is used, for false edges in use raise it",
+            "the landmark edges in use suggest a covariance scale of {estimate:.1}, but {} is used, because false edges in use raise the estimate",
             result.scale
         );
     }

@@ -121,7 +121,7 @@ fn readmission_without_marginals_says_what_to_run() {
     for (line, words) in [
         (edge(4, 0, 1), "is missing"),
         (predicted(&edge(4, 0, 1), "[1,2]"), "does not fit"),
-        (predicted(&edge(4, 0, 1), r#"["a"]"#), "is no list of numbers"),
+        (predicted(&edge(4, 0, 1), r#"["a"]"#), "is not a list of numbers"),
     ] {
         let error = readmit(&mut with(nodes(2), &[line]), &READMISSION).unwrap_err().to_string();
         assert!(

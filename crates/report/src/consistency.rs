@@ -80,7 +80,7 @@ fn stage(entry: &Value) -> Option<&str> {
 /// The options of the recorded run of PCM, adapted to the information matrices that the graph has now.
 fn options(arguments: &Value) -> anyhow::Result<Options> {
     let mut options: Options = serde_json::from_value(arguments.clone()).with_context(|| {
-        format!("the history's arguments of pcm are none that this version knows: {arguments}")
+        format!("this version does not know the arguments of pcm in the graph's history: {arguments}")
     })?;
     if options.calibrate {
         // PCM has divided the information matrices by the estimated scales; a second estimate would divide them again.
@@ -128,7 +128,7 @@ fn of(graph: &PoseGraph, groups: &[GroupConsistency]) -> Matrix {
 fn in_words(groups: &[GroupConsistency]) -> String {
     let gates: Vec<Gate> = groups.iter().map(|group| group.gate).collect();
     if let Some(Gate { per_step: Some(per_step), .. }) = gates.first() {
-        return format!("{} m and {} rad a step", per_step.translation, per_step.rotation);
+        return format!("{} m and {} rad per step", per_step.translation, per_step.rotation);
     }
     let least = gates.iter().map(|gate| gate.squared_distance).fold(f64::INFINITY, f64::min);
     let most = gates.iter().map(|gate| gate.squared_distance).fold(f64::NEG_INFINITY, f64::max);

@@ -155,9 +155,9 @@ pub mod colours {
 /// How a graph's coordinates lie on paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Frame {
-    /// x north, y east, z down, as NCLT has it: y is drawn to the right, x upwards
+    /// x north, y east, z down, as in NCLT: draw y to the right and x upwards
     Ned,
-    /// x to the right, y upwards
+    /// Draw x to the right and y upwards
     Xy,
 }
 

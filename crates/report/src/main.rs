@@ -19,23 +19,23 @@ struct Command {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Methods against sessions, mean and spread over seeds, beside published figures
+    /// Write a table of methods by sessions: mean and spread over seeds, with published figures
     Table(table::Table),
-    /// One self-contained HTML page: tables, maps, matrices, errors and regimes
+    /// Write one self-contained HTML page: tables, maps, matrices, errors and regimes
     Html(html::Html),
-    /// Where the sessions went, one panel a graph (SVG, PDF or PNG by the name given to -o)
+    /// Draw the trajectories of sessions, one panel per graph (SVG, PDF or PNG, by the name given to -o)
     Trajectories(figures::Trajectories),
-    /// Optimised graphs over their reference, with false edges visible (SVG, PDF or PNG by the name given to -o)
+    /// Draw optimised graphs over their reference, with false edges marked (SVG, PDF or PNG, by the name given to -o)
     Graphs(figures::Graphs),
-    /// Which candidates of PCM agree with each other (SVG, PDF or PNG by the name given to -o)
+    /// Draw which candidates of PCM are consistent with each other (SVG, PDF or PNG, by the name given to -o)
     Consistency(figures::Consistency),
-    /// The landmarks that the multicut leaves (SVG, PDF or PNG by the name given to -o)
+    /// Draw the landmarks that the multicut found (SVG, PDF or PNG, by the name given to -o)
     Components(figures::Components),
-    /// The error of each pose along a session, one line a method (SVG, PDF or PNG by the name given to -o)
+    /// Draw the error of each pose along a session, one line per method (SVG, PDF or PNG, by the name given to -o)
     Error(figures::Error),
-    /// Where the graph cut helps, is neutral, or hurts: heat maps and curves (SVG, PDF or PNG), or tables
+    /// Show where the graph cut helps, is neutral or hurts: heat maps and curves (SVG, PDF or PNG), or tables
     Regimes(regimes::Regimes),
-    /// Every method on every family of graphs: regret, false edges, recall, and which method to use
+    /// Compare all methods on all families of graphs: regret, false edges, recall, and which method to use
     Trust(trust::Trust),
 }
 
@@ -43,7 +43,7 @@ fn main() -> ExitCode {
     let identity = Identity {
         name: "report",
         version: env!("CARGO_PKG_VERSION"),
-        about: "Write tables, figures and one page of experiments",
+        about: "Write tables, figures and an HTML page of experiments",
         place: Place(Phase::Results, 20),
     };
     run::<Command>(

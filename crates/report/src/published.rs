@@ -31,7 +31,7 @@ impl Published {
         })?;
         for (method, row) in &published.rmse {
             if let Some((session, value)) = row.iter().find(|(_, value)| !value.is_finite()) {
-                bail!("{place}: rmse.{method}.{session} is {value}, and must be a finite number");
+                bail!("{place}: rmse.{method}.{session} is {value}, but must be a finite number");
             }
         }
         Ok(published)

@@ -156,16 +156,16 @@ fn read(path: &Path, results: &mut Vec<Located>) -> anyhow::Result<()> {
 
 fn parse(place: &str, bytes: &[u8]) -> anyhow::Result<RunResult> {
     let result: RunResult = serde_json::from_slice(bytes)
-        .with_context(|| format!("{place}: is no result; write results with posecut-evaluate"))?;
+        .with_context(|| format!("{place}: is not a result; write results with posecut-evaluate"))?;
     if result.format != "posecut-result" || result.version != 1 {
         bail!(
-            "{place}: is \"{}\" version {}, and a posecut-result version 1 was expected; evaluate again",
+            "{place}: is \"{}\" version {}, but must be posecut-result version 1; evaluate again",
             result.format,
             result.version
         );
     }
     if !result.rmse.is_finite() {
-        bail!("{place}: its RMSE is no finite number; evaluate again");
+        bail!("{place}: its RMSE is not a finite number; evaluate again");
     }
     Ok(result)
 }

@@ -175,7 +175,7 @@ fn hostile_names_stay_text() {
 }
 
 #[test]
-fn what_is_missing_is_said_in_sentences() {
+fn the_page_reports_what_is_missing_in_sentences() {
     let folder = tempfile::tempdir().unwrap();
     experiment(folder.path(), ["paper", "s", "1"]);
     for name in ["none", "pcm", "oracle"] {
@@ -183,11 +183,11 @@ fn what_is_missing_is_said_in_sentences() {
     }
     let text = page(&[folder.path().to_str().unwrap(), "--missing", "t"], folder.path());
     for sentence in [
-        "Asked for and without data: t.",
-        "There are no optimised graphs beside the results",
-        "There is no reference beside the results",
-        "None of the graphs beside the results went through PCM.",
-        "None of the graphs beside the results went through the multicut.",
+        "Requested sessions without data: t.",
+        "there are no optimised graphs beside the results",
+        "there is no reference beside the results",
+        "PCM has processed none of the graphs beside the results.",
+        "The multicut has processed none of the graphs beside the results.",
         "There are no results over regimes",
     ] {
         assert!(text.contains(sentence), "{sentence}");
@@ -200,7 +200,7 @@ fn what_is_missing_is_said_in_sentences() {
 }
 
 #[test]
-fn a_graph_that_is_not_the_one_evaluated_is_told() {
+fn a_graph_that_is_not_the_one_evaluated_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     experiment(folder.path(), ["paper", "s", "1"]);
     let mut bytes = Vec::new();
@@ -212,7 +212,7 @@ fn a_graph_that_is_not_the_one_evaluated_is_told() {
         "-o",
         folder.path().join("page.html").to_str().unwrap(),
     ]);
-    assert!(done && said.contains("paper/s/1/pcm: the graph's RMSE is"), "{said}");
+    assert!(done && said.contains("paper/s/1/pcm: the RMSE of the graph is"), "{said}");
 }
 
 #[test]
@@ -251,7 +251,7 @@ fn figures_are_drawn_of_the_same_graphs_and_refuse_others_in_sentences() {
     }
     let svg = path("x.svg");
     let (_, said) = run(&["consistency", &named("none"), "-o", &svg]);
-    assert!(said.contains("this graph did not go through PCM; name what posecut-pcm wrote"), "{said}");
+    assert!(said.contains("PCM has not processed this graph; name the output of posecut-pcm"), "{said}");
     let (_, said) = run(&["error", &named("pcm"), "--reference", &reference]);
     assert!(said.contains("a figure needs a file"), "{said}");
     let (_, said) = run(&["regimes", &path("pcm.result.json"), "-o", &svg]);

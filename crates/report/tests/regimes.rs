@@ -137,17 +137,17 @@ fn what_cannot_be_placed_is_refused_in_sentences() {
     let said = |text: &str| format!("{:#}", results(text).and_then(|all| Map::new(&all, &[])).unwrap_err());
     let twice = line("s", "pcm", "1", "\"0.1\"", 1, 1.0) + "\n" + &line("s", "pcm", "1", "\"0.1\"", 1, 2.0);
     assert!(
-        said(&twice).contains("seed 1 of pcm on s, covariance scale 1, rate 0.1 is there twice"),
+        said(&twice).contains("seed 1 of pcm on s, covariance scale 1, rate 0.1 occurs twice"),
         "{}",
         said(&twice)
     );
     let word = line("s", "pcm", "\"wide\"", "\"0.1\"", 1, 1.0);
-    assert!(said(&word).contains("has the label covariance_scale=wide, and a finite number was expected"));
+    assert!(said(&word).contains("has the label covariance_scale=wide, but needs a finite number"));
     let none = word.replace(r#""covariance_scale":"wide","#, "");
     assert!(said(&none).contains("has no label covariance_scale"), "{}", said(&none));
     assert!(said("\n").contains("there are no results"), "{}", said("\n"));
     let broken = line("s", "pcm", "1", "\"0.1\"", 1, 1.0) + "\n{\n";
-    assert!(said(&broken).contains("results.jsonl, line 2: is no result"), "{}", said(&broken));
+    assert!(said(&broken).contains("results.jsonl, line 2: is not a result"), "{}", said(&broken));
 }
 
 #[test]

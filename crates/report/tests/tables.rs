@@ -82,7 +82,7 @@ fn what_is_no_result_is_refused_with_its_path() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("x.result.json");
     for (text, part) in [
-        ("{", "is no result"),
+        ("{", "is not a result"),
         (r#"{"format":"other","version":1,"labels":{},"rmse":1,"components":1}"#, "\"other\" version 1"),
         (r#"{"format":"posecut-result","version":2,"labels":{},"rmse":1,"components":1}"#, "version 2"),
     ] {

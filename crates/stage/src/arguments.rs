@@ -69,27 +69,27 @@ impl Target {
 /// Output, statistics, threads, how much is said, and what counts as success.
 #[derive(Clone, Debug, clap::Args)]
 pub struct CommonArguments {
-    /// Where to write the result; `-` is standard output, a name ending in .gz is compressed
+    /// Write the result to this file; `-` is standard output, and a name ending in .gz is compressed
     #[arg(short, long, value_name = "FILE", default_value = "-", global = true, help_heading = "Output")]
     pub output: Target,
 
-    /// Write a JSON summary of what was done
+    /// Write a JSON summary of the run to this file
     #[arg(long, value_name = "FILE", global = true, help_heading = "Output")]
     pub stats: Option<PathBuf>,
 
-    /// Threads to use; 0 takes all processors. The result does not depend on it
+    /// Use this many threads, or one for each processor if 0; the result is the same for any number
     #[arg(long, value_name = "N", default_value_t = 0, global = true, help_heading = "Output")]
     pub threads: usize,
 
-    /// Exit with status 3 if the result is doubtful (`doubts` in --stats; docs/doubts.md), after everything is written
+    /// Exit with status 3 if the result is doubtful (see docs/doubts.md), after all output is written
     #[arg(long, global = true, help_heading = "Output")]
     pub strict: bool,
 
-    /// Say nothing but errors and doubts
+    /// Print only errors and doubts
     #[arg(short, long, conflicts_with = "verbose", global = true, help_heading = "Output")]
     pub quiet: bool,
 
-    /// Say more
+    /// Print more messages
     #[arg(short, long, global = true, help_heading = "Output")]
     pub verbose: bool,
 }

@@ -97,7 +97,7 @@ impl Context {
             .with_context(|| format!("{name}: cannot be read to its end"))?;
         if bytes.len() as u64 > LARGEST_WHOLE {
             bail!(
-                "{name}: is larger than {} MiB, which is no file of this kind; split it",
+                "{name}: exceeds {} MiB, the largest size for files of this kind; split the file",
                 LARGEST_WHOLE >> 20
             );
         }
@@ -170,10 +170,10 @@ impl Context {
     /// Call it before the work is done.
     pub fn check_further_output(&self, option: &str, path: &Path) -> anyhow::Result<()> {
         if path == Path::new("-") {
-            bail!("{option} is -, which stands for standard output and belongs to --output; name a file");
+            bail!("{option} cannot be -, because only --output may be standard output; name a file");
         }
         if path.is_dir() {
-            bail!("{}: is a folder, and {option} writes a file; name a file", path.display());
+            bail!("{}: is a folder, but {option} writes a file; name a file", path.display());
         }
         let stats = self.common.stats.as_deref().filter(|_| option != STATS);
         let read = self.opened.iter().map(|opened| (Some(opened.as_path()), "as input"));
@@ -187,7 +187,7 @@ impl Context {
         let output = self.common.output.path().filter(|output| output.is_dir());
         if output.zip(path.parent()).is_some_and(|(output, folder)| same_file(output, folder)) {
             bail!(
-                "{}: {option} lies in the folder that --output replaces; name a file elsewhere",
+                "{}: {option} names a file in the folder that --output replaces; name a file elsewhere",
                 path.display()
             );
         }
@@ -208,7 +208,7 @@ impl Context {
     pub(crate) fn write_further_output(&mut self, option: &str, path: &Path) -> anyhow::Result<()> {
         match self.further.remove(option) {
             Some(write) => output::write_atomically(path, write),
-            None => bail!("{}: there is nothing to write for {option}; leave the option out", path.display()),
+            None => bail!("{}: this run has nothing to write for {option}; omit the option", path.display()),
         }
     }
 
@@ -246,7 +246,7 @@ impl Context {
 
 fn overwritten(path: &Path, what: &str, option: &str) -> anyhow::Error {
     anyhow::anyhow!(
-        "{}: is named both {what} and for {option}, and one would overwrite the other; name two files",
+        "{}: is named both {what} and for {option}, so one would overwrite the other; name two files",
         path.display()
     )
 }

@@ -17,14 +17,14 @@ pub fn write_directory<T>(
     ours: impl Fn(&str) -> bool,
     fill: impl FnOnce(&Path) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
-    let place = || format!("{}: cannot be written, and nothing was left there", path.display());
+    let place = || format!("{}: cannot be written, and no partial output remains", path.display());
     let occupied = fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some());
     if path.is_file() || (occupied && !overwrite) {
-        bail!("{}: exists already; name another directory, or say --overwrite", path.display());
+        bail!("{}: already exists; name another directory, or use --overwrite", path.display());
     }
     if occupied && let Some(foreign) = foreign(path, ours).with_context(place)? {
         bail!(
-            "{}: holds \"{foreign}\", which this program does not write, and is not replaced; name another directory, or move that away",
+            "{}: contains \"{foreign}\", which this program does not write, so it is not replaced; name another directory, or move \"{foreign}\" elsewhere",
             path.display()
         );
     }
@@ -59,7 +59,10 @@ pub fn write_directory<T>(
     drop(guard);
     let leftover = aside.path().display().to_string();
     aside.close().with_context(|| {
-        format!("{}: is written, and what it replaces cannot be deleted; delete {leftover}", path.display())
+        format!(
+            "{}: is written, but the directory that it replaces cannot be deleted; delete {leftover}",
+            path.display()
+        )
     })?;
     drop(aside_guard);
     Ok(result)

@@ -45,7 +45,7 @@ pub(crate) fn print(identity: Identity, mut command: Command, doubts: &[Doubt], 
         "doubts" => doubts.iter().flat_map(|doubt| [doubt.name(), "\n"]).collect::<String>().into_bytes(),
         shell => {
             let Ok(shell) = Shell::from_str(shell, false) else {
-                return fail(&identity.program(), &format!("--generate {what:?} is unknown; say {KNOWN}"));
+                return fail(&identity.program(), &format!("--generate {what:?} is unknown; use {KNOWN}"));
             };
             let name = command.get_name().to_owned();
             let mut bytes = Vec::new();
@@ -104,7 +104,7 @@ fn reference(command: &Command, doubts: &[Doubt]) -> String {
 /// The text below the options in the help.
 pub(crate) fn ending(doubts: &[Doubt]) -> String {
     format!(
-        "Exit status: 0 done; 1 what was checked does not hold; 2 error; 3 done, and the result is doubtful (--strict).\n{}",
+        "Exit status: 0 done; 1 a check failed; 2 error; 3 done, but the result is doubtful (only with --strict).\n{}",
         raised(doubts, "")
     )
 }
@@ -112,10 +112,10 @@ pub(crate) fn ending(doubts: &[Doubt]) -> String {
 /// A sentence on the doubts that a program may raise, with `mark` on both sides of each name.
 fn raised(doubts: &[Doubt], mark: &str) -> String {
     if doubts.is_empty() {
-        return "It raises no doubts.".to_owned();
+        return "This program raises no doubts.".to_owned();
     }
     let names: Vec<String> = doubts.iter().map(|doubt| format!("{mark}{doubt}{mark}")).collect();
-    format!("Doubts that it may raise: {}.", names.join(", "))
+    format!("Doubts that this program may raise: {}.", names.join(", "))
 }
 
 fn usages(command: &Command) -> Vec<String> {
@@ -137,7 +137,7 @@ fn table_of(command: &Command, keep: impl Fn(&Arg) -> bool) -> String {
         let _ = write!(text, "`{}`: {about}.\n\n", subcommand.get_name());
         text.push_str(&table(subcommand.get_arguments().filter(|argument| keep(argument))));
     }
-    if text.is_empty() { "None but those of every program.\n".to_owned() } else { text }
+    if text.is_empty() { "Only the options of every program.\n".to_owned() } else { text }
 }
 
 fn is_common(argument: &Arg) -> bool {

@@ -79,7 +79,7 @@ pub fn open(source: &Source) -> anyhow::Result<Input> {
         Source::Standard => {
             if io::stdin().is_terminal() {
                 bail!(
-                    "there is no input: name a file, or pipe one in (posecut-… FILE, or … | posecut-…); --help tells more"
+                    "there is no input; name a file (posecut-… FILE) or pipe one in (… | posecut-…); --help lists the options"
                 );
             }
             decompressed("standard input".to_owned(), Box::new(io::stdin().lock()))
@@ -92,7 +92,7 @@ pub fn open_file(path: &Path) -> anyhow::Result<Input> {
     let name = path.display().to_string();
     let file = File::open(path).with_context(|| format!("{name}: cannot be opened"))?;
     if file.metadata().is_ok_and(|metadata| metadata.is_dir()) {
-        bail!("{name}: is a directory, and a file was expected; name the file in it");
+        bail!("{name}: is a directory, but a file is needed; name a file in it");
     }
     decompressed(name, Box::new(BufReader::with_capacity(BUFFER, file)))
 }

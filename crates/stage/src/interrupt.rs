@@ -92,7 +92,7 @@ pub(crate) fn install() {
         std::process::exit(INTERRUPTED);
     });
     if let Err(error) = installed {
-        tracing::debug!("no interrupt handler: {error}");
+        tracing::debug!("the interrupt handler cannot be installed: {error}");
     }
 }
 

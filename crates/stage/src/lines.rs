@@ -25,7 +25,7 @@ fn next(reader: &mut impl BufRead) -> io::Result<Option<String>> {
         return Ok(None);
     }
     if read as u64 > LONGEST_LINE {
-        let message = format!("a line is longer than {} MiB; write one record a line", LONGEST_LINE >> 20);
+        let message = format!("a line is longer than {} MiB; write one record per line", LONGEST_LINE >> 20);
         return Err(io::Error::new(io::ErrorKind::InvalidData, message));
     }
     if bytes.last() == Some(&b'\n') {

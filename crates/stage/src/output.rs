@@ -34,7 +34,7 @@ pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
-    let place = || format!("{}: cannot be written, and nothing was left there", path.display());
+    let place = || format!("{}: cannot be written, and no partial output remains", path.display());
     // Follow a link, so that it keeps its target. Write to a device or pipe directly: a file cannot replace it.
     let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     if fs::metadata(&real).is_ok_and(|metadata| !metadata.is_file()) {
@@ -47,11 +47,7 @@ pub fn write_atomically(
         _ => PathBuf::from("."),
     };
     if !folder.is_dir() {
-        bail!(
-            "{}: there is no folder {} to write it in; make the folder first",
-            path.display(),
-            folder.display()
-        );
+        bail!("{}: the folder {} does not exist; create it first", path.display(), folder.display());
     }
     let mut builder = tempfile::Builder::new();
     builder.prefix(".posecut-").suffix(".tmp");

@@ -26,8 +26,8 @@ impl Phase {
     pub const fn heading(self) -> &'static str {
         match self {
             Self::Graphs => "Make and convert graphs",
-            Self::Judgement => "Find wrong landmark edges",
-            Self::Optimisation => "Find the poses",
+            Self::Judgement => "Find incorrect landmark edges",
+            Self::Optimisation => "Estimate poses",
             Self::Results => "Measure and show results",
             Self::Runs => "Run and check other programs",
         }

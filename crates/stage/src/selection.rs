@@ -41,15 +41,15 @@ impl Selection {
     pub fn note(&self, context: &mut Context) {
         if self.unmeasured > 0 {
             warn!(
-                "{} landmark edges have no measurement and are neither tested nor rejected",
-                self.unmeasured
+                "skipped {} without a measurement (neither tested nor rejected)",
+                counted(self.unmeasured, "landmark edge")
             );
         }
         if self.candidates > 0 && self.kept == 0 {
             context.doubt(
                 Doubt::NothingKept,
                 format!(
-                    "0 of {} kept; check the units of the information, the covariances and whether there is overlap",
+                    "0 of {} kept; check the units of the information matrices, the covariances, and whether the sessions overlap",
                     counted(self.candidates, "landmark edge")
                 ),
             );

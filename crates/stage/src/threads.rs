@@ -20,7 +20,7 @@ pub(crate) fn bounded(threads: usize) -> usize {
     let processors = processors();
     if threads > processors {
         warn!(
-            "--threads {threads} is more than this machine has use for; using {}",
+            "--threads {threads} exceeds the number of available processors; using {}",
             counted(processors, "thread")
         );
     }
@@ -45,7 +45,7 @@ pub(crate) fn start(threads: usize) -> anyhow::Result<()> {
     let mut pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
     // Try one thread first, because a pool that failed cannot be built again.
     if let Err(cause) = probe() {
-        warn!("no further thread can be started ({cause}); using one");
+        warn!("no further thread can be started ({cause}); using 1 thread");
         pool = pool.num_threads(1).use_current_thread();
     }
     pool.build_global().context("the threads cannot be started; try fewer with --threads")

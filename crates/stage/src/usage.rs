@@ -10,7 +10,7 @@ use crate::program::{answer, fail};
 /// Prints help, the version, or the error in a command line.
 pub(crate) fn end(program: &str, command: &Command, error: &clap::Error) -> ExitCode {
     if error.use_stderr() {
-        return fail(program, &format!("{}; {program} --help shows what it takes", sentence(command, error)));
+        return fail(program, &format!("{}; {program} --help lists the options", sentence(command, error)));
     }
     answer(program, || error.print())
 }
@@ -20,7 +20,7 @@ fn sentence(command: &Command, error: &clap::Error) -> String {
     if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         let tasks: Vec<&str> =
             command.get_subcommands().map(Command::get_name).filter(|name| *name != "help").collect();
-        return format!("the command line does not say what to do; name one of {}", tasks.join(", "));
+        return format!("the command line names no subcommand; use one of {}", tasks.join(", "));
     }
     let text = error.render().to_string();
     let ends = ["\n\nUsage:", "\n\nFor more information"].map(|end| text.find(end).unwrap_or(text.len()));

@@ -7,28 +7,28 @@ use serde::Serialize;
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Ingredient {
-    /// Factors on covariances, from the graph's loops; without them covariances are used as claimed
+    /// Covariance scales estimated from loops; without them, covariances are used unchanged
     Calibration,
-    /// Errors of odometry that accumulate, such as that of the wheels' scale
+    /// Odometry errors that accumulate, such as a wrong wheel size
     Coherent,
-    /// A t distribution of errors; without it they are Gaussian
+    /// A t distribution of the errors; without it, they are Gaussian
     HeavyTails,
-    /// Groups of false edges beside the correct ones as an alternative in the calibration
+    /// False edges that come in groups, as an alternative to correct edges in the calibration
     Shift,
-    /// Comparison with edges far away; without it only near ones are compared
+    /// Comparison with distant edges; without it, only near edges are compared
     FarPartners,
-    /// The minimum-cost multicut; without it edges that any evidence ties together are one cluster
+    /// The minimum-cost multicut; without it, edges that any evidence connects form one cluster
     Multicut,
-    /// Rounds of map and verdicts; without them what the cut accepts is final
+    /// Rounds of map and verdicts; without them, the verdicts of the multicut are final
     Rounds,
-    /// Doubt of lone edges where others are measured somewhat wrongly
+    /// Doubt about lone edges in graphs where other measurements are somewhat wrong
     Local,
-    /// A prior of their own for edges where the map says little; without it that of all edges
+    /// A separate prior for edges where the map is uncertain; without it, one prior for all edges
     Prior,
-    /// The usual motion of a session where its odometry is interrupted
+    /// The usual motion of a session across gaps in its odometry
     Bridges,
-    /// Groups of edges behind odometry that is broken, where the usual motion leads to them
+    /// Groups of edges beyond a broken odometry step, if the usual motion leads to them
     Breaks,
-    /// Groups of edges that the map contradicts, where a map with them agrees with other groups
+    /// Groups of edges that the map contradicts, if a map with them agrees with other groups
     Trials,
 }

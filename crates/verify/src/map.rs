@@ -1,8 +1,12 @@
 //! The map of the accepted closures, and its evidence for each closure.
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 use nalgebra::{SMatrix, SVector};
 use posecut_graph::PoseGraph;
-use posecut_optimize::{Edge, EdgeKind, Initialisation, Marginals, Options, Problem, optimize};
+use posecut_optimize::{
+    Edge, EdgeKind, Initialisation, Marginals, Memory, Options, Problem, optimize_with_marginals,
+};
 use rayon::prelude::*;
 
 use crate::calibration::Calibration;
@@ -27,6 +31,8 @@ pub(crate) struct Drawing<G, const DOF: usize> {
     landmarks: Vec<Edge<G, DOF>>,
     /// The covariance of each landmark edge's measurement, as claimed.
     covariances: Vec<SMatrix<f64, DOF, DOF>>,
+    /// Memory of the last map, for the next one.
+    memory: Mutex<Vec<Memory>>,
 }
 
 /// Optimised poses and their covariances.
@@ -68,7 +74,13 @@ impl<G: Motion<DOF>, const DOF: usize> Drawing<G, DOF> {
         let covariances =
             model.closures.iter().map(|closure| model.measurement_covariance(closure)).collect();
         let place = |&(chain, place): &(usize, usize)| model.chains.chains[chain].poses[place];
-        Ok(Self { start: model.chains.places.iter().map(place).collect(), odometry, landmarks, covariances })
+        Ok(Self {
+            start: model.chains.places.iter().map(place).collect(),
+            odometry,
+            landmarks,
+            covariances,
+            memory: Mutex::default(),
+        })
     }
 
     /// The edge of a closure.
@@ -101,8 +113,8 @@ impl<G: Motion<DOF>, const DOF: usize> Drawing<G, DOF> {
             Problem::new(start, odometry.chain(bridges.iter().copied()).chain(landmarks).collect())?;
         let options =
             Options { cost_tolerance: 1e-4, max_iterations: 40, initialisation, ..Options::default() };
-        let solution = optimize(&problem, &options);
-        let marginals = Marginals::new(&problem, &solution.poses, &solution.weights);
+        let memory = std::mem::take(&mut *self.memory());
+        let (solution, marginals) = optimize_with_marginals(&problem, &options, memory);
         let poses = solution.poses;
         Ok(Map {
             drawing: self,
@@ -118,7 +130,20 @@ impl<G: Motion<DOF>, const DOF: usize> Drawing<G, DOF> {
     }
 }
 
+impl<G, const DOF: usize> Drawing<G, DOF> {
+    fn memory(&self) -> MutexGuard<'_, Vec<Memory>> {
+        // Memory has no values, so a panic elsewhere cannot have spoilt it.
+        self.memory.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
 impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
+    /// Returns the poses, and keeps the memory for the next map.
+    pub(crate) fn finish(self) -> Vec<G> {
+        *self.drawing.memory() = self.marginals.into_memory();
+        self.poses
+    }
+
     /// Evidence for every closure in `asked`, leaving out its own contribution to the map. Closures in `first` are judged
     /// exactly before others. `None` where nothing else joins both ends, or where the exact computation exceeds this round's
     /// limit.

@@ -157,6 +157,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         map.enough = self.threshold;
         map.apart = Some(second_moment(&map.poses));
         let judged = map.judge(&self.partners, &asked, &open);
+        map.finish();
         let found: Vec<_> = asked
             .iter()
             .copied()
@@ -255,9 +256,9 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             let judged = map.judge(&self.partners, asked, first);
             // A round that confirms a bridge must not accept what the bridge contradicts, so judge again with the bridge.
             if !self.seams.confirm(&mut map, part, self.usual) {
-                return Ok((map.poses, judged));
+                return Ok((map.finish(), judged));
             }
-            start = Some(map.poses);
+            start = Some(map.finish());
         }
     }
 

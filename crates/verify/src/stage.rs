@@ -16,9 +16,9 @@ use crate::verification::{Verification, verify_by};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Undecided {
-    /// They stay in use
+    /// Keep them in use
     Keep,
-    /// They are marked as rejected
+    /// Mark them as rejected
     Reject,
 }
 
@@ -29,16 +29,16 @@ pub struct Options {
     #[arg(long, value_enum, default_value_t = Undecided::Reject)]
     pub undecided: Undecided,
 
-    /// Apply another hypothesis instead of the heaviest one, by its number in `verify_hypothesis`; 0 is the map
+    /// Apply the hypothesis with this number in `verify_hypothesis` instead of the one with the most evidence; 0 is the map
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub hypothesis: usize,
 
-    /// Leave an ingredient of the method out, to see what it is worth; may be given several times
+    /// Leave out an ingredient of the method, to measure its effect; may be given several times
     #[arg(long, value_enum, value_name = "INGREDIENT")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub without: Vec<Ingredient>,
 
-    /// Print why this landmark edge got its verdict, in five lines on standard error
+    /// Explain the verdict on the landmark edge with this id, in five lines on standard error
     #[arg(long, value_name = "EDGE")]
     #[serde(skip)]
     pub explain: Option<u64>,
@@ -79,12 +79,14 @@ impl Options {
         let Some(id) = self.explain else { return Ok(()) };
         let finding = findings.iter().find(|finding| graph.edges[finding.edge].id == id).with_context(|| {
             match graph.edges.iter().find(|edge| edge.id == id) {
-                None => format!("--explain {id}: the graph has no edge of this id"),
+                None => format!(
+                    "--explain {id}: the graph has no edge with this id; give the id of a landmark edge"
+                ),
                 Some(edge) if edge.kind == EdgeKind::Odometry => {
-                    format!("--explain {id}: this is an odometry edge; name a landmark edge")
+                    format!("--explain {id}: this is an odometry edge; give the id of a landmark edge")
                 }
                 Some(_) => format!(
-                    "--explain {id}: this edge was rejected by an earlier stage or has no measurement, and was not judged"
+                    "--explain {id}: this edge was not judged, because an earlier stage rejected it or it has no measurement; give the id of an edge in use"
                 ),
             }
         })?;
@@ -109,7 +111,7 @@ fn report(verification: &Verification) {
     );
     for rival in rivals {
         warn!(
-            "two hypotheses: hypothesis {} ({}, {:.0} nats) joins the same chains otherwise than what is accepted ({:.0} nats); --hypothesis {} applies it",
+            "two hypotheses: hypothesis {} ({}, {:.0} nats) joins the same chains differently from the accepted edges ({:.0} nats); --hypothesis {} applies it",
             rival.hypothesis,
             counted(rival.edges, "edge"),
             rival.evidence,
@@ -119,7 +121,7 @@ fn report(verification: &Verification) {
     }
     if !broken.is_empty() {
         warn!(
-            "odometry is broken at {}: landmark edges that agree with each other and with the usual motion contradict it; --stats lists its edges under broken_odometry",
+            "the odometry is broken at {}: landmark edges that agree with each other and with the usual motion contradict it; --stats lists the ids of these odometry edges under broken_odometry",
             counted(broken.len(), "step")
         );
     }
@@ -138,8 +140,8 @@ fn doubt(verification: &Verification, context: &mut Context) {
         context.doubt(
             Doubt::SearchLimit,
             format!(
-                "a limit ended the search for the multicut, whose cost may be {:.1} % above the minimum: other hypotheses may have \
-                 more evidence; look at edges with --explain",
+                "the search for the multicut reached its limit, and its cost may be {:.1} % above the minimum: other hypotheses may \
+                 have more evidence; examine edges with --explain",
                 100.0 * cut_gap
             ),
         );
@@ -151,7 +153,7 @@ fn doubt(verification: &Verification, context: &mut Context) {
     );
     if verification.count(Verdict::Accepted) == 0 {
         let none = format!("0 of {} accepted", counted(findings.len(), "landmark edge"));
-        let remedy = "check the units of the information and whether there is overlap, or look at edges with --explain";
+        let remedy = "check the units of the information and whether there is overlap, or examine edges with --explain";
         if open > 0 {
             context.doubt(Doubt::NothingKept, format!("{none}, and {overlap}; {remedy}"));
             context.also_doubt(Doubt::PartsNotConnected);
@@ -162,7 +164,7 @@ fn doubt(verification: &Verification, context: &mut Context) {
         context.doubt(
             Doubt::PartsNotConnected,
             format!(
-                "{overlap}: these parts of the graph stay apart; add landmark edges between them, or look at edges with --explain"
+                "{overlap}: these components of the graph remain separate; add landmark edges between them, or examine edges with --explain"
             ),
         );
     }
@@ -170,8 +172,8 @@ fn doubt(verification: &Verification, context: &mut Context) {
         context.doubt(
             Doubt::CalibrationOnPrior,
             format!(
-                "covariances are used as claimed: the landmark edges say too little to calibrate them ({:.1} nats over shuffled \
-                 ones); check the covariances, or add landmark edges that close loops",
+                "the covariances are used unchanged: the landmark edges give too little evidence to calibrate them ({:.1} nats more \
+                 than shuffled ones); check the covariances, or add landmark edges that close loops",
                 calibration.evidence
             ),
         );

@@ -65,6 +65,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         let mut map = self.drawing.map(self.model, &self.random, &with, bridges, self.poses.as_deref())?;
         map.enough = self.threshold;
         let judged = map.judge(&self.partners, &asked, &witnesses);
+        map.finish();
         let contradicted = |(closure, evidence): &(&usize, &Option<Evidence>)| {
             with[**closure] && evidence.is_some_and(|evidence| evidence.weight() <= CONTRADICTED)
         };

@@ -176,22 +176,24 @@ impl Finding {
     pub fn story(&self, graph: &PoseGraph) -> Vec<String> {
         let edge = &graph.edges[self.edge];
         let ratio = self.ratio.map_or_else(
-            || "no other closure and no odometry predicts what it measures".to_owned(),
-            |ratio| format!("log-likelihood ratio, correct against chance or a local error: {ratio:.1} nats"),
+            || "neither other edges nor the odometry predict what it measures".to_owned(),
+            |ratio| {
+                format!("log-likelihood ratio of correct against chance or a local error: {ratio:.1} nats")
+            },
         );
         let named: Vec<String> = self.witnesses.iter().map(u64::to_string).collect();
         let side = if self.verdict == Verdict::Accepted { "for" } else { "against" };
         let witnesses = if named.is_empty() {
-            format!("no accepted neighbour speaks {side} it")
+            format!("no accepted edge is evidence {side} it")
         } else {
-            format!("accepted edges that speak most {side} it: {}", named.join(", "))
+            format!("accepted edges with the most evidence {side} it: {}", named.join(", "))
         };
         vec![
             format!("edge {} from node {} to node {}: {}", edge.id, edge.from, edge.to, self.verdict.name()),
             format!("reason: {}", self.reason.sentence()),
             ratio,
             witnesses,
-            format!("probability of being correct, by the model: {:.3}", self.probability),
+            format!("probability that it is correct, by the model: {:.3}", self.probability),
         ]
     }
 }
@@ -222,16 +224,16 @@ impl Reason {
 
     fn sentence(self) -> &'static str {
         match self {
-            Self::Supported => "supported: other closures and the odometry predict what it measures",
-            Self::Contradicted => "contradicted: what it measures lies far from what the map predicts",
+            Self::Supported => "supported: other edges and the odometry predict what it measures",
+            Self::Contradicted => "contradicted: its measurement is far from what the map predicts",
             Self::Chance => {
-                "chance: it agrees with the map no better than a random edge would; a second closure within a few metres of it would decide"
+                "chance: it agrees with the map no better than a random edge would; a second landmark edge within a few metres of it would decide"
             }
             Self::Vague => {
-                "vague: the map is too loose there to tell whether it is measured somewhat wrongly; a second closure within a few metres of it would decide"
+                "vague: the map is too uncertain there to show whether its measurement is somewhat wrong; a second landmark edge within a few metres of it would decide"
             }
             Self::Alone => {
-                "alone: nothing else joins its two places; a second closure within a few metres of it would decide"
+                "alone: no other edge is near enough to support or contradict it; a second landmark edge within a few metres of it would decide"
             }
             Self::OtherHypothesis => {
                 "other-hypothesis: it belongs to a group of edges that agree with each other and not with the map"

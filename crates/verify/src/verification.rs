@@ -72,17 +72,17 @@ pub fn verify_by<G: Motion<DOF>, const DOF: usize>(
         Parts::<G, DOF>::of(renumbered::<G, DOF>(graph), without)?;
     if hypothesis > 0 {
         let chosen = judged.others().nth(hypothesis - 1).with_context(|| match judged.others().count() {
-            0 => {
-                format!("hypothesis {hypothesis}: this graph has none beside the map; leave --hypothesis out")
-            }
+            0 => format!(
+                "--hypothesis {hypothesis}: this graph has no hypothesis except the map; leave --hypothesis out"
+            ),
             count => format!(
-                "hypothesis {hypothesis}: this graph has {count} beside the map; name one of 0 to {count}"
+                "--hypothesis {hypothesis}: this graph has hypotheses 0 (the map) to {count} only; give one of these numbers"
             ),
         })?;
         let members = chosen.members.clone();
         ensure!(
             !model.same_chain(members[0]),
-            "hypothesis {hypothesis}: its edges lie within one chain, whose odometry contradicts them; another hypothesis can only replace a join of two chains"
+            "--hypothesis {hypothesis}: its edges lie within one chain, whose odometry contradicts them; choose a hypothesis that joins two chains"
         );
         judged = judge(
             &graph,

@@ -225,7 +225,10 @@ fn a_second_alignment_of_comparable_evidence_is_named_and_can_be_applied() {
     assert_eq!(accepted(&second, true), 0);
     assert!(accepted(&second, false) >= 75);
     let beyond = verify_by::<SE2, 3>(&graph, 9, &[]).unwrap_err().to_string();
-    assert!(beyond.starts_with("hypothesis 9: this graph has 1 beside the map"), "{beyond}");
+    assert!(
+        beyond.starts_with("--hypothesis 9: this graph has hypotheses 0 (the map) to 1 only;"),
+        "{beyond}"
+    );
 }
 
 #[test]
@@ -233,7 +236,7 @@ fn a_graph_without_another_hypothesis_says_so() {
     let graph =
         Scenario { candidates: 60, outliers: 0.0, falsehood: Falsehood::Uniform, seed: 1 }.draw::<SE2, 3>();
     let beyond = verify_by::<SE2, 3>(&graph, 5, &[]).unwrap_err().to_string();
-    assert!(beyond.contains("has none beside the map; leave --hypothesis out"), "{beyond}");
+    assert!(beyond.contains("has no hypothesis except the map; leave --hypothesis out"), "{beyond}");
 }
 
 #[test]

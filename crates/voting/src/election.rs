@@ -7,7 +7,7 @@ use crate::forecast::Forecast;
 use crate::vote::Optimiser;
 use crate::{Fit, Quantiles};
 
-/// In which order clusters stand for election.
+/// The order in which clusters are accepted.
 ///
 /// Largest first costs about one optimisation a refused cluster and a logarithm of those accepted; all together, at most one
 /// for each rejection in each round.
@@ -15,9 +15,9 @@ use crate::{Fit, Quantiles};
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Election {
-    /// That of most edges first: each stays if all still passes with it
+    /// Largest first: accept each cluster with which all tests still pass
     LargestFirst,
-    /// All together, the worst leaving until the rest passes, as RRR has it
+    /// All together: remove the worst cluster until the rest passes (RRR)
     Joint,
 }
 

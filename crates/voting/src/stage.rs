@@ -14,15 +14,15 @@ use crate::{Election, Quantiles, vote};
 /// The options of cluster voting.
 #[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
 pub struct Options {
-    /// Frames by which two landmark edges of one cluster may be apart at each end
+    /// Join landmark edges into a cluster if they are at most this many frames apart at both ends
     #[arg(long, value_name = "FRAMES", default_value_t = 5)]
     pub gap: u64,
 
-    /// Probability with which correct edges pass each chi-square test
+    /// Reject edges and clusters beyond this chi-square probability
     #[arg(long, value_name = "P", default_value_t = 0.99)]
     pub probability: f64,
 
-    /// In which order clusters stand for election
+    /// Choose the order in which clusters are accepted
     #[arg(long, value_enum, default_value_t = Election::LargestFirst)]
     pub election: Election,
 }
@@ -80,8 +80,8 @@ impl Options {
         }
         if in_use > candidates {
             warn!(
-                "{} landmark edges have no measurement and are neither tested nor rejected",
-                in_use - candidates
+                "{} without a measurement: neither tested nor rejected",
+                counted(in_use - candidates, "landmark edge")
             );
         }
         let statistics = &mut context.statistics;

@@ -74,11 +74,12 @@ pub fn pages(
 }
 
 fn reference(names: &[String], program: impl Fn(&str) -> PathBuf) -> anyhow::Result<Page> {
-    let mut text = "# Command line reference\n\nMade from the programs by `make documentation`.\n\n\
-        Every program takes the options of the first table beside its own. Exit status 0: done; 1: what was checked does\n\
-        not hold; 2: an error, told in one sentence; 3, with `--strict`: done, and the result is doubtful\n\
-        ([doubts.md](doubts.md)). `make install PREFIX=DIR` puts programs, manual pages and shell\n\
-        completions into place; `posecut-pcm --generate man` prints one (also `bash`, `zsh`, `fish`, `elvish`, `powershell`).\n\n\
+    let mut text = "# Command line reference\n\nGenerated from the programs by `make documentation`.\n\n\
+        Every program has the options of the first table in addition to its own. Its exit status is 0 after success; 1 if a\n\
+        check failed; 2 after an error, with a message in one sentence; and 3, only with `--strict`, after success with a\n\
+        doubtful result ([doubts.md](doubts.md)). `make install PREFIX=DIR` installs programs, manual pages and shell\n\
+        completions. `posecut-pcm --generate man` prints the manual page of one program; `bash`, `zsh`, `fish`, `elvish` and\n\
+        `powershell` print its completions.\n\n\
         ## Every program\n\n"
         .to_owned();
     if let Some(first) = names.first() {

@@ -15,22 +15,23 @@ use crate::markdown::table;
 /// Write a table of landmark edges from collected results into a document
 #[derive(Args)]
 pub(crate) struct EdgesTable {
-    /// What `posecut-experiment collect` wrote
+    /// The output of `posecut-experiment collect`
     results: PathBuf,
-    /// Labels whose values make the rows, separated by commas
+    /// Make one row for each combination of values of these labels, separated by commas
     #[arg(long, value_delimiter = ',', required = true)]
     rows: Vec<String>,
-    /// One label, whose values make the columns, or patterns of sessions and graphs whose runs are added up (NAME=PATTERN
-    /// names a column)
+    /// Make one column for each value of this label, or for each of these patterns of sessions and graphs.
+    ///
+    /// The runs that match a pattern are added up. NAME=PATTERN names the column.
     #[arg(long, num_args = 1.., required = true)]
     columns: Vec<String>,
-    /// What a cell shows
+    /// Choose the content of a cell
     #[arg(long, default_value = "precision-recall")]
     cell: Shown,
-    /// The document
+    /// Write the table into this document
     #[arg(short, long)]
     output: PathBuf,
-    /// Its section
+    /// Replace this section of the document
     #[arg(long)]
     section: String,
 }

@@ -87,7 +87,7 @@ fn metadata() -> anyhow::Result<Metadata> {
     if !output.status.success() {
         bail!("`cargo metadata` failed; see its message above");
     }
-    serde_json::from_slice(&output.stdout).context("`cargo metadata` writes something else than expected")
+    serde_json::from_slice(&output.stdout).context("the output of `cargo metadata` cannot be used")
 }
 
 /// The licences that deny.toml allows; cargo-deny uses the same list.
@@ -148,7 +148,7 @@ fn page(metadata: &Metadata, allowed: &[Licensee]) -> (String, Vec<String>) {
         let Package { id, name, version, .. } = package;
         let licence = package.license.as_deref().unwrap_or_default();
         if !is_allowed(licence, allowed) {
-            problems.push(format!("{name} {version}: its licence \"{licence}\" is not among those allowed"));
+            problems.push(format!("{name} {version}: its licence \"{licence}\" is not allowed by deny.toml"));
         }
         let source = package.source.as_deref().unwrap_or("a folder");
         if !source.starts_with("registry+") {

@@ -26,7 +26,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// What maintainers of posecut run: generated documents, licences, test data, measurements and their tables
+/// Run the maintenance tasks of posecut: generated documents, licences, test data, measurements and their tables
 #[derive(Parser)]
 #[command(name = "xtask", bin_name = "cargo xtask")]
 struct Arguments {

@@ -14,7 +14,7 @@ use clap::{Args, Subcommand};
 
 use crate::Verdict;
 
-/// Measure programs, beside other tools too, and regenerate the tables of docs/results
+/// Measure programs, some of them against other tools, and regenerate the tables of docs/results
 #[derive(Args)]
 pub(crate) struct Measure {
     #[command(subcommand)]

@@ -15,9 +15,9 @@ use crate::process::{must, visibly};
 /// Plant faults, each one changed line in a copy of the sources, and check that `make check-results` blames its stage
 #[derive(Args)]
 pub(crate) struct PlantFaults {
-    /// Plant the faults of these stages alone: pcm, multicut, construct
+    /// Plant only the faults of these stages: pcm, multicut, construct
     stages: Vec<String>,
-    /// Put the output of the check into docs/experiments.md
+    /// Write the output of the check into docs/experiments.md
     #[arg(long)]
     write: bool,
 }
@@ -64,7 +64,7 @@ impl PlantFaults {
             |fault: &&Fault| self.stages.is_empty() || self.stages.iter().any(|stage| stage == fault.stage);
         for fault in FAULTS.iter().filter(asked) {
             let Some(text) = fault.blamed(&fault.plant()?)? else {
-                eprintln!("the fault in {} is not blamed on it", fault.stage);
+                eprintln!("the check does not blame the stage {} for its fault", fault.stage);
                 return Ok(Verdict::Fails);
             };
             println!("{text}\n");
@@ -92,7 +92,11 @@ impl Fault {
             std::fs::read_to_string(&path).with_context(|| format!("{}: cannot be read", self.file))?;
         let times = text.matches(self.right).count();
         if times != 1 {
-            bail!("{} has {times} times, not once: {}", self.file, self.right);
+            bail!(
+                "{}: must contain this text once, but contains it {times} times: {}",
+                self.file,
+                self.right
+            );
         }
         std::fs::write(&path, text.replace(self.right, self.wrong))?;
         let target = copy.join("target");
@@ -129,7 +133,7 @@ impl Fault {
 fn excerpt(said: &str, stage: &str) -> Option<String> {
     let lines: Vec<&str> = said.lines().collect();
     let start = lines.iter().position(|line| line.starts_with("FAILED in stage"))?;
-    let end = lines.iter().position(|line| line.starts_with("If the change is meant"))?;
+    let end = lines.iter().position(|line| line.starts_with("If the change is intended"))?;
     lines.get(start).filter(|line| line.contains(&format!("`{stage}`")))?;
     let cut = |line: &&str| match line.chars().count() {
         0..=WIDTH => (*line).to_owned(),
@@ -146,7 +150,7 @@ mod tests {
     fn the_excerpt_starts_where_the_stage_is_blamed() {
         let long = "x".repeat(200);
         let said =
-            format!("before\nFAILED in stage `pcm`: 1 file\n{long}\nIf the change is meant, …\nafter\n");
+            format!("before\nFAILED in stage `pcm`: 1 file\n{long}\nIf the change is intended, …\nafter\n");
         let text = excerpt(&said, "pcm").unwrap();
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 3);

@@ -11,7 +11,7 @@ use crate::process::visibly;
 
 /// Sweep pipelines/regimes.toml over real and simulated sessions, and regenerate docs/results/regimes.md
 ///
-/// Resumes where it stopped; from nothing, it takes about an hour on two cores.
+/// An interrupted sweep continues where it stopped. A complete sweep takes about an hour on two cores.
 #[derive(Args)]
 pub(crate) struct Regimes {
     /// Directory of NCLT sessions, such as data/nclt
@@ -27,7 +27,7 @@ impl Regimes {
             let mut make = Command::new("make");
             // make names each failed run, and the tables omit its point.
             if visibly(make.args(["--silent", "regimes"]).args(sessions).current_dir(root())).is_err() {
-                eprintln!("some runs failed: their points are left out");
+                eprintln!("some runs failed: the page omits their points");
             }
         }
         let mut report = Command::new(program("report"));

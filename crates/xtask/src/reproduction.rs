@@ -19,7 +19,7 @@ use crate::process::visibly;
 pub(crate) struct Reproduction {
     /// Directory of NCLT sessions, such as data/nclt
     nclt: PathBuf,
-    /// Only these tables, by the names of their sections
+    /// Regenerate only these tables, by the names of their sections
     #[arg(long, num_args = 1..)]
     only: Vec<String>,
 }
@@ -86,7 +86,7 @@ impl Reproduction {
     pub(crate) fn run(self) -> anyhow::Result<Verdict> {
         if let Some(name) = self.only.iter().find(|name| !SECTIONS.iter().any(|(known, _)| known == name)) {
             let known: Vec<&str> = SECTIONS.iter().map(|(name, _)| *name).collect();
-            bail!("{DOCUMENT} has no table {name}; there is {}", known.join(", "));
+            bail!("{DOCUMENT}: has no table {name}; name one of {}", known.join(", "));
         }
         let nclt = from_root(&self.nclt)?;
         for (name, section) in &SECTIONS {

@@ -11,19 +11,19 @@ use xtask::workspace::{programs_folder, root};
 use crate::Verdict;
 use crate::process::must;
 
-/// Regenerate testdata/, which the golden test compares with
+/// Regenerate testdata/, the expected results of the golden test
 ///
 /// Run it after an intended change of results, and read the difference before you commit it.
 #[derive(Args)]
 pub(crate) struct TestData {
-    /// Folder of the programs [default: those of the release build]
+    /// Use the programs in this folder [default: the release build]
     programs: Option<PathBuf>,
 }
 
 impl TestData {
     pub(crate) fn run(self) -> anyhow::Result<Verdict> {
         let programs = self.programs.unwrap_or_else(programs_folder);
-        let work = tempfile::tempdir().context("no temporary folder can be made")?;
+        let work = tempfile::tempdir().context("no temporary folder can be created")?;
         let work = work.path();
         let call = |name: &str, words: &[&str], paths: &[(&str, &Path)]| {
             let mut command = Command::new(programs.join(format!("posecut-{name}")));
@@ -67,7 +67,7 @@ fn rejected(graph: &str, method: &str) -> anyhow::Result<String> {
     let mut ids = String::new();
     for line in graph.lines() {
         let record: Value =
-            serde_json::from_str(line).context("the method writes something else than JSON Lines")?;
+            serde_json::from_str(line).context("the output of the method is not JSON Lines")?;
         if record["kind"] == "landmark" && record["rejected_by"] == method {
             ids += &format!("{}\n", record["id"]);
         }

@@ -14,12 +14,12 @@ use crate::Verdict;
 use crate::machine::today;
 use crate::process::visibly;
 
-/// Time the paper's experiment on simulated sessions, from nothing, with two threads
+/// Time a complete run of the paper's experiment on simulated sessions, with two threads
 #[derive(Args)]
 pub(crate) struct TimeExperiment {
-    /// Folder of the programs [default: those of the release build]
+    /// Use the programs in this folder [default: the release build]
     programs: Option<PathBuf>,
-    /// Put the table into docs/experiments.md
+    /// Write the table into docs/experiments.md
     #[arg(long)]
     write: bool,
 }

@@ -5,7 +5,7 @@ use thiserror::Error;
 /// The matrix is not positive definite.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[error(
-    "the matrix is not positive definite: nothing positive is left of component {component} of variable {variable}"
+    "the matrix is not positive definite: the pivot of component {component} of variable {variable} is not positive"
 )]
 pub struct Breakdown {
     /// Variable whose pivot failed.

@@ -5,6 +5,7 @@ use nalgebra::SMatrix;
 
 use super::breakdown::Breakdown;
 use super::task::{Matrix, SmallestPivot, Task, Worker, side_by_side};
+use crate::selected_inverse::SelectedInverse;
 use crate::symbolic::{Front, Symbolic};
 
 /// A pivot below this share of its diagonal entry is rounding error: some fifty units in the last place of the entry, which
@@ -14,13 +15,33 @@ pub const SINGULAR: f64 = 1e-14;
 /// Memory and values of a factor with blocks of order `D`: `P A P^T = L L^T`.
 pub struct Factor<const D: usize> {
     pub(crate) panels: Vec<f64>,
-    stacks: [Vec<f64>; 2],
+    /// Update matrices on their way to the parents; of no use after the factorisation.
+    pub(crate) stacks: [Vec<f64>; 2],
+    /// Memory for a selected inverse.
+    pub(crate) inverse: Vec<f64>,
     /// One worker for each stretch of fronts.
     workers: Vec<Worker>,
     pub(crate) permuted: Vec<f64>,
     /// A front's rows of a vector.
     pub(crate) local: Vec<f64>,
     smallest_pivot: SmallestPivot,
+}
+
+/// The large memory of a [`Factor`] and its [`SelectedInverse`], without values, for the next factor.
+///
+/// New memory from the operating system comes page by page, on first use. For a program that factorises matrix after matrix
+/// of some 10^4 variables, that takes a tenth of its time.
+#[derive(Debug, Default)]
+pub struct Memory {
+    panels: Vec<f64>,
+    stacks: [Vec<f64>; 2],
+    inverse: Vec<f64>,
+}
+
+/// Old values may remain: the numeric phase writes before it reads.
+pub(crate) fn resized(mut memory: Vec<f64>, length: usize) -> Vec<f64> {
+    memory.resize(length, 0.0);
+    memory
 }
 
 impl<const D: usize> std::fmt::Debug for Factor<D> {
@@ -32,10 +53,18 @@ impl<const D: usize> std::fmt::Debug for Factor<D> {
 impl<const D: usize> Factor<D> {
     /// Reserves all memory that factorising and solving with this pattern need.
     pub fn new(symbolic: &Symbolic) -> Self {
+        Self::with_memory(symbolic, Memory::default())
+    }
+
+    /// The same with the memory of another factor, of any pattern. No value of that factor matters.
+    pub fn with_memory(symbolic: &Symbolic, memory: Memory) -> Self {
         let height = symbolic.fronts.iter().map(Front::height).max().unwrap_or(0);
+        let Memory { panels, stacks: [even, odd], inverse } = memory;
+        let [even_blocks, odd_blocks] = symbolic.stack_blocks;
         Self {
-            panels: vec![0.0; symbolic.panel_blocks * D * D],
-            stacks: symbolic.stack_blocks.map(|blocks| vec![0.0; blocks * D * D]),
+            panels: resized(panels, symbolic.panel_blocks * D * D),
+            stacks: [resized(even, even_blocks * D * D), resized(odd, odd_blocks * D * D)],
+            inverse,
             workers: symbolic.stretches.iter().map(|stretch| Worker::new::<D>(symbolic, stretch)).collect(),
             permuted: vec![0.0; symbolic.variables() * D],
             local: vec![0.0; height * D],
@@ -65,11 +94,18 @@ impl<const D: usize> Factor<D> {
         Self {
             panels: Vec::new(),
             stacks: [Vec::new(), Vec::new()],
+            inverse: Vec::new(),
             workers: Vec::new(),
             permuted: Vec::new(),
             local: Vec::new(),
             smallest_pivot: SmallestPivot::default(),
         }
+    }
+
+    /// The memory of this factor, and of an inverse computed from it.
+    pub fn into_memory(self, inverse: Option<SelectedInverse<D>>) -> Memory {
+        let inverse = inverse.map_or(self.inverse, |inverse| inverse.panels);
+        Memory { panels: self.panels, stacks: self.stacks, inverse }
     }
 
     /// Factorises the matrix with these diagonal blocks and off-diagonal blocks (row: first of its pair).

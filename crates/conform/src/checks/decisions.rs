@@ -18,14 +18,14 @@ pub(super) const CHECKS: &[Check] = &[
     Check {
         name: "deterministic",
         level: Level::Must,
-        demand: "gives the same bytes for the same input on every run",
+        demand: "writes the same bytes for the same input on every run",
         works_on_output: true,
         test: deterministic,
     },
     Check {
         name: "blind-without-truth",
         level: Level::Must,
-        demand: "decides the same where the records carry no truth",
+        demand: "makes the same decisions if the records have no truth",
         works_on_output: true,
         test: |bench| {
             blind(bench, |graph| {
@@ -37,7 +37,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check {
         name: "blind-to-false-truth",
         level: Level::Must,
-        demand: "decides the same where the truth says the opposite",
+        demand: "makes the same decisions if the truth is inverted",
         works_on_output: true,
         test: |bench| {
             blind(bench, |graph| {
@@ -54,14 +54,14 @@ pub(super) const CHECKS: &[Check] = &[
     Check {
         name: "own-mark",
         level: Level::Must,
-        demand: "marks by one name, its own",
+        demand: "marks edges with one name, its own",
         works_on_output: true,
         test: |bench| Ok(own_mark(bench)),
     },
     Check {
         name: "provenance",
         level: Level::Should,
-        demand: "signs its work: one entry more in the header's provenance",
+        demand: "adds one entry to the header's provenance",
         works_on_output: true,
         test: |bench| Ok(provenance(bench)),
     },
@@ -93,7 +93,7 @@ fn blind(bench: &Bench<'_>, change: fn(&mut PoseGraph)) -> anyhow::Result<Verdic
         let (one, other) = (decided(bench.output()?.clone()), decided(other));
         let differs = one.edges.iter().zip(&other.edges).find(|(a, b)| a.rejected_by != b.rejected_by);
         must(one == other, || match differs {
-            Some((edge, _)) => format!("{} and perhaps others are decided otherwise", edge.name()),
+            Some((edge, _)) => format!("{}: the decision differs, and others may differ too", edge.name()),
             None => "the output differs in more than the truth".to_owned(),
         })
     }))
@@ -104,7 +104,10 @@ fn own_mark(bench: &Bench<'_>) -> Verdict {
     let names: BTreeSet<&str> = output.edges.iter().filter_map(|edge| edge.rejected_by.as_deref()).collect();
     let own: Vec<&str> = names.into_iter().filter(|name| *name != sample::EARLIER).collect();
     must(own.len() <= 1 && own.iter().all(|name| !name.trim().is_empty()), || {
-        format!("the names are {}", own.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", "))
+        format!(
+            "it marks edges with these names: {}",
+            own.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ")
+        )
     })
 }
 
@@ -113,5 +116,5 @@ fn provenance(bench: &Bench<'_>) -> Verdict {
     let added = output.header.provenance.len().saturating_sub(bench.graph.header.provenance.len());
     must(added == 1, || format!("{added} entries were added"))?;
     let named = output.header.provenance.last().is_some_and(|entry| entry["stage"].is_string());
-    must(named, || "the entry has no \"stage\" with its name".to_owned())
+    must(named, || "the entry has no \"stage\" with the program's name".to_owned())
 }

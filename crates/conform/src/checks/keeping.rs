@@ -20,7 +20,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check {
         name: "edges",
         level: Level::Must,
-        demand: "marks edges and never removes or adds one",
+        demand: "marks edges, and neither removes nor adds any",
         works_on_output: true,
         test: |bench| Ok(edges(bench)),
     },
@@ -34,21 +34,21 @@ pub(super) const CHECKS: &[Check] = &[
     Check {
         name: "unknown-fields",
         level: Level::Must,
-        demand: "keeps fields that it does not know, in every record",
+        demand: "keeps unknown fields in every record",
         works_on_output: true,
         test: |bench| Ok(unknown_fields(bench)),
     },
     Check {
         name: "unknown-kinds",
         level: Level::Must,
-        demand: "keeps records of kinds that it does not know",
+        demand: "keeps records of unknown kinds",
         works_on_output: true,
         test: |bench| Ok(unknown_kinds(bench)),
     },
     Check {
         name: "earlier-marks",
         level: Level::Must,
-        demand: "leaves the mark of the stage that rejected an edge first",
+        demand: "keeps the mark of the stage that first rejected an edge",
         works_on_output: true,
         test: |bench| Ok(earlier_marks(bench)),
     },

@@ -7,7 +7,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check {
         name: "closed-pipe",
         level: Level::Must,
-        demand: "ends quietly when nobody reads its output",
+        demand: "ends quietly if its output is closed",
         works_on_output: true,
         test: closed_pipe,
     },
@@ -45,7 +45,7 @@ fn canonical_order(bench: &Bench<'_>) -> anyhow::Result<Verdict> {
         };
         let place = (rank, if rank == 3 { 0 } else { value["id"].as_u64().unwrap_or(0) });
         if place < last {
-            return Ok(Err(format!("{} {} stands too late", value["kind"], value["id"])));
+            return Ok(Err(format!("{} {} comes too late", value["kind"], value["id"])));
         }
         last = place;
     }

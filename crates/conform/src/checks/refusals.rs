@@ -1,7 +1,7 @@
 //! Checks on what a program must refuse, and how.
 
 use anyhow::Context as _;
-use posecut_stage::write_atomically;
+use posecut_stage::{counted, write_atomically};
 
 use super::{Bench, Check, Verdict, must};
 use crate::report::Level;
@@ -36,13 +36,13 @@ pub(super) const CHECKS: &[Check] = &[
     refuses!(
         "other-version",
         Level::Must,
-        "refuses a version of the format that it does not know",
+        "refuses an unknown version of the format",
         format!("{}\n{NODES}\n", HEADER.replace("\"version\":1", "\"version\":7"))
     ),
     Check {
         name: "missing-input",
         level: Level::Must,
-        demand: "refuses a file that is not there",
+        demand: "refuses a missing input file",
         works_on_output: true,
         test: |bench| {
             let run = bench.program.run(&[&bench.path("missing.jsonl")], b"")?;
@@ -52,21 +52,21 @@ pub(super) const CHECKS: &[Check] = &[
     Check {
         name: "missing-folder",
         level: Level::Must,
-        demand: "refuses to write into a folder that is not there, and does not make it",
+        demand: "refuses to write into a missing folder, and does not create it",
         works_on_output: true,
         test: missing_folder,
     },
     Check {
         name: "full-disk",
         level: Level::Must,
-        demand: "tells by exit status 2 that its output could not be written",
+        demand: "exits with status 2 if its output cannot be written",
         works_on_output: true,
         test: full_disk,
     },
     refuses!(
         "not-a-number",
         Level::Should,
-        "refuses NaN, which is no JSON",
+        "refuses NaN, which is not JSON",
         format!(
             "{HEADER}\n{NODES}\n{{\"kind\":\"landmark\",\"id\":5,\"from\":0,\"to\":1,\"measurement\":[NaN,0,0],\"information\":[1,0,0,1,0,1]}}\n"
         )
@@ -74,19 +74,19 @@ pub(super) const CHECKS: &[Check] = &[
     refuses!(
         "dangling-edge",
         Level::Should,
-        "refuses an edge to a node that is not there",
+        "refuses an edge to a missing node",
         format!("{HEADER}\n{NODES}\n{{\"kind\":\"landmark\",\"id\":5,\"from\":0,\"to\":9}}\n")
     ),
     refuses!(
         "double-id",
         Level::Should,
-        "refuses two nodes of one id",
+        "refuses two nodes with the same id",
         format!("{HEADER}\n{NODES}\n{{\"kind\":\"node\",\"id\":1,\"pose\":[2,0,0]}}\n")
     ),
     Check {
         name: "unknown-option",
         level: Level::Should,
-        demand: "refuses an option that it does not know",
+        demand: "refuses an unknown option",
         works_on_output: true,
         test: |bench| {
             let run = bench.program.run(&["--no-such-option"], &bench.input)?;
@@ -96,12 +96,12 @@ pub(super) const CHECKS: &[Check] = &[
     Check {
         name: "one-sentence",
         level: Level::Should,
-        demand: "says in one line what is wrong",
+        demand: "reports an error in one line",
         works_on_output: true,
         test: |bench| {
             let run = bench.program.run(&[], format!("{HEADER}\nnode 0\n").as_bytes())?;
             let lines = run.stderr.lines().filter(|line| !line.trim().is_empty()).count();
-            Ok(must(lines == 1, || format!("it said {lines} lines")))
+            Ok(must(lines == 1, || format!("it printed {lines} lines")))
         },
     },
 ];
@@ -110,36 +110,36 @@ pub(super) const CHECKS: &[Check] = &[
 fn refused(bench: &Bench<'_>, input: &[u8]) -> anyhow::Result<Verdict> {
     let run = bench.program.run(&[], input)?;
     if run.status != Some(2) {
-        return Ok(Err(format!("exit status 2 was expected, not: {}", run.said())));
+        return Ok(Err(format!("expected exit status 2, found: {}", run.said())));
     }
     if !run.stdout.is_empty() {
         return Ok(Err("it wrote to standard output before it refused".to_owned()));
     }
     if run.stderr.trim().is_empty() {
-        return Ok(Err("it did not say what is wrong".to_owned()));
+        return Ok(Err("it printed no message".to_owned()));
     }
     let parent = bench.folder.path();
     let folder = tempfile::tempdir_in(parent)
-        .with_context(|| format!("{}: no folder can be made there", parent.display()))?;
+        .with_context(|| format!("{}: cannot hold a temporary folder", parent.display()))?;
     let (output, stats) = (folder.path().join("output.jsonl"), folder.path().join("stats.json"));
     write_atomically(&output, |writer| Ok(writer.write_all(b"precious")?))?;
     let text = |path: &std::path::Path| path.display().to_string();
     let run = bench.program.run(&["-", "-o", &text(&output), "--stats", &text(&stats)], input)?;
     if run.status != Some(2) {
-        return Ok(Err(format!("with -o, exit status 2 was expected, not: {}", run.ending)));
+        return Ok(Err(format!("with -o: expected exit status 2, found: {}", run.ending)));
     }
     if std::fs::read(&output).ok().as_deref() != Some(b"precious") {
-        return Ok(Err("the file that stood at -o was touched".to_owned()));
+        return Ok(Err("the existing file at -o was changed".to_owned()));
     }
     let left = std::fs::read_dir(folder.path())?.count();
-    Ok(must(left == 1, || format!("{} files were left beside the output", left - 1)))
+    Ok(must(left == 1, || format!("it left {} beside the output", counted(left - 1, "file"))))
 }
 
 fn missing_folder(bench: &Bench<'_>) -> anyhow::Result<Verdict> {
     let (input, output) = (bench.input_file()?, bench.path("missing/output.jsonl"));
     let run = bench.program.run(&[&input, "-o", &output], b"")?;
     Ok(must(run.status == Some(2), || run.said()).and_then(|()| {
-        must(!bench.folder.path().join("missing").exists(), || "it made the folder".to_owned())
+        must(!bench.folder.path().join("missing").exists(), || "it created the folder".to_owned())
     }))
 }
 

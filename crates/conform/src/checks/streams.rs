@@ -8,35 +8,35 @@ pub(super) const CHECKS: &[Check] = &[
     Check {
         name: "standard-input",
         level: Level::Must,
-        demand: "reads a graph from standard input and writes a sound one to standard output",
+        demand: "reads a graph from standard input and writes a valid one to standard output",
         works_on_output: false,
         test: |bench| Ok(bench.output().map(drop)),
     },
     Check {
         name: "dash",
         level: Level::Must,
-        demand: "takes - for standard input",
+        demand: "accepts - as standard input",
         works_on_output: true,
         test: |bench| same(bench, &["-"], &bench.input),
     },
     Check {
         name: "file",
         level: Level::Must,
-        demand: "takes the name of a file, with the same result",
+        demand: "reads a named file, with the same result",
         works_on_output: true,
         test: |bench| same(bench, &[&bench.input_file()?], b""),
     },
     Check {
         name: "output-file",
         level: Level::Must,
-        demand: "writes to the file named after -o, and then nothing to standard output",
+        demand: "writes to the file named with -o, and nothing to standard output",
         works_on_output: true,
         test: output_file,
     },
     Check {
         name: "pipeline-options",
         level: Level::Must,
-        demand: "takes --quiet and --stats FILE as pipelines pass them, and writes a JSON object there",
+        demand: "accepts --quiet and --stats FILE, and writes a JSON object to that file",
         works_on_output: true,
         test: pipeline_options,
     },
@@ -57,7 +57,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check {
         name: "compressed-input",
         level: Level::Should,
-        demand: "reads gzip, whatever the name",
+        demand: "reads gzip under any file name",
         works_on_output: true,
         test: compressed,
     },
@@ -68,7 +68,7 @@ fn same(bench: &Bench<'_>, arguments: &[&str], input: &[u8]) -> anyhow::Result<V
     let run = bench.program.run(arguments, input)?;
     Ok(if run.succeeded() {
         must(run.stdout == bench.base.stdout, || {
-            "the output differs from that of the same graph through a pipe".to_owned()
+            "the output differs from that for the same graph on standard input".to_owned()
         })
     } else {
         Err(run.said())
@@ -81,11 +81,9 @@ fn output_file(bench: &Bench<'_>) -> anyhow::Result<Verdict> {
     if !run.succeeded() {
         return Ok(Err(run.said()));
     }
-    let Ok(written) = std::fs::read(&output) else { return Ok(Err("no file appeared".to_owned())) };
-    Ok(must(written == bench.base.stdout, || "the file differs from what a pipe carries".to_owned())
-        .and_then(|()| {
-            must(run.stdout.is_empty(), || "something was written to standard output as well".to_owned())
-        }))
+    let Ok(written) = std::fs::read(&output) else { return Ok(Err("it wrote no file".to_owned())) };
+    Ok(must(written == bench.base.stdout, || "the file differs from the output through a pipe".to_owned())
+        .and_then(|()| must(run.stdout.is_empty(), || "it wrote to standard output too".to_owned())))
 }
 
 fn pipeline_options(bench: &Bench<'_>) -> anyhow::Result<Verdict> {
@@ -95,12 +93,12 @@ fn pipeline_options(bench: &Bench<'_>) -> anyhow::Result<Verdict> {
     if !run.succeeded() {
         return Ok(Err(run.said()));
     }
-    let Ok(text) = std::fs::read(&stats) else { return Ok(Err("--stats left no file".to_owned())) };
+    let Ok(text) = std::fs::read(&stats) else { return Ok(Err("--stats wrote no file".to_owned())) };
     let object = serde_json::from_slice::<serde_json::Value>(&text).ok().filter(serde_json::Value::is_object);
     // With --quiet a program still prints its doubts.
     let doubts = object.as_ref().and_then(|object| object.get("doubts")?.as_array());
     let may_speak = doubts.is_some_and(|doubts| !doubts.is_empty());
-    Ok(must(object.is_some(), || "what --stats left is no JSON object".to_owned())
+    Ok(must(object.is_some(), || "the --stats file is not a JSON object".to_owned())
         .and_then(|()| {
             must(std::fs::read(&output).is_ok_and(|bytes| bytes == bench.base.stdout), || {
                 "the output differs with these options".to_owned()
@@ -108,7 +106,7 @@ fn pipeline_options(bench: &Bench<'_>) -> anyhow::Result<Verdict> {
         })
         .and_then(|()| {
             must(may_speak || run.stderr.is_empty(), || {
-                format!("--quiet, no doubts in --stats, and it said: {}", run.stderr.trim())
+                format!("with --quiet and no doubts in --stats, it printed: {}", run.stderr.trim())
             })
         }))
 }
@@ -132,7 +130,7 @@ fn space(bench: &Bench<'_>) -> anyhow::Result<Verdict> {
     let run = bench.program.run(&[], &sample::bytes(&sample::space())?)?;
     if run.status == Some(2) {
         return Ok(must(run.stdout.is_empty() && !run.stderr.trim().is_empty(), || {
-            "it refuses, but not with a message and without output".to_owned()
+            "it exits with status 2, but without a message or with output".to_owned()
         }));
     }
     Ok(graph_of(&run).map(drop))

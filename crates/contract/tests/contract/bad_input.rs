@@ -105,7 +105,7 @@ fn faults() -> Vec<(&'static str, String, &'static [&'static str])> {
         (
             "no information",
             with(r#"{"kind":"landmark","id":5,"from":0,"to":1,"measurement":[1,0,0]}"#),
-            &["line 4", "landmark 5", "\"information\"", "how sure"],
+            &["line 4", "landmark 5", "\"information\"", "no information matrix"],
         ),
         (
             "unknown noise model",
@@ -143,12 +143,12 @@ fn faults() -> Vec<(&'static str, String, &'static [&'static str])> {
         (
             "twice the same noise model",
             r#"{"kind":"header","format":"posecut","version":1,"dimension":2,"noise_models":{"a":{"information":[1,0,0,1,0,1]},"a":{"information":[2,0,0,2,0,2]}}}"#.to_owned(),
-            &["line 1", "\"noise_models\"", "\"a\" stands twice"],
+            &["line 1", "\"noise_models\"", "\"a\" occurs twice"],
         ),
         (
             "twice the same truth",
             format!("{HEADER}\n{{\"kind\":\"node\",\"id\":0,\"truth\":{{\"pose\":[0,0,0],\"pose\":[1,0,0]}}}}\n"),
-            &["line 2", "\"truth\"", "\"pose\" stands twice"],
+            &["line 2", "\"truth\"", "\"pose\" occurs twice"],
         ),
         ("no UTF-8", format!("{HEADER}\n"), &[]),
     ]

@@ -176,7 +176,8 @@ fn every_doubt_of_every_program_has_a_case_and_all_others_have_none() {
     for program in programs() {
         assert_eq!(Some(&declared(&program)), tried.get(program.as_str()), "{program}");
         let silent = tried[program.as_str()].is_empty();
-        let sentence = if silent { "It raises no doubts." } else { "Doubts that it may raise:" };
+        let sentence =
+            if silent { "This program raises no doubts." } else { "Doubts that this program may raise:" };
         assert!(
             generated(&posecut_contract::program(&program), "reference").unwrap().contains(sentence),
             "{program}: docs/cli.md"

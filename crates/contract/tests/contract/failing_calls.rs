@@ -42,7 +42,7 @@ fn library() -> Option<PathBuf> {
         return None;
     }
     let path = program("oracle").parent().unwrap().join("examples/libfailing_calls.so");
-    assert!(path.is_file(), "{} is not built; run the tests by `make test`", path.display());
+    assert!(path.is_file(), "{} is not built; run the tests with `make test`", path.display());
     Some(path)
 }
 

@@ -37,6 +37,6 @@ fn usage_errors_are_one_sentence_with_a_suggestion() {
         assert!(said(&["--quiet", "--verbose"]).contains("cannot be used with"));
     }
     assert!(refused("pcm", &["--scheme", "none"]).contains("[possible values: "));
-    assert!(refused("experiment", &[]).contains("name one of plan, run, collect, check, accept, stages"));
+    assert!(refused("experiment", &[]).contains("use one of plan, run, collect, check, accept, stages"));
     assert!(refused("experiment", &["pln"]).contains("similar subcommand exists: 'plan'"));
 }

@@ -116,7 +116,7 @@ fn a_disk_that_fills_up_while_a_file_is_written_leaves_the_old_one() {
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{}: {said}", row.name);
         assert!(
-            said.contains("nothing was left there") && said.contains("too large"),
+            said.contains("no partial output remains") && said.contains("too large"),
             "{}: {said}",
             row.name
         );
@@ -140,7 +140,7 @@ fn a_read_only_folder_is_an_error() {
         let output = row.run(&["-o", file.to_str().unwrap()]);
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{}: {said}", row.name);
-        assert!(said.contains("cannot be written, and nothing was left there"), "{}: {said}", row.name);
+        assert!(said.contains("cannot be written, and no partial output remains"), "{}: {said}", row.name);
         assert!(!file.exists());
     }
     for row in streams() {

@@ -187,10 +187,10 @@ impl Reader<'_> {
                 format!("the tag {tag} is unknown"),
                 match self.dialect {
                     Dialect::G2o => {
-                        "pose graphs have VERTEX_SE2, EDGE_SE2, VERTEX_SE3:QUAT, EDGE_SE3:QUAT and FIX; --skip-unknown leaves others out"
+                        "pose graphs have VERTEX_SE2, EDGE_SE2, VERTEX_SE3:QUAT, EDGE_SE3:QUAT and FIX; --skip-unknown skips others"
                     }
                     Dialect::Toro => {
-                        "TORO has VERTEX2, EDGE2, VERTEX3 and EDGE3; --skip-unknown leaves others out"
+                        "TORO has VERTEX2, EDGE2, VERTEX3 and EDGE3; --skip-unknown skips others"
                     }
                 },
             )),
@@ -203,7 +203,7 @@ impl Reader<'_> {
 
     fn id(&self, field: &str) -> Result<u64, ConvertError> {
         field.parse().map_err(|_| {
-            self.refuse(format!("\"{field}\" is no vertex id"), "ids are whole numbers from 0 to 2^64 - 1")
+            self.refuse(format!("\"{field}\" is not a vertex id"), "ids are whole numbers from 0 to 2^64 - 1")
         })
     }
 
@@ -220,7 +220,7 @@ impl Reader<'_> {
     fn agree(&mut self, dimension: Dimension) -> Result<(), ConvertError> {
         match self.dimension.replace(dimension) {
             Some(before) if before != dimension => Err(self.refuse(
-                format!("a record of dimension {dimension} after records of dimension {before}"),
+                format!("a record of dimension {dimension} follows records of dimension {before}"),
                 "a pose graph has one dimension; split the file",
             )),
             _ => Ok(()),
@@ -242,7 +242,7 @@ impl Reader<'_> {
             let norm = pose[3..].iter().map(|component| component * component).sum::<f64>().sqrt();
             if !(norm > 1e-6 && norm.is_finite()) {
                 return Err(self.refuse(
-                    format!("the quaternion has norm {norm}, and cannot be brought to 1"),
+                    format!("the quaternion has norm {norm} and cannot be normalised"),
                     "correct the line; the order is qx qy qz qw",
                 ));
             }
@@ -267,14 +267,14 @@ impl Reader<'_> {
                 Ok(())
             }
             Some(known) if self.earlier.vertices.contains(&id) && *known == pose => Ok(()),
-            Some(_) => Err(self.refuse(format!("vertex {id} stands twice"), "keep one of the two")),
+            Some(_) => Err(self.refuse(format!("vertex {id} occurs twice"), "keep one of the two")),
         }
     }
 
     fn edge(&mut self, dimension: Dimension, fields: &[&str]) -> Result<(), ConvertError> {
         self.agree(dimension)?;
         let [from, to, rest @ ..] = fields else {
-            return Err(self.refuse("the edge has no two ids", "the line is cut short"));
+            return Err(self.refuse("the edge has fewer than two ids", "the line is cut short"));
         };
         let (from, to) = (self.id(from)?, self.id(to)?);
         if from == to {
@@ -287,8 +287,8 @@ impl Reader<'_> {
             information =
                 toro::information_from_toro(dimension, &numbers, &information).ok_or_else(|| {
                     self.refuse(
-                        "the measured pitch is a right angle, where roll and yaw are one and have no information each",
-                        "give the edge in g2o's format, or turn the frames of its vertices",
+                        "the measured pitch is a right angle, where roll and yaw are indistinguishable and neither has information",
+                        "write the edge in g2o's format, or rotate the frames of its vertices",
                     )
                 })?;
         }
@@ -298,7 +298,7 @@ impl Reader<'_> {
                     format!(
                         "the information matrix of edge {from} {to} is not positive semidefinite: its smallest eigenvalue is {eigenvalue:e}"
                     ),
-                    "correct it at its source, or say --repair-information to set negative eigenvalues to zero",
+                    "correct it at its source, or use --repair-information to set negative eigenvalues to zero",
                 ));
             }
             information = clamp(dimension, &information).ok_or_else(|| {
@@ -335,8 +335,8 @@ impl Reader<'_> {
             return Err(ConvertError::line(
                 &self.file,
                 self.line,
-                "there is neither vertex nor edge",
-                "name a g2o file of a pose graph",
+                "the input has neither vertices nor edges",
+                "name a file with a pose graph",
             ));
         };
         let ids: BTreeSet<u64> = self

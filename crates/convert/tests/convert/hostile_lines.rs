@@ -56,7 +56,7 @@ fn times_beyond_64_bits_are_refused() {
 #[test]
 fn repeated_and_unordered_times_are_refused() {
     let said = tum_error("1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n\n2.0000001 1 0 0 0 0 0 1\n");
-    assert!(said.contains("line 4: the time 2.0000001 s is that of line 2"), "{said}");
+    assert!(said.contains("line 4: the time 2.0000001 s is the same as in line 2"), "{said}");
     let said = tum_error("2 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n");
     assert!(
         said.contains("line 2: the time 1 s is before that of line 1") && said.contains("sort"),

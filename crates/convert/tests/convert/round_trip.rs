@@ -39,13 +39,13 @@ fn a_robots_letter_names_its_session() {
 #[test]
 fn what_is_wrong_is_told_with_its_line() {
     for (text, parts) in [
-        ("", &["neither vertex nor edge"][..]),
+        ("", &["neither vertices nor edges"][..]),
         ("VERTEX_SE2 0 0 0", &["line 1", "expected 3 numbers", "found 2"]),
-        ("VERTEX_SE2 -1 0 0 0", &["line 1", "no vertex id"]),
+        ("VERTEX_SE2 -1 0 0 0", &["line 1", "not a vertex id"]),
         ("VERTEX_SE2 0 0 0 nan", &["line 1", "\"nan\" is not finite"]),
         ("VERTEX_SE2 0 0 0 x", &["line 1", "\"x\" is not a number"]),
-        ("VERTEX_SE2 0 0 0 0\nVERTEX_SE2 0 0 0 0", &["line 2", "vertex 0 stands twice"]),
-        ("VERTEX_SE2 0 0 0 0\nVERTEX_SE3:QUAT 1 0 0 0 0 0 0 1", &["line 2", "dimension 3 after"]),
+        ("VERTEX_SE2 0 0 0 0\nVERTEX_SE2 0 0 0 0", &["line 2", "vertex 0 occurs twice"]),
+        ("VERTEX_SE2 0 0 0 0\nVERTEX_SE3:QUAT 1 0 0 0 0 0 0 1", &["line 2", "dimension 3 follows"]),
         ("VERTEX_SE3:QUAT 1 0 0 0 0 0 0 0", &["line 1", "quaternion has norm 0"]),
         // The square of 1e300 exceeds the range of doubles: division by the norm gave a quaternion of zeros.
         ("VERTEX_SE3:QUAT 1 0 0 0 0 0 0 1e300", &["line 1", "quaternion has norm inf"]),
@@ -93,14 +93,19 @@ fn kitti_and_tum_refuse_what_they_cannot_hold() {
         tum::write(&graph, Poses::Estimate, None).unwrap_err().to_string().contains("TUM files need times")
     );
     assert!(
-        kitti::write(&graph, Poses::Truth, None).unwrap_err().to_string().contains("no node has the poses")
+        kitti::write(&graph, Poses::Truth, None)
+            .unwrap_err()
+            .to_string()
+            .contains("no node has a pose of the kind")
     );
     assert!(
         kitti::read("k", &b"1 2 3\n"[..], "0").unwrap_err().to_string().contains("k, line 1: expected 12")
     );
     assert!(tum::read("t", &b"1 2 3\n"[..], "0").unwrap_err().to_string().contains("t, line 1: expected 8"));
     let sheared = "1 1 0 0 0 1 0 0 0 0 1 0\n";
-    assert!(kitti::read("k", sheared.as_bytes(), "0").unwrap_err().to_string().contains("no rotation"));
+    assert!(
+        kitti::read("k", sheared.as_bytes(), "0").unwrap_err().to_string().contains("not a rotation matrix")
+    );
 }
 
 proptest! {
@@ -145,7 +150,7 @@ proptest! {
 fn kitti_matrices_of_huge_entries_are_refused() {
     let text = "1e200 1e200 0 0 1e200 -1e200 0 0 0 0 1 0\n";
     let error = kitti::read("test.kitti", text.as_bytes(), "0").unwrap_err().to_string();
-    assert!(error.contains("line 1") && error.contains("no rotation"), "{error}");
+    assert!(error.contains("line 1") && error.contains("not a rotation matrix"), "{error}");
 }
 
 /// Such an edge used to come back as odometry, which no later stage judges.

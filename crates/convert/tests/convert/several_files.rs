@@ -44,7 +44,7 @@ fn a_vertex_with_other_numbers_in_another_file_is_refused_with_its_file_and_line
     let again = read(&[robot(A, ""), format!("VERTEX_SE2 {A} 0 0 0\n")]).unwrap();
     assert_eq!(again.nodes.len(), 2);
     let said = read(&[robot(A, ""), format!("VERTEX_SE2 {A} 0 0 1\n")]).unwrap_err();
-    assert!(said.starts_with("1.g2o, line 1: ") && said.contains("stands twice"), "{said}");
+    assert!(said.starts_with("1.g2o, line 1: ") && said.contains("occurs twice"), "{said}");
     let said = read(&[robot(A, "").repeat(2)]).unwrap_err();
     assert!(said.starts_with("0.g2o, line 4: "), "{said}");
 }

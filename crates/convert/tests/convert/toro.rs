@@ -35,7 +35,7 @@ fn what_is_wrong_is_told_with_its_line() {
     for (text, parts) in [
         ("VERTEX_SE2 0 0 0 0", &["line 1", "VERTEX_SE2", "VERTEX2"][..]),
         ("VERTEX3 0 0 0 0", &["line 1", "expected 6 numbers", "found 3"]),
-        ("VERTEX2 0 0 0 0\nVERTEX3 1 0 0 0 0 0 0", &["line 2", "dimension 3 after"]),
+        ("VERTEX2 0 0 0 0\nVERTEX3 1 0 0 0 0 0 0", &["line 2", "dimension 3 follows"]),
         ("EDGE2 0 1 0 0 0 1 2 1 1 0 0", &["line 1", "not positive semidefinite"]),
         (right_angle, &["line 1", "right angle", "g2o"]),
     ] {

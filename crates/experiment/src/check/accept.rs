@@ -20,7 +20,7 @@ pub fn accept(expected: &Expected, plan: &Plan, results: &Path) -> anyhow::Resul
     for row in measure(plan, &expected.cover, results) {
         let found = match row.found {
             Ok(found) => found,
-            Err(error) => bail!("nothing is recorded, since a result is not there: {error}"),
+            Err(error) => bail!("nothing was recorded, because a result cannot be used: {error}"),
         };
         for name in found.close.keys() {
             expected.tolerance_of(name)?;
@@ -28,7 +28,7 @@ pub fn accept(expected: &Expected, plan: &Plan, results: &Path) -> anyhow::Resul
         let Recorded { file, stage, .. } =
             Close { file: row.file, stage: row.stage, values: BTreeMap::new() };
         let old = exact.get(&file).map(|row| row.values.clone()).unwrap_or_default();
-        told(&mut changes, &file, &old, &found.exact, |name, old, new| {
+        note_changes(&mut changes, &file, &old, &found.exact, |name, old, new| {
             (old != new).then(|| difference(name, old, new))
         });
         let before = close.get(&file).map(|row| row.values.clone()).unwrap_or_default();
@@ -41,7 +41,7 @@ pub fn accept(expected: &Expected, plan: &Plan, results: &Path) -> anyhow::Resul
                 (name.clone(), old.unwrap_or(*new))
             })
             .collect();
-        told(&mut changes, &file, &before, &kept, |name, old, new| {
+        note_changes(&mut changes, &file, &before, &kept, |name, old, new| {
             (old != new).then(|| format!("{name}: {old} -> {new}"))
         });
         if !found.exact.is_empty() {
@@ -67,7 +67,7 @@ fn within(expected: &Expected, name: &str, old: f64, new: f64) -> bool {
         .is_ok_and(|tolerance| (old - new).abs() <= tolerance.absolute + tolerance.relative * old.abs())
 }
 
-fn told<T>(
+fn note_changes<T>(
     changes: &mut String,
     file: &str,
     old: &BTreeMap<String, T>,
@@ -89,6 +89,6 @@ fn told<T>(
         }
     }
     for name in old.keys().filter(|name| !new.contains_key(*name)) {
-        let _ = writeln!(changes, "{file}: {name}: gone");
+        let _ = writeln!(changes, "{file}: {name}: removed");
     }
 }

@@ -22,7 +22,8 @@ pub(super) fn compare(expected: &Expected, measured: &Measured) -> Row {
             let close = expected.close.iter().find(|recorded| recorded.file == measured.file);
             if exact.is_none() && close.is_none() {
                 row.failures.push(
-                    "has no expectation yet; look at it, and record it with `make accept-results`".to_owned(),
+                    "has no expectation yet; inspect it, then record it with `make accept-results`"
+                        .to_owned(),
                 );
                 return row;
             }
@@ -45,7 +46,7 @@ fn same(row: &mut Row, found: &Fingerprint, name: &str, value: &Value) {
     match found.exact.get(name) {
         Some(other) if other == value => row.notes.push(format!("{name}: as expected")),
         Some(other) => row.failures.push(difference(name, value, other)),
-        None => row.failures.push(format!("{name}: expected {value}, found nothing of that name")),
+        None => row.failures.push(format!("{name}: expected {value}, but it is missing")),
     }
 }
 
@@ -67,7 +68,7 @@ pub(super) fn difference(name: &str, expected: &Value, found: &Value) -> String 
 
 fn near(row: &mut Row, expected: &Expected, found: &Fingerprint, name: &str, value: f64) {
     let Some(&other) = found.close.get(name) else {
-        row.failures.push(format!("{name}: expected {value}, found nothing of that name"));
+        row.failures.push(format!("{name}: expected {value}, but it is missing"));
         return;
     };
     let tolerance = match expected.tolerance_of(name) {

@@ -33,13 +33,13 @@ impl Report {
             let _ = if stage == "order" {
                 writeln!(
                     text,
-                    "\nFAILED order of methods, though each file is as expected or has no row of its own"
+                    "\nFAILED order of methods, although every file is as expected or has no row of its own"
                 )
             } else {
                 let verb = if rows.len() == 1 { "differs" } else { "differ" };
                 writeln!(
                     text,
-                    "\nFAILED in stage `{stage}`: {} {verb}, and what the stage reads does not",
+                    "\nFAILED in stage `{stage}`: {} {verb}, although the inputs of the stage do not",
                     files(rows.len())
                 )
             };
@@ -67,11 +67,11 @@ impl Report {
                 counts.iter().map(|(stage, number)| format!("{stage} {number}")).collect();
             let _ = writeln!(
                 text,
-                "\nWhat reads them differs too, and may be no more than a consequence: {}.",
+                "\nFiles that depend on them differ too, perhaps only for that reason: {}.",
                 counts.join(", ")
             );
         }
-        text.push_str("If the change is meant, record it with `make accept-results` and commit pipelines/expected.toml.\n");
+        text.push_str("If the change is intended, record it with `make accept-results` and commit pipelines/expected.toml.\n");
         Ok(text)
     }
 
@@ -93,7 +93,7 @@ impl Report {
                 .filter_map(|row| Some((row.largest.as_ref()?, row)))
                 .max_by(|(first, _), (second, _)| first.0.total_cmp(&second.0));
             let distance = largest.map_or_else(String::new, |((share, quantity), row)| {
-                format!("; largest distance {share:.1e} of its tolerance ({quantity} of {})", row.name)
+                format!("; largest deviation {share:.1e} of its tolerance ({quantity} of {})", row.name)
             });
             let _ = writeln!(text, "{title}: {good} of {} as expected{distance}", files(rows.len()));
         }
@@ -103,8 +103,11 @@ impl Report {
             }
         }
         if self.not_checked > 0 {
-            let _ =
-                writeln!(text, "not checked, since this run does not make them: {}", files(self.not_checked));
+            let _ = writeln!(
+                text,
+                "not checked, because this plan does not write them: {}",
+                files(self.not_checked)
+            );
         }
         text
     }

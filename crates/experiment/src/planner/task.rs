@@ -68,7 +68,7 @@ impl Planner<'_> {
                                 files.push(file.clone());
                                 file
                             }
-                            None => bail!("the command line of stage \"{stage}\" names \"{{{other}}}\", which this stage does not have"),
+                            None => bail!("the command line of stage \"{stage}\" uses \"{{{other}}}\", which this stage does not have"),
                         },
                     })
                 })?),

@@ -45,7 +45,7 @@ impl<'de, F: Fields> Visitor<'de> for Seed<'_, F> {
     type Value = F;
 
     fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("one JSON object a line")
+        formatter.write_str("one JSON object per line")
     }
 
     fn visit_map<A: MapAccess<'de>>(mut self, mut map: A) -> Result<F, A::Error> {
@@ -54,7 +54,7 @@ impl<'de, F: Fields> Visitor<'de> for Seed<'_, F> {
             self.place.field.set(key.known_name());
             if key.name() == "kind" {
                 if std::mem::replace(&mut has_kind, true) {
-                    return Err(A::Error::custom("the field stands twice"));
+                    return Err(A::Error::custom("the field occurs twice"));
                 }
                 map.next_value::<serde::de::IgnoredAny>()?;
                 continue;
@@ -62,7 +62,7 @@ impl<'de, F: Fields> Visitor<'de> for Seed<'_, F> {
             if let Some(name) = self.fields.take(&key, &mut map)? {
                 let value: Value = map.next_value()?;
                 if self.fields.extra().insert(name.clone(), value).is_some() {
-                    return Err(A::Error::custom(format!("the field \"{name}\" stands twice")));
+                    return Err(A::Error::custom(format!("the field \"{name}\" occurs twice")));
                 }
             }
             self.place.id.set(self.fields.id());
@@ -100,7 +100,7 @@ pub(super) fn explain(line: &str, error: &serde_json::Error) -> Problem {
     }
     if message.contains("number out of range") {
         return Problem::new(
-            format!("a number is too large to be finite: {place}"),
+            format!("a number is too large for a double: {place}"),
             "poses, measurements and costs must be finite",
         );
     }
@@ -111,11 +111,14 @@ pub(super) fn explain(line: &str, error: &serde_json::Error) -> Problem {
         let around = String::from_utf8_lossy(around).to_lowercase();
         if around.contains("nan") || around.contains("inf") {
             return Problem::new(
-                format!("NaN and infinity are no numbers of this format (column {})", error.column()),
-                "find out where the number was lost; leave a measurement that does not exist out",
+                format!("NaN and infinity are not allowed (column {})", error.column()),
+                "find out where the number was lost; omit a measurement that does not exist",
             );
         }
-        return Problem::new(format!("this is not JSON: {place}"), "write one JSON object a line, in UTF-8");
+        return Problem::new(
+            format!("this is not JSON: {place}"),
+            "write one JSON object per line, in UTF-8",
+        );
     }
     Problem::new(place, "see the format's description in crates/graph/README.md")
 }
@@ -126,7 +129,7 @@ pub(super) fn once<'de, A: MapAccess<'de>, T: Deserialize<'de>>(
     slot: &mut Option<T>,
 ) -> Result<Option<String>, A::Error> {
     if slot.is_some() {
-        return Err(A::Error::custom("the field stands twice"));
+        return Err(A::Error::custom("the field occurs twice"));
     }
     *slot = map.next_value()?;
     Ok(None)

@@ -27,7 +27,7 @@ impl<'de> Deserialize<'de> for UniqueFields {
                 let mut fields = Extra::new();
                 while let Some((name, value)) = map.next_entry::<String, Value>()? {
                     if fields.contains_key(&name) {
-                        return Err(A::Error::custom(format!("\"{name}\" stands twice")));
+                        return Err(A::Error::custom(format!("\"{name}\" occurs twice")));
                     }
                     fields.insert(name, value);
                 }
@@ -41,7 +41,7 @@ impl<'de> Deserialize<'de> for UniqueFields {
 
 pub(super) fn noise_model(value: Value) -> Result<NoiseModel, String> {
     let Value::Object(mut fields) = value else {
-        return Err("a noise model is an object with \"information\"".to_owned());
+        return Err("a noise model must be an object with \"information\"".to_owned());
     };
     let information = take_known(&mut fields, "information")?
         .ok_or_else(|| "a noise model needs \"information\"".to_owned())?;

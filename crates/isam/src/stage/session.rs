@@ -122,7 +122,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
         let name = format!("node {}", node.id);
         if let Some((_, earlier)) = self.nodes.get(&node.id) {
             bail!(
-                "{name}, field \"id\": line {earlier} has a node with this id; ids are unique among nodes, number them anew"
+                "{name}, field \"id\": line {earlier} already has a node with this id; give every node an id of its own"
             );
         }
         if let Some(time) = node.utime {
@@ -148,7 +148,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
         let name = edge.name();
         if let Some(Standing { line: earlier, .. }) = self.edges.get(&edge.id) {
             bail!(
-                "{name}, field \"id\": line {earlier} has an edge with this id; ids are unique among edges, number them anew"
+                "{name}, field \"id\": line {earlier} already has an edge with this id; give every edge an id of its own"
             );
         }
         let end = |field: &str, id: u64| {
@@ -193,19 +193,19 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
     fn retract(&mut self, id: u64) -> anyhow::Result<()> {
         let Some(Standing { place, used, .. }) = self.edges.get(&id).copied() else {
             bail!(
-                "edge {id} is unknown and cannot be taken back; an edge comes before the record that takes it back"
+                "edge {id} is unknown and cannot be retracted; put an edge before the record that retracts it"
             );
         };
         let edge = &mut self.graph.edges[place];
         let Some(used) = used else {
             match edge.rejected_by.as_deref() {
                 Some(RETRACT) => {
-                    bail!("edge {id} was taken back before; take it back once, or readmit it first")
+                    bail!("edge {id} was retracted before; retract it once, or readmit it first")
                 }
                 Some(stage) => {
-                    bail!("edge {id} is rejected by {stage} and was never used; take back edges in use only")
+                    bail!("edge {id} is rejected by {stage} and was never used; retract only edges in use")
                 }
-                None => bail!("edge {id} has no measurement and was never used; take back edges in use only"),
+                None => bail!("edge {id} has no measurement and was never used; retract only edges in use"),
             }
         };
         self.solver.remove_edge(used)?;
@@ -218,12 +218,12 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
     fn readmit(&mut self, id: u64) -> anyhow::Result<()> {
         let Some(Standing { place, used, .. }) = self.edges.get(&id).copied() else {
             bail!(
-                "edge {id} is unknown and cannot be readmitted; an edge comes before the record that readmits it"
+                "edge {id} is unknown and cannot be readmitted; put an edge before the record that readmits it"
             );
         };
         if used.is_some() {
             bail!(
-                "edge {id} is in use and cannot be readmitted; readmit edges that were taken back or came rejected"
+                "edge {id} is in use and cannot be readmitted; readmit only edges that were retracted or arrived rejected"
             );
         }
         let edge = &self.graph.edges[place];

@@ -78,7 +78,7 @@ fn fixed_nodes_stay_where_they_are() {
     assert!(!graph.contains("{\"kind\":\"node\",\"id\":0,\"pose\":[0,0,0]"), "{graph}");
     for (mark, words) in [
         ("\"fixed\":\"yes\",\"pose\":[1,0,1.5]", "expected true or false, found \"yes\""),
-        ("\"fixed\":true", "is fixed and has no pose to stay at"),
+        ("\"fixed\":true", "is fixed but has no pose; give it one"),
     ] {
         let bad = GRAPH.replace("\"id\":1,\"pose\":[1,0,1.5]", &format!("\"id\":1,{mark}"));
         let output = run_on(&[], &bad);

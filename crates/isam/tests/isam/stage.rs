@@ -172,7 +172,7 @@ fn a_removal_that_splits_the_graph_is_said() {
     lines[10] = r#"{"kind":"retract","edge":1}"#.to_owned();
     let output = run(&lines, &[]);
     let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && said.contains("node 2 is held fixed"), "{said}");
+    assert!(output.status.success() && said.contains("node 2 is fixed from now on"), "{said}");
 }
 
 #[test]
@@ -187,7 +187,7 @@ fn bad_input_is_refused_by_line() {
     let mut twice = square();
     twice.push(twice[9].clone());
     let said = refuse(&twice, &[]);
-    assert!(said.contains("line 12") && said.contains("edge 6 was taken back before"), "{said}");
+    assert!(said.contains("line 12") && said.contains("edge 6 was retracted before"), "{said}");
     let said = with(7, &node(3, 29));
     assert!(said.contains("line 8") && said.contains("29 lies before 30"), "{said}");
     let said = with(6, &edge("landmark", 6, 0, 3, "[9,9,0]"));
@@ -201,9 +201,12 @@ fn bad_input_is_refused_by_line() {
     let said = with(9, r#"{"kind":"landmark","id":8,"from":0,"to":2,"retract":"six"}"#);
     assert!(said.contains("field \"retract\""), "{said}");
     let said = with(7, &node(2, 40));
-    assert!(said.contains("node 2") && said.contains("line 5 has a node with this id"), "{said}");
+    assert!(said.contains("node 2") && said.contains("line 5 already has a node with this id"), "{said}");
     let said = with(8, &edge("odometry", 1, 2, 3, "[1,0,0]"));
-    assert!(said.contains("odometry 1") && said.contains("line 6 has an edge with this id"), "{said}");
+    assert!(
+        said.contains("odometry 1") && said.contains("line 6 already has an edge with this id"),
+        "{said}"
+    );
     let mut rejected = square();
     rejected[6] = rejected[6].replace('}', r#","rejected_by":"pcm"}"#);
     let said = refuse(&rejected, &[]);

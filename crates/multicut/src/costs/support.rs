@@ -11,7 +11,7 @@ use super::delta::{Delta, spacings};
 pub enum SupportError {
     /// An edge ends at a node without a session or a frame.
     #[error(
-        "{edge}: its node {node} has no \"session\" or no \"frame\", so its neighbours are unknown; number the frames of every session, or give costs in the file and say --costs field"
+        "{edge}: its node {node} has no \"session\" or no \"frame\", so its neighbours are unknown; number the frames of every session, or give every landmark edge a \"cost\" and use --costs field"
     )]
     NoFrame {
         /// The edge.

@@ -15,11 +15,11 @@ pub enum GraphError {
         nodes: u64,
     },
     /// More edges than 32-bit indices allow.
-    #[error("the graph has more than {} edges; add parallel edges up before building it", u32::MAX)]
+    #[error("the graph has more than {} edges; add up the costs of parallel edges first", u32::MAX)]
     TooManyEdges,
     /// An end of an edge is not a node of the graph.
     #[error(
-        "edge {edge} joins {tail} and {head}, but the graph has only nodes 0 to {nodes} (exclusive); raise the node count or correct the edge"
+        "edge {edge} joins nodes {tail} and {head}, but there are {nodes} nodes, numbered from 0; raise the node count or correct the edge"
     )]
     UnknownNode {
         /// Position of the edge in the input, counted from 0.

@@ -33,7 +33,7 @@ pub enum ReadError {
         found: String,
     },
     /// Node numbers are far larger than the number of edges explains.
-    #[error("nodes are numbered up to {}, and there are only {edges} edges; number them from 0 without gaps", nodes - 1)]
+    #[error("the largest node number is {}, but the number of edges is only {edges}; number the nodes from 0 without gaps", nodes - 1)]
     Sparse {
         /// The largest node number plus one.
         nodes: usize,
@@ -182,6 +182,6 @@ mod tests {
         assert!(message("MULTICUT\n0 1 nan\n").contains("costs NaN"));
         assert!(message("MULTICUT\n0 1 1e999\n").contains("costs inf"));
         assert!(message("MULTICUT\n0 99999999999999999999999 1\n").contains("more than the"));
-        assert!(message("MULTICUT\n0 268435455 1\n").contains("only 1 edges"));
+        assert!(message("MULTICUT\n0 268435455 1\n").contains("the number of edges is only 1;"));
     }
 }

@@ -11,11 +11,11 @@ use crate::costs::support::{Support, support};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Costs {
-    /// +1 with a support edge, -1 without: the paper's
+    /// +1 with a support edge, -1 without, as in the paper
     Support,
-    /// The number of support edges, -1 without
+    /// The number of support edges, or -1 if there are none
     Count,
-    /// The edge's own "cost" in the file
+    /// The edge's field "cost" in the file
     Field,
 }
 
@@ -23,28 +23,28 @@ pub enum Costs {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum CutGraph {
-    /// Landmark edges alone: a component of the result is one landmark
+    /// Landmark edges only: each component of the result is one landmark
     Landmark,
-    /// Odometry edges too, which tie whole sessions together
+    /// Landmark and odometry edges: odometry holds each session together
     Full,
 }
 
 /// Which signed graph is cut.
 #[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
 pub struct CutOptions {
-    /// Largest distance of a support edge at each end, frames; `auto` takes the median spacing of each pair of sessions
+    /// Count edges at most this far away at both ends as support, frames; `auto` takes the median spacing of each pair of sessions
     #[arg(long, value_name = "FRAMES", default_value_t = Delta::Frames(1))]
     pub delta: Delta,
 
-    /// What cutting a landmark edge costs
+    /// Choose the cost of cutting a landmark edge
     #[arg(long, value_enum, default_value_t = Costs::Support)]
     pub costs: Costs,
 
-    /// Which edges are cut
+    /// Choose the edges of the signed graph
     #[arg(long, value_enum, default_value_t = CutGraph::Landmark)]
     pub graph: CutGraph,
 
-    /// Cost of cutting an odometry edge, with --graph full
+    /// Set the cost of cutting an odometry edge (`--graph full`)
     #[arg(long, value_name = "COST", default_value_t = 1.0)]
     pub odometry_cost: f64,
 }
@@ -71,7 +71,7 @@ impl CutOptions {
                 .map(|(index, edge)| {
                     edge.cost.map(|cost| (index, cost)).ok_or_else(|| {
                         anyhow::anyhow!(
-                            "{}: has no \"cost\"; give every landmark edge one, or take --costs support",
+                            "{}: it has no \"cost\"; give every landmark edge one, or use --costs support",
                             edge.name()
                         )
                     })

@@ -16,13 +16,13 @@ impl MovedOptions {
     pub(crate) fn check(&self) -> anyhow::Result<()> {
         if let Some(certificate) = &self.verify {
             bail!(
-                "--verify is no option of posecut-multicut, since certificates have a program of their own; call posecut-partition \
+                "--verify is no longer an option of posecut-multicut: a separate program checks certificates; run posecut-partition \
                  verify {certificate} INPUT, with --delta, --costs, --graph and --odometry-cost as before"
             );
         }
         if self.format.is_some() {
             bail!(
-                "--format is no option of posecut-multicut, which reads pose graphs; leave it out, or for a signed graph (mc) call \
+                "--format is no longer an option of posecut-multicut, which reads pose graphs; leave it out, or for a signed graph (mc) run \
                  posecut-partition solve INSTANCE"
             );
         }

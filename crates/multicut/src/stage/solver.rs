@@ -10,15 +10,17 @@ use crate::{Options, Solution, Solver};
 /// The algorithm and its limits.
 #[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
 pub struct SolverOptions {
-    /// The algorithm for what reductions leave
+    /// Choose the algorithm for the graph that remains after reductions
     #[arg(long, value_enum, default_value_t = Solver::Exact)]
     pub solver: Solver,
 
-    /// Seconds after which the best solution so far is taken and its gap told
+    /// Stop after this many seconds, and return the best solution so far with its gap
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
     pub time_limit: f64,
 
-    /// The same by work, which ends at the same place on every machine
+    /// Stop after this many units of work, with the same result on every machine.
+    ///
+    /// One unit is about one visited edge; 1e8 units take some seconds. The time limit still applies, so raise it too.
     #[arg(long, value_name = "UNITS")]
     pub work_limit: Option<u64>,
 }
@@ -47,12 +49,12 @@ pub fn note(solution: &Solution, solver: Solver, context: &mut Context) {
     if !solution.optimal {
         let remedy = match solver {
             Solver::Exact => "raise --time-limit or --work-limit",
-            _ => "--solver exact searches for a proof",
+            _ => "use --solver exact to search for a proof",
         };
         context.doubt(
             Doubt::SearchLimit,
             format!(
-                "not proved optimal: objective {}, lower bound {}, gap {}; {remedy}",
+                "the multicut is not proved optimal: objective {}, lower bound {}, gap {}; {remedy}",
                 solution.objective,
                 solution.lower_bound,
                 solution.gap()

@@ -13,9 +13,10 @@ use crate::model::magnitude::Magnitude;
 use crate::model::part::extract;
 use crate::model::problem::Problem;
 use crate::model::residual::{chi_square, cost, squared};
-use crate::normal_equations::Pattern;
+use crate::normal_equations::{Pattern, System};
 use crate::options::{Graduated, Initialisation, Options};
 use crate::pose_group::{PoseGroup, Relaxation};
+use posecut_cholesky::Memory;
 use posecut_graph::connectivity::connected_components;
 
 /// Minimises the cost of a graph over its poses.
@@ -26,6 +27,17 @@ use posecut_graph::connectivity::connected_components;
 pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
     problem: &Problem<G, DOF>,
     options: &Options,
+) -> Solution<G> {
+    optimize_and_keep(problem, options, Vec::new(), |_| ())
+}
+
+/// [`optimize`] with the memory of earlier components. It also passes the system of each component, in their order, to `keep`:
+/// `None` where there is none.
+pub(crate) fn optimize_and_keep<G: PoseGroup<DOF>, const DOF: usize>(
+    problem: &Problem<G, DOF>,
+    options: &Options,
+    memory: Vec<Memory>,
+    mut keep: impl FnMut(Option<System<DOF>>),
 ) -> Solution<G> {
     let graduated;
     let problem = if let Some(graduation) = options.graduated {
@@ -43,6 +55,7 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
     let mut starts = poses.clone();
     let mut reports = Vec::with_capacity(components.len());
     let mut local = vec![0; poses.len()];
+    let mut memory = memory.into_iter();
     let whole = components.len() == 1;
     for component in &mut components {
         let held = put_held_first(component, problem.held());
@@ -56,11 +69,13 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
             extracted = extract(problem, component, &local);
             &extracted
         };
+        let memory = memory.next().unwrap_or_default();
         let mut seconds = 0.0;
-        let (start, result, mut report) = timed(&mut seconds, || match options.graduated {
-            Some(graduation) => graduate_component(part, held, graduation, options),
-            None => solve_component(part, held, options),
+        let (start, result, mut report, system) = timed(&mut seconds, || match options.graduated {
+            Some(graduation) => graduate_component(part, held, graduation, options, memory),
+            None => solve_component(part, held, options, memory),
         });
+        keep(system);
         report.phases.total = seconds;
         report.gauge = component.nodes[0];
         report.held = count_held(component, problem.held());
@@ -71,6 +86,17 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
         }
         reports.push(report);
     }
+    gather(problem, poses, &starts, reports)
+}
+
+/// The solution of the whole graph.
+fn gather<G: PoseGroup<DOF>, const DOF: usize>(
+    problem: &Problem<G, DOF>,
+    poses: Vec<G>,
+    starts: &[G],
+    reports: Vec<ComponentReport>,
+) -> Solution<G> {
+    let edges = problem.edges();
     let robust = edges.iter().any(|edge| edge.kernel.is_some());
     // A fold, since the `sum` of an empty iterator is -0.
     let total = |of: fn(&ComponentReport) -> f64| reports.iter().map(of).fold(0.0, |sum, part| sum + part);
@@ -81,7 +107,7 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
             total(|report| report.cost_given)
         },
         chi_square_initial: if robust {
-            chi_square(problem, &starts)
+            chi_square(problem, starts)
         } else {
             total(|report| report.cost_start)
         },
@@ -99,7 +125,10 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
     }
 }
 
-/// Chooses a start of a connected graph whose first `held` nodes keep their poses, and returns result and report.
+/// Start, result, report and system of a component.
+type Solved<G, const DOF: usize> = (Vec<G>, Vec<G>, ComponentReport, Option<System<DOF>>);
+
+/// Chooses a start of a connected graph whose first `held` nodes keep their poses, and solves from it.
 ///
 /// Without kernels the relaxation is tried first: the cost of a start says little about its basin if a few stiff edges
 /// dominate. If its result costs more than another *start*, that start is tried too, and the lowest result is kept. With
@@ -108,18 +137,19 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     part: &Problem<G, DOF>,
     held: usize,
     options: &Options,
-) -> (Vec<G>, Vec<G>, ComponentReport) {
+    memory: Memory,
+) -> Solved<G, DOF> {
     let edges = part.edges();
     let given = part.poses();
     let mut report = ComponentReport::untouched(given.len(), edges.len(), cost(edges, given));
     if edges.is_empty() || held == given.len() {
-        return (given.to_vec(), given.to_vec(), report);
+        return (given.to_vec(), given.to_vec(), report, None);
     }
     let mut phases = Phases::default();
     let pattern = timed(&mut phases.analysis, || Pattern::of(given.len(), held, edges));
     report.factor_blocks = pattern.symbolic.factor_blocks();
     report.flops = pattern.symbolic.flops();
-    let mut workspace = Workspace::new(&pattern, Magnitude::of(edges.iter()));
+    let mut workspace = Workspace::new(&pattern, Magnitude::of(edges.iter()), memory);
     let mut best: Option<(Vec<G>, Vec<G>)> = None;
     let starts = timed(&mut phases.start, || {
         candidates(part, &mut workspace, options.initialisation, report.cost_given)
@@ -141,7 +171,8 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     let (start, result) = best.unwrap_or_else(|| (given.to_vec(), given.to_vec()));
     report.phases += phases;
     report.phases += workspace.phases;
-    (start, result, report)
+    let Workspace { equations, factor, .. } = workspace;
+    (start, result, report, Some(System { pattern, equations, factor }))
 }
 
 /// Graduation from the result of [`solve_component`] without kernels on the landmark edges. If the best start is asked for,
@@ -152,22 +183,24 @@ fn graduate_component<G: PoseGroup<DOF>, const DOF: usize>(
     held: usize,
     graduation: Graduated,
     options: &Options,
-) -> (Vec<G>, Vec<G>, ComponentReport) {
+    memory: Memory,
+) -> Solved<G, DOF> {
     let edges = part.edges();
     if edges.is_empty() || held == part.poses().len() {
-        return solve_component(part, held, options);
+        return solve_component(part, held, options, memory);
     }
     let mut plain = edges.to_vec();
     set_landmark_kernels(&mut plain, None);
     let plain = Problem::from_checked(part.poses().to_vec(), plain, part.held().to_vec());
-    let (start, solved, mut report) = solve_component(&plain, held, options);
+    let (start, solved, mut report, system) = solve_component(&plain, held, options, memory);
+    let memory = system.map(|system| system.factor.into_memory(None)).unwrap_or_default();
     let mut starts = vec![(report.start, start, solved)];
     if options.initialisation == Initialisation::Best {
         let tree = spanning_tree_from(held, part.poses(), edges);
         starts.push((Start::SpanningTree, tree.clone(), tree));
     }
     let pattern = timed(&mut report.phases.analysis, || Pattern::of(part.poses().len(), held, edges));
-    let mut workspace = Workspace::new(&pattern, Magnitude::of(edges.iter()));
+    let mut workspace = Workspace::new(&pattern, Magnitude::of(edges.iter()), memory);
     report.cost_given = cost(edges, part.poses());
     report.cost = f64::INFINITY;
     let mut best = (Vec::new(), part.poses().to_vec());
@@ -182,7 +215,8 @@ fn graduate_component<G: PoseGroup<DOF>, const DOF: usize>(
         }
     }
     report.phases += workspace.phases;
-    (best.0, best.1, report)
+    let Workspace { equations, factor, .. } = workspace;
+    (best.0, best.1, report, Some(System { pattern, equations, factor }))
 }
 
 /// A proposed start.

@@ -5,10 +5,12 @@ use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::between_correlated;
 use rayon::prelude::*;
 
+use super::columns::Columns;
+use super::part::{Block, Part, Place};
 use crate::model::gauge::put_held_first;
 use crate::model::problem::{Edge, Problem};
-use crate::normal_equations::{NormalEquations, Pattern};
-use posecut_cholesky::{Factor, SelectedInverse, Symbolic, Workspace};
+use crate::normal_equations::{Pattern, System};
+use posecut_cholesky::{Memory, SelectedInverse};
 use posecut_graph::connectivity::connected_components;
 
 /// From this number of distinct nodes in a request on, the inverse over the whole pattern is cheaper than single columns.
@@ -41,16 +43,6 @@ pub struct Marginals<G, const DOF: usize> {
     parts: Vec<Part<DOF>>,
 }
 
-/// The factorised equations of a connected component.
-struct Part<const DOF: usize> {
-    held: usize,
-    symbolic: Symbolic,
-    factor: Factor<DOF>,
-    inverse: Option<SelectedInverse<DOF>>,
-    /// Node and component that the edges leave undetermined.
-    undetermined: Option<(usize, usize)>,
-}
-
 impl<G, const DOF: usize> std::fmt::Debug for Marginals<G, DOF> {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter
@@ -64,8 +56,20 @@ impl<G, const DOF: usize> std::fmt::Debug for Marginals<G, DOF> {
 impl<G: LieGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
     /// Factorises the equations at `poses`, with the information of edge `k` multiplied by `weights[k]`. With the weights of
     /// a [`Solution`](crate::Solution): `Marginals::new(&problem, &solution.poses, &solution.weights)`. Kernels are ignored.
-    /// Missing weights are one. Takes the time of one Gauss-Newton step.
+    /// Missing weights are one. Takes the time of one Gauss-Newton step. Where the poses come from [`optimize`](crate::optimize),
+    /// [`optimize_with_marginals`](crate::optimize_with_marginals) saves the analysis of the pattern.
     pub fn new(problem: &Problem<G, DOF>, poses: &[G], weights: &[f64]) -> Self {
+        Self::of(problem, poses, weights, Vec::new())
+    }
+
+    /// The same with a system for each component of the problem's edges, if there are any systems. Only valid if all weights
+    /// are positive: otherwise the components and patterns differ.
+    pub(crate) fn of(
+        problem: &Problem<G, DOF>,
+        poses: &[G],
+        weights: &[f64],
+        systems: Vec<Option<System<DOF>>>,
+    ) -> Self {
         let weigh = |(index, edge): (usize, &Edge<G, DOF>)| {
             let weight = weights.get(index).copied().unwrap_or(1.0);
             (weight > 0.0).then(|| Edge { information: edge.information * weight, kernel: None, ..*edge })
@@ -74,6 +78,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
         let mut components = connected_components(poses.len(), edges.iter().map(|edge| (edge.from, edge.to)));
         let mut places = vec![(0, 0); poses.len()];
         let mut parts = Vec::with_capacity(components.len());
+        let mut systems = systems.into_iter();
         for (index, component) in components.iter_mut().enumerate() {
             let held = put_held_first(component, problem.held());
             for (number, &node) in component.nodes.iter().enumerate() {
@@ -85,11 +90,19 @@ impl<G: LieGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
                 Edge { from: places[edge.from].1, to: places[edge.to].1, ..*edge }
             };
             let part_edges: Vec<_> = component.edges.iter().map(renumber).collect();
-            let mut part = Part::new(&part_poses, held, &part_edges);
+            let system = systems.next().flatten().unwrap_or_else(|| {
+                System::new(Pattern::of(part_poses.len(), held, &part_edges), Memory::default())
+            });
+            let mut part = Part::new(&part_poses, &part_edges, system);
             part.undetermined = part.undetermined.map(|(node, axis)| (component.nodes[node], axis));
             parts.push(part);
         }
         Self { poses: poses.to_vec(), places, parts }
+    }
+
+    /// The memory of the factors, for [`optimize_with_marginals`](crate::optimize_with_marginals).
+    pub fn into_memory(self) -> Vec<Memory> {
+        self.parts.into_iter().map(|part| part.factor.into_memory(part.inverse)).collect()
     }
 
     /// For every connected component with an undetermined direction: a node, and the component of its pose.
@@ -122,94 +135,49 @@ impl<G: LieGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
     /// A request for many nodes costs about two factorisations, plus triangular solves along the elimination tree for the
     /// first node of each pair without a block in the factor. A request for few nodes costs only such solves.
     pub fn joint(&mut self, pairs: &[(usize, usize)]) -> Vec<Option<Joint<DOF>>> {
-        let mut wanted: Vec<Vec<(usize, usize)>> = vec![Vec::new(); self.parts.len()];
-        for (part, a, b) in pairs.iter().filter_map(|&pair| self.place(pair)) {
-            wanted[part].extend([(a, a), (a.min(b), a.max(b)), (b, b)]);
-        }
-        for wanted in &mut wanted {
-            wanted.sort_unstable();
-            wanted.dedup();
-        }
-        let blocks: Vec<_> =
-            self.parts.iter_mut().zip(&wanted).map(|(part, wanted)| part.blocks(wanted)).collect();
-        let find = |part: usize, a: usize, b: usize| {
-            let block = blocks[part][wanted[part].binary_search(&(a.min(b), a.max(b))).ok()?];
-            Some(if a <= b { block } else { block.transpose() })
+        let places: Vec<_> = pairs.iter().map(|&pair| self.place(pair)).collect();
+        self.invert_where_many(&places);
+        let own = |place: &Place| {
+            let part = &self.parts[place.part];
+            place.blocks().map(|(row, column)| part.block(row, column))
         };
-        let join = |&pair: &(usize, usize)| {
-            let (part, a, b) = self.place(pair)?;
-            Some(Joint { first: find(part, a, a)?, cross: find(part, a, b)?, second: find(part, b, b)? })
+        let blocks: Vec<_> = places.par_iter().map(|place| place.as_ref().map(own)).collect();
+        let columns = Columns::of(&self.parts, &places, &blocks);
+        let join = |(place, blocks): (&Option<Place>, &Option<[Option<Block<DOF>>; 3]>)| {
+            let (place, blocks) = (place.as_ref()?, blocks.as_ref()?);
+            let wanted = place.blocks();
+            let of = |which: usize| {
+                let (row, column) = wanted[which];
+                let block = blocks[which].or_else(|| columns.block(place.part, wanted[which]))?;
+                Some(if row == column { symmetric(block) } else { block })
+            };
+            let (first, cross, second) = (of(0)?, of(1)?, of(2)?);
+            Some(Joint { first, cross: if place.a <= place.b { cross } else { cross.transpose() }, second })
         };
-        pairs.iter().map(join).collect()
+        places.iter().zip(&blocks).map(join).collect()
+    }
+
+    /// Computes the inverse over the whole pattern of each component in which these pairs have many nodes.
+    fn invert_where_many(&mut self, places: &[Option<Place>]) {
+        for (number, part) in self.parts.iter_mut().enumerate().filter(|(_, part)| part.inverse.is_none()) {
+            let of_part = places.iter().flatten().filter(|place| place.part == number);
+            let mut nodes: Vec<usize> = of_part.flat_map(|place| [place.a, place.b]).collect();
+            nodes.sort_unstable();
+            nodes.dedup();
+            if nodes.len() > MANY_NODES {
+                part.inverse = Some(SelectedInverse::new(&part.symbolic, &mut part.factor));
+            }
+        }
     }
 
     /// The component of a pair and the nodes' numbers there, if it has covariances.
-    fn place(&self, (a, b): (usize, usize)) -> Option<(usize, usize, usize)> {
+    fn place(&self, (a, b): (usize, usize)) -> Option<Place> {
         let (&(part, a), &(other, b)) = (self.places.get(a)?, self.places.get(b)?);
-        (part == other && self.parts[part].undetermined.is_none()).then_some((part, a, b))
+        (part == other && self.parts[part].undetermined.is_none()).then_some(Place { part, a, b })
     }
 }
 
-impl<const DOF: usize> Part<DOF> {
-    fn new<G: LieGroup<DOF>>(poses: &[G], held: usize, edges: &[Edge<G, DOF>]) -> Self {
-        let pattern = Pattern::of(poses.len(), held, edges);
-        let mut equations = NormalEquations::new(&pattern);
-        equations.assemble(&pattern, edges, poses);
-        let symbolic = pattern.symbolic;
-        let mut factor = Factor::new(&symbolic);
-        let outcome =
-            factor.factorize(&symbolic, &equations.diagonal, &equations.off_diagonal, 0.0, [0.0; DOF]);
-        let undetermined = match outcome {
-            Err(breakdown) => Some((breakdown.variable, breakdown.component)),
-            Ok(()) => factor.undetermined(),
-        };
-        let undetermined = undetermined.map(|(variable, component)| (held + variable, component));
-        Self { held, symbolic, factor, inverse: None, undetermined }
-    }
-
-    /// The wanted blocks `(a, b)`, `a <= b`, of the covariance; `wanted` is ascending, in numbers of the component.
-    fn blocks(&mut self, wanted: &[(usize, usize)]) -> Vec<SMatrix<f64, DOF, DOF>> {
-        let distinct = wanted.iter().filter(|(a, b)| a == b).count();
-        if distinct > MANY_NODES && self.inverse.is_none() {
-            self.inverse = Some(SelectedInverse::new(&self.symbolic, &self.factor));
-        }
-        let part = &*self;
-        // Held nodes have no uncertainty.
-        let variable = |node: usize| node.checked_sub(part.held);
-        let mut blocks: Vec<Option<SMatrix<f64, DOF, DOF>>> = wanted
-            .par_iter()
-            .map(|&(a, b)| match variable(a).zip(variable(b)) {
-                Some((row, column)) => part.inverse.as_ref()?.block(&part.symbolic, row, column),
-                None => Some(SMatrix::zeros()),
-            })
-            .collect();
-        // Blocks that the factor lacks come from a column of the inverse for each first node.
-        let missing: Vec<usize> = (0..wanted.len()).filter(|&place| blocks[place].is_none()).collect();
-        let columns: Vec<&[usize]> =
-            missing.chunk_by(|&one, &other| wanted[one].0 == wanted[other].0).collect();
-        let found: Vec<_> = columns
-            .par_iter()
-            .map_init(|| part.factor.workspace(), |workspace, column| part.column(wanted, column, workspace))
-            .collect();
-        for (&place, block) in columns.iter().copied().flatten().zip(found.into_iter().flatten()) {
-            blocks[place] = Some(block.transpose());
-        }
-        let symmetric = |(block, (a, b)): (Option<SMatrix<f64, DOF, DOF>>, &(usize, usize))| {
-            let block = block.unwrap_or_else(SMatrix::zeros);
-            if a == b { (block + block.transpose()) * 0.5 } else { block }
-        };
-        blocks.into_iter().zip(wanted).map(symmetric).collect()
-    }
-
-    /// The blocks of the wanted pairs at these indices, all with the same first node.
-    fn column(
-        &self,
-        wanted: &[(usize, usize)],
-        places: &[usize],
-        workspace: &mut Workspace,
-    ) -> Vec<SMatrix<f64, DOF, DOF>> {
-        let first = wanted[places[0]].0 - self.held;
-        let others: Vec<usize> = places.iter().map(|&place| wanted[place].1 - self.held).collect();
-        self.factor.inverse_column(&self.symbolic, first, &others, workspace)
-    }
+/// Rounding makes a diagonal block of the inverse asymmetric.
+fn symmetric<const DOF: usize>(block: Block<DOF>) -> Block<DOF> {
+    (block + block.transpose()) * 0.5
 }

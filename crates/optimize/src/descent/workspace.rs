@@ -1,7 +1,7 @@
 //! Memory of the iteration, and the operations that all step methods share: equations, steps, and trials.
 
 use nalgebra::{SMatrix, SVector};
-use posecut_cholesky::Factor;
+use posecut_cholesky::{Factor, Memory};
 use posecut_geometry::LieGroup;
 
 use super::outcome::Step;
@@ -28,12 +28,12 @@ pub(crate) struct Workspace<'a, G, const DOF: usize> {
 }
 
 impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
-    pub(crate) fn new(pattern: &'a Pattern, magnitude: Magnitude) -> Self {
+    pub(crate) fn new(pattern: &'a Pattern, magnitude: Magnitude, memory: Memory) -> Self {
         Self {
             pattern,
             magnitude,
             equations: NormalEquations::new(pattern),
-            factor: Factor::new(&pattern.symbolic),
+            factor: Factor::with_memory(&pattern.symbolic, memory),
             step: vec![SVector::zeros(); pattern.variables],
             trial: Vec::new(),
             phases: Phases::default(),

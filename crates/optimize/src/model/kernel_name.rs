@@ -12,11 +12,11 @@ use super::kernel::Kernel;
 pub enum KernelNameError {
     /// No kernel has this name.
     #[error(
-        "'{0}' is no robust kernel; write huber, cauchy, geman-mcclure or dcs, and a width after a colon if wanted"
+        "'{0}' is not a robust kernel; write huber, cauchy, geman-mcclure or dcs, with an optional width after a colon"
     )]
     Name(String),
     /// The width is not a positive number.
-    #[error("'{0}' is no width of a robust kernel; write a positive number, as in cauchy:2.4")]
+    #[error("'{0}' is not a width of a robust kernel; write a positive number, as in cauchy:2.4")]
     Width(String),
 }
 

@@ -14,7 +14,7 @@ pub(super) fn note(certificates: &[Certificate], parts: &[ComponentReport], cont
     if !global {
         let remedy = if constrained > 0 {
             format!(
-                "it does not apply to {} with more than one fixed node, since it is about edges alone; certify without fixed nodes",
+                "it does not apply to {} with more than one fixed node, because it covers edges only; certify without fixed nodes",
                 counted(constrained, "component")
             )
         } else {
@@ -41,5 +41,5 @@ pub(super) fn note(certificates: &[Certificate], parts: &[ComponentReport], cont
     let worst = certificates.iter().min_by(|a, b| margin(a).total_cmp(&margin(b)));
     statistics.note("certificate_eigenvalue", worst.map(|certificate| certificate.eigenvalue));
     statistics.note("certificate_tolerance", worst.map(|certificate| certificate.tolerance));
-    info!("{verdict}: the chordal cost after refinement, against its dual bound");
+    info!("certificate of the chordal cost after refinement: {verdict}");
 }

@@ -23,7 +23,7 @@ pub(super) fn of_solution<G>(graph: &PoseGraph, solution: &Solution<G>, context:
         context.doubt(
             Doubt::NonFiniteCost,
             format!(
-                "the squared residuals of {} are beyond the range of numbers, and only their robust cost is finite ({}); reject edges \
+                "the squared residuals of {} overflow, and only their robust cost is finite ({}); reject edges \
                  with gross measurements, or give them moderate values",
                 counted(solution.weights.len(), "edge"),
                 significant(solution.cost)
@@ -38,7 +38,7 @@ pub(super) fn of_solution<G>(graph: &PoseGraph, solution: &Solution<G>, context:
         context.doubt(
             Doubt::NotCertified,
             format!(
-                "the input has poses of lower cost in {} of {}: {} where the result has {} (first: that of node {}); the result \
+                "the poses of the input cost less than the result in {} of {}: {} against {} in the first, that of node {}; the result \
                  is a local minimum, so try --initialisation given",
                 lower.len(),
                 counted(components.len(), "component"),
@@ -56,8 +56,8 @@ pub fn doubt_disconnected(components: usize, floating: usize, context: &mut Cont
         context.doubt(
             Doubt::PartsNotConnected,
             format!(
-                "no edge in use joins the {components} components of the graph, and {floating} of them hold no fixed node: each is \
-                 optimised alone, its first node unmoved, and their relative poses mean nothing; add or re-admit edges between them"
+                "no edge in use connects the {components} components of the graph, and {floating} of them have no fixed node: each of these is \
+                 optimised alone with its first node fixed, and the relative poses of components mean nothing; add or re-admit edges between them"
             ),
         );
     }
@@ -69,8 +69,8 @@ fn undetermined(graph: &PoseGraph, components: &[ComponentReport], context: &mut
         context.doubt(
             Doubt::Undetermined,
             format!(
-                "the edges do not determine the poses of {} of {} (first: component {axis} of the pose of node {}), which are \
-                 damped towards their start; give the edges information in every direction",
+                "the edges do not determine all poses of {} of {} (first: component {axis} of the pose of node {}), and damping keeps \
+                 such poses near their start; give the edges information in every direction",
                 found.len(),
                 counted(components.len(), "component"),
                 graph.nodes[node].id
@@ -86,8 +86,8 @@ fn not_converged(graph: &PoseGraph, components: &[ComponentReport], context: &mu
         context.doubt(
             Doubt::NotConverged,
             format!(
-                "{} of {} did not converge (first: that of node {}, {} after {}, gradient {} as a cosine); raise \
-                 --max-iterations, start elsewhere (--initialisation) or check the information",
+                "{} of {} did not converge (first: that of node {}, {} after {}, cosine of the gradient {}); raise \
+                 --max-iterations, start elsewhere (--initialisation) or check the information matrices",
                 found.len(),
                 counted(components.len(), "component"),
                 graph.nodes[first.gauge].id,

@@ -13,9 +13,9 @@ use crate::{Marginals, PoseGroup, Problem, Solution};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum MarginalsOf {
-    /// `predicted_covariance` on landmark edges
+    /// `predicted_covariance` of the relative pose of its nodes on every landmark edge with a measurement, rejected or not
     Landmark,
-    /// `covariance` on nodes
+    /// `covariance` of the pose on every node, relative to the first node of its component or given its fixed nodes
     Poses,
     /// Both
     All,
@@ -54,7 +54,7 @@ pub(super) fn write<G: PoseGroup<DOF>, const DOF: usize>(
     }
     for (node, axis) in marginals.undetermined() {
         warn!(
-            "the edges leave node {} undetermined (component {axis} of its pose): nothing in its part of the graph has a \
+            "the edges do not determine node {} (component {axis} of its pose): no node or edge that is connected with it gets a \
              covariance",
             graph.nodes[node].id
         );
@@ -67,7 +67,7 @@ fn note<T>(name: &str, covariances: &[Option<T>], what: &str, statistics: &mut S
     statistics.note(&format!("{name}_absent"), without);
     if without > 0 {
         warn!(
-            "{without} of {} {what} have no covariance: edges in use do not determine it",
+            "{without} of {} {what} have no covariance: the edges in use do not determine one",
             covariances.len()
         );
     }

@@ -10,7 +10,7 @@ use crate::{Edge, EdgeKind, Graduated, Kernel};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Graduation {
-    /// Truncated least squares: an edge is in or out
+    /// Truncated least squares: each edge is fully used or ignored
     #[value(alias = "tls")]
     TruncatedLeastSquares,
     /// Geman-McClure
@@ -20,13 +20,15 @@ pub enum Graduation {
 /// Robust kernels by kind of edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, clap::Args)]
 pub struct KernelOptions {
-    /// Kernel of odometry edges: huber, cauchy, geman-mcclure or dcs, and its width after a colon, in standard deviations
-    /// (dcs: phi, a squared residual)
+    /// Put a robust kernel on odometry edges: huber, cauchy, geman-mcclure or dcs, with an optional width in standard
+    /// deviations after a colon (for dcs phi, a squared residual).
+    ///
+    /// For example, `--kernel-odometry cauchy:2.4`.
     #[arg(long, value_name = "NAME[:WIDTH]", help_heading = "Robust kernels")]
     #[serde(serialize_with = "kernel_word")]
     pub kernel_odometry: Option<Kernel>,
 
-    /// Kernel of landmark edges, in the same words
+    /// Put a robust kernel on landmark edges, named as for `--kernel-odometry`
     #[arg(long, value_name = "NAME[:WIDTH]", help_heading = "Robust kernels")]
     #[serde(serialize_with = "kernel_word")]
     pub kernel_landmark: Option<Kernel>,
@@ -50,7 +52,7 @@ pub struct RobustOptions {
     #[serde(flatten)]
     pub kernels: KernelOptions,
 
-    /// Graduate non-convexity over the landmark edges, which finds outliers without a good start; with an equals sign before the cost [default with --gnc alone: truncated-least-squares]
+    /// Reduce the weights of false landmark edges by graduated non-convexity, which needs no good start; write COST after an equals sign [default with --gnc alone: truncated-least-squares]
     #[arg(
         long,
         value_enum,
@@ -63,12 +65,13 @@ pub struct RobustOptions {
     )]
     pub gnc: Option<Graduation>,
 
-    /// Largest residual of a correct landmark edge in standard deviations, for --gnc; default is the 0.99 quantile, 3.368 in
-    /// the plane and 4.100 in space
+    /// Set the largest residual of a correct landmark edge for `--gnc`, standard deviations [default: the 0.99 quantile, 3.368 in the plane and 4.100 in space]
     #[arg(long, value_name = "WIDTH", requires = "gnc", help_heading = "Robust kernels")]
     pub gnc_width: Option<f64>,
 
-    /// Mark landmark edges whose weight ends below this as rejected; 0.5 is usual. Without it edges are only weighed
+    /// Reject landmark edges whose final weight is below this; 0.5 is usual.
+    ///
+    /// Without this option, landmark edges are weighted but not rejected.
     #[arg(long, value_name = "WEIGHT", help_heading = "Robust kernels")]
     pub reject_below: Option<f64>,
 }
@@ -95,7 +98,7 @@ impl RobustOptions {
             );
             anyhow::ensure!(
                 self.gnc.is_some() || self.kernels.kernel_landmark.is_some(),
-                "--reject-below goes by the weights of landmark edges, which only --gnc or --kernel-landmark give; say one of them"
+                "--reject-below needs the weights of landmark edges, which only --gnc or --kernel-landmark give; add one of them"
             );
         }
         Ok(self.gnc.map(|gnc| match gnc {

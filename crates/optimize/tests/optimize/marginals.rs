@@ -6,7 +6,10 @@ use crate::noisy_walk::noisy_walk;
 use nalgebra::{DMatrix, DVector, Matrix3, SMatrix, SVector};
 use posecut_geometry::covariance::between_correlated;
 use posecut_geometry::{LieGroup, SE2, SE3};
-use posecut_optimize::{Edge, EdgeKind, Kernel, Marginals, Options, PoseGroup, Problem, optimize, residual};
+use posecut_optimize::{
+    Edge, EdgeKind, Kernel, Marginals, Options, PoseGroup, Problem, optimize, optimize_with_marginals,
+    residual,
+};
 use proptest::prelude::*;
 
 /// The covariance of all poses but the first, by central differences of the residuals and a dense inverse.
@@ -86,6 +89,57 @@ proptest! {
         check::<SE2, 3>(nodes, landmarks, seed, false);
         check::<SE3, 6>(nodes, landmarks, seed, true);
         check::<SE3, 6>(nodes, landmarks, seed, false);
+    }
+}
+
+/// Two walks side by side in one problem, with kernels that may give landmark edges the weight zero.
+fn two_walks<G: PoseGroup<DOF>, const DOF: usize>(
+    nodes: usize,
+    kernel: Option<Kernel>,
+    seed: u64,
+) -> Problem<G, DOF> {
+    let (mut poses, mut edges) = noisy_walk::<G, DOF>(nodes, nodes / 2, 0.05, seed);
+    let (others, more) = noisy_walk::<G, DOF>(nodes + 30, nodes, 0.05, seed + 1);
+    poses.extend(others);
+    edges.extend(more.into_iter().map(|edge| Edge { from: edge.from + nodes, to: edge.to + nodes, ..edge }));
+    for edge in edges.iter_mut().filter(|edge| edge.kind == EdgeKind::Landmark) {
+        edge.kernel = kernel;
+    }
+    Problem::new(poses, edges).unwrap()
+}
+
+/// Marginals that share analysis and memory with the optimiser, and memory with marginals of another graph, are the same bits
+/// as those from nothing.
+fn check_shared<G: PoseGroup<DOF>, const DOF: usize>(seed: u64) {
+    let mut memory = Vec::new();
+    for (nodes, kernel) in [
+        (40, None),
+        (10, Some(Kernel::Truncated { width: 0.3, convexity: 1.0 })),
+        (60, Some(Kernel::Cauchy(0.5))),
+    ] {
+        let problem = two_walks::<G, DOF>(nodes, kernel, seed);
+        let expected = optimize(&problem, &Options::default());
+        let mut alone = Marginals::new(&problem, &expected.poses, &expected.weights);
+        let (solution, mut shared) = optimize_with_marginals(&problem, &Options::default(), memory);
+        assert_eq!(solution.poses, expected.poses);
+        // Few nodes at first, then all: both ways to compute blocks.
+        let all = 2 * nodes + 30;
+        let few = vec![(0, nodes / 2), (nodes + 3, nodes + 1), (0, nodes)];
+        let many: Vec<_> = (0..all).map(|node| (node, (node * 7 + 3) % all)).collect();
+        for pairs in [few, many] {
+            assert_eq!(shared.joint(&pairs), alone.joint(&pairs));
+        }
+        memory = shared.into_memory();
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(8))]
+
+    #[test]
+    fn shared_analysis_and_memory_change_no_bit(seed: u64) {
+        check_shared::<SE2, 3>(seed / 2);
+        check_shared::<SE3, 6>(seed / 2);
     }
 }
 

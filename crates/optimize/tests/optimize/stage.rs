@@ -77,8 +77,8 @@ fn weights_stand_on_the_edges_under_a_kernel_and_nowhere_else() {
 
 #[test]
 fn kernels_that_make_no_sense_are_refused() {
-    assert!(fail(&["--kernel-landmark", "tukey"]).contains("'tukey' is no robust kernel"));
-    assert!(fail(&["--kernel-odometry", "huber:-1"]).contains("'-1' is no width"));
+    assert!(fail(&["--kernel-landmark", "tukey"]).contains("'tukey' is not a robust kernel"));
+    assert!(fail(&["--kernel-odometry", "huber:-1"]).contains("'-1' is not a width"));
     assert!(fail(&["--gnc", "--gnc-width=-2"]).contains("positive number of standard deviations"));
     assert!(fail(&["--gnc", "--kernel-landmark", "dcs"]).contains("cannot be used with"));
 }
@@ -257,7 +257,7 @@ fn fixed_nodes_stay_where_they_are() {
     assert!(!graph.contains("{\"kind\":\"node\",\"id\":0,\"pose\":[0,0,0]"), "{graph}");
     for (mark, words) in [
         ("\"fixed\":\"yes\",\"pose\":[1,0,1.5]", "expected true or false, found \"yes\""),
-        ("\"fixed\":true", "is fixed and has no pose to stay at"),
+        ("\"fixed\":true", "is fixed but has no pose; give it one"),
     ] {
         let bad = GRAPH.replace("\"id\":1,\"pose\":[1,0,1.5]", &format!("\"id\":1,{mark}"));
         let output = run_on(&[], &bad);

@@ -87,12 +87,13 @@ impl<G: LieGroup<DOF>, const DOF: usize> Chains<G, DOF> {
 
     /// A warning if some odometry edges are in no chain.
     pub fn warning(&self) -> Option<String> {
-        (self.left_out > 0).then(|| {
-            format!(
-                "{} odometry edges branch off or close a ring and are left out of the chains",
-                self.left_out
-            )
-        })
+        match self.left_out {
+            0 => None,
+            1 => Some("1 odometry edge branches off or closes a ring; the chains ignore it".to_owned()),
+            count => {
+                Some(format!("{count} odometry edges branch off or close a ring; the chains ignore them"))
+            }
+        }
     }
 
     /// As [`Self::of`], with or without covariances.
@@ -146,7 +147,8 @@ pub fn covariance<const DOF: usize>(
         return Ok(SMatrix::zeros());
     }
     let refused = |reason: String| PcmError::Covariance { edge: edge.name(), reason };
-    let packed = graph.information(edge).ok_or_else(|| refused("it has none".to_owned()))?;
+    let packed =
+        graph.information(edge).ok_or_else(|| refused("the edge has no information matrix".to_owned()))?;
     let information = unpack_upper_triangle::<DOF>(packed).map_err(|error| refused(error.to_string()))?;
     match covariance_from_information(&information) {
         Err(CovarianceError::Singular { .. }) if covariances == Covariances::Repaired => {

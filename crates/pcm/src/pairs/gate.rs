@@ -10,11 +10,11 @@ use crate::PcmError;
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Test {
-    /// The squared Mahalanobis distance, which is chi-square distributed: passes the stated share of true pairs
+    /// Squared Mahalanobis distance against a chi-square quantile: correct pairs pass with the given probability
     Mahalanobis,
-    /// Its square root, as some public code does: passes nearly every true pair, and many false ones
+    /// Mahalanobis distance, not squared, against the same quantile, as in some public code: many false pairs pass too
     Root,
-    /// Metres and radians a step of the loop; covariances are not looked at
+    /// Error of the loop in metres and radians per step; covariances are not read
     Threshold,
 }
 
@@ -23,10 +23,10 @@ pub enum Test {
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Correction {
-    /// One pair: of N correct edges some are lost, for each must agree with all others
+    /// One pair: large groups lose some correct edges, because each edge must agree with all others
     #[default]
     Pair,
-    /// All pairs of a group at once (Bonferroni): a far looser gate, which keeps nearly all correct edges
+    /// All pairs of a group together (Bonferroni): a much wider gate, which keeps nearly all correct edges
     Group,
 }
 

@@ -28,7 +28,7 @@ impl MovedOptions {
         ] {
             if given {
                 bail!(
-                    "{option} is no option of posecut-pcm, since re-admission is a program of its own; call posecut-readmit GRAPH \
+                    "{option} is no longer an option of posecut-pcm: re-admission is a separate program now; run posecut-readmit GRAPH \
                      with --admit, --drop, --scale, --chance and --apply-scale as before, without --readmit"
                 );
             }

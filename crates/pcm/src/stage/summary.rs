@@ -28,7 +28,7 @@ impl Summary<'_> {
             String::new()
         };
         let by_chance = if self.0.judged.by_chance > 0 {
-            format!(", {} left out for agreeing by chance", self.0.judged.by_chance)
+            format!(", {} rejected as chance agreement", self.0.judged.by_chance)
         } else {
             String::new()
         };
@@ -42,8 +42,8 @@ impl Summary<'_> {
         self.doubt(exact, context);
         if self.0.unmeasured > 0 {
             warn!(
-                "{} landmark edges have no measurement and are neither tested nor rejected",
-                self.0.unmeasured
+                "{} without a measurement: neither tested nor rejected",
+                counted(self.0.unmeasured, "landmark edge")
             );
         }
         self.note_figures(exact, optimal, context);
@@ -115,7 +115,7 @@ impl Summary<'_> {
             context.doubt(
                 Doubt::SearchLimit,
                 format!(
-                    "a limit ended the proof: the cliques hold {} {}, at most {} are possible; raise --work-limit or --time-limit",
+                    "the search stopped without a proof: the cliques have {} {}, and at most {} are possible; raise --work-limit or --time-limit",
                     searched.size,
                     if exact { "edges" } else { "edges or hypotheses" },
                     searched.upper_bound
@@ -126,7 +126,7 @@ impl Summary<'_> {
             context.doubt(
                 Doubt::SearchLimit,
                 format!(
-                    "the search by cells left {} of {} hypotheses out; enlarge --cell-size, or use --scheme exact",
+                    "the search by cells left out {} of {} hypotheses; enlarge --cell-size, or use --scheme exact",
                     self.0.judged.hypotheses_left_out,
                     self.0.judged.hypotheses + self.0.judged.hypotheses_left_out
                 ),
@@ -147,19 +147,19 @@ impl Summary<'_> {
     fn doubt_scale(&self, context: &mut Context) {
         let message = match self.0.calibration.scale {
             Some(Err(NoScales::FewEdges(edges))) => format!(
-                "no scale is estimated: that takes {FEWEST} landmark edges that close loops, and there are {edges}; the covariances \
-                 are used unchanged, so check them or give --scale"
+                "no covariance scale is estimated: this needs at least {FEWEST} landmark edges that close loops, and the graph has {edges}; \
+                 the covariances are used unchanged, so check them or give --scale"
             ),
             Some(Err(NoScales::NoEvidence(nats))) => format!(
-                "no scale is estimated: the landmark edges fit each other no better than edges with shuffled ends do \
+                "no covariance scale is estimated: the landmark edges fit each other no better than edges with shuffled ends \
                  ({nats:.1} nats), so perhaps all are false; the covariances are used unchanged, so check them or give --scale"
             ),
             Some(Err(NoScales::AtBound(ended))) => format!(
-                "no scale is estimated: the estimate ended {}; check the unit of the information, or give --scale; the covariances are used unchanged",
+                "no covariance scale is estimated: the fit stopped {}; the covariances are used unchanged, so check the unit of the information or give --scale",
                 ended.explanation()
             ),
             Some(Ok(ScaleEstimate { ended: Some(ended), scales, .. })) => format!(
-                "the estimate of the scales ended {}: odometry {:.3e}, landmark edges {:.3e}; check the covariances, or give --scale",
+                "the fit of the covariance scales stopped {}: odometry {:.3e}, landmark edges {:.3e}; check the covariances, or give --scale",
                 ended.explanation(),
                 scales.odometry,
                 scales.landmark

@@ -56,7 +56,7 @@ if (byId("components-plane")) {
     offer(byId("components-method"), methods.map((method) => [method.name, method.name]), chosen);
     const method = methods.find((one) => one.name === chosen);
     if (!method) {
-      byId("components-summary").textContent = "No graph of this choice went through the multicut.";
+      byId("components-summary").textContent = "The multicut has processed no graph of this selection.";
       for (const map of Object.values(maps)) map.draw = () => {};
       for (const map of Object.values(maps)) map.schedule();
       return;
@@ -65,10 +65,10 @@ if (byId("components-plane")) {
     const hue = (landmark) => colour(`hue-${(landmark % 8) + 1}`);
     const viewpoints = method.landmarks.reduce((sum, nodes) => sum + nodes.length, 0);
     const isolated = edges.filter((edge) => !edge.kept && edge.stage === "multicut").length;
-    const summary = `${method.landmarks.length} landmarks of ${viewpoints} viewpoints; the multicut cut ${isolated} of ${edges.length} landmark edges`;
+    const summary = `${method.landmarks.length} landmarks of ${viewpoints} viewpoints; the multicut rejected ${isolated} of ${edges.length} landmark edges`;
     byId("components-summary").textContent = summary;
     legend(byId("components-legend"), [
-      [{ dot: true, colour: colour("hue-1") }, "kept (a colour a landmark)"], [{ ring: true, colour: colour("soft") }, "cut by the multicut"],
+      [{ dot: true, colour: colour("hue-1") }, "kept (one colour per landmark)"], [{ ring: true, colour: colour("soft") }, "cut by the multicut"],
       [{ dot: true, colour: colour("reference") }, "rejected by another stage"], [{ cross: true, colour: colour("false") }, "incorrect"],
     ]);
 
@@ -104,7 +104,7 @@ if (byId("components-plane")) {
     };
     const readout = byId("components-readout");
     const say = (edge) => {
-      readout.textContent = edge ? `${told(edge)}${edge.kept && label[edge.from] >= 0 ? ` Landmark ${label[edge.from] + 1} of ${method.landmarks[label[edge.from]].length} viewpoints.` : ""}` : "Point at an edge to read about it.";
+      readout.textContent = edge ? `${told(edge)}${edge.kept && label[edge.from] >= 0 ? ` Landmark ${label[edge.from] + 1} of ${method.landmarks[label[edge.from]].length} viewpoints.` : ""}` : "Point at an edge to see its details.";
     };
     maps.plane.point = (x, y, tolerance) => say(edges.find((edge) => Math.hypot(edge.frames[0] - x, edge.frames[1] - y) <= tolerance));
     maps.map.point = track && ((x, y, tolerance) => say(edges.find((edge) => (edge.kept || edge.stage === "multicut")

@@ -103,7 +103,7 @@ if (byId("consistency-map")) {
     canvas.hidden = !shown;
     byId("consistency-legend").hidden = !shown;
     if (!shown) {
-      byId("consistency-summary").textContent = "No graph of this choice went through PCM, or it has too many candidates for this page.";
+      byId("consistency-summary").textContent = "PCM has processed no graph of this selection, or the graph has too many candidates for this page.";
       return;
     }
     const { list, kept } = shown, wrong = list.filter((one) => one.truth === "f"), through = wrong.filter((one) => one.kept);

@@ -7,7 +7,7 @@ if (byId("error-chart")) {
     const lines = (view?.methods ?? []).filter((method) => method.error)
       .map((method) => ({ method, errors: series(method.error, page.error_step), style: methodStyle(method.name, experiment().methods) }));
     if (!lines.length) {
-      place.replaceChildren(element("p", {}, "There is no error over time for this choice."));
+      place.replaceChildren(element("p", {}, "There is no error over time for this selection."));
       byId("error-legend").replaceChildren();
       return;
     }
@@ -21,7 +21,7 @@ if (byId("error-chart")) {
       height: 360,
       x: (start, end) => linear(at(0), at(count - 1), start, end),
       y: (start, end) => (log ? logarithmic(floor, roundUp(largest), start, end) : linear(0, largest * 1.04, start, end)),
-      xLabel: minutes ? "minutes since the start" : "number of the pose", yLabel: "error (m)",
+      xLabel: minutes ? "minutes since the start" : "index of the pose", yLabel: "error (m)",
       description: `Error over time of ${state.session}, seed ${state.seed}: ${lines.map((line) => `${line.method.name} RMSE ${metres(line.method.rmse)} m`).join(", ")}.`,
     });
     for (const { start, name } of view.experiences.slice(1)) {

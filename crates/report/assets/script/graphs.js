@@ -77,7 +77,7 @@ if (byId("graph-left-map")) {
         const away = distance(x, y, [track.x[edge.from], track.y[edge.from]], [track.x[edge.to], track.y[edge.to]]);
         if (away <= least) [nearest, least] = [edge, away];
       }
-      byId("graph-readout").textContent = nearest ? `${method.name}: ${told(nearest)}` : "Point at an edge to read about it.";
+      byId("graph-readout").textContent = nearest ? `${method.name}: ${told(nearest)}` : "Point at an edge to see its details.";
     };
   }
 
@@ -107,7 +107,7 @@ if (byId("graph-left-map")) {
         .map((layer) => [layer.name === "f+" && count(layer.name) ? "b" : "span", `${layer.text}: ${count(layer.name)}`]);
       const counts = counted.map(([, text]) => text).join(", ");
       byId(`graph-${side.side}-counts`).replaceChildren(...counted.flatMap(([kind, text], index) => [index ? " \u00b7 " : "", element(kind, {}, text)]));
-      byId(`graph-${side.side}-rmse`).textContent = method ? `RMSE ${metres(method.rmse)} m${method.components > 1 ? `, ${method.components} unjoined parts` : ""}` : "";
+      byId(`graph-${side.side}-rmse`).textContent = method ? `RMSE ${metres(method.rmse)} m${method.components > 1 ? `, ${method.components} components` : ""}` : "";
       byId(`graph-${side.side}-map`).setAttribute("aria-label", `Map of ${side.method ?? "nothing"}. ${counts}.`);
       side.map.schedule();
     }

@@ -72,7 +72,7 @@ if (byId("regimes-maps")) {
     scales.forEach((scale, column) => drawing.append(svg("text", {
       x: left + (column + 0.5) * cellWidth, y: height - bottom + 12, "text-anchor": "middle",
     }, `× ${short(map.scales[scale])}`)));
-    drawing.append(svg("text", { x: (left + right) / 2, y: height - 8, "text-anchor": "middle" }, scales.length > 2 ? "claimed odometry covariance / (0.1 m, 0.0167 rad)^2 a step" : "covariance"));
+    drawing.append(svg("text", { x: (left + right) / 2, y: height - 8, "text-anchor": "middle" }, scales.length > 2 ? "claimed odometry covariance / (0.1 m, 0.0167 rad)^2 per step" : "covariance"));
     const middle = 4 + (rates.length * cellHeight) / 2;
     drawing.append(svg("text", { x: 10, y: middle, transform: `rotate(-90 10 ${middle})`, "text-anchor": "middle" }, rates.length > 2 ? "share of false edges" : "false"));
     return element("div", {}, element("h4", {}, title), drawing);
@@ -119,7 +119,7 @@ if (byId("regimes-maps")) {
     } else {
       ramp(byId("regimes-scale"), (at) => along(viridis, 1 - at).css, [[0, "0"], [0.5, "0.5"], [1, "1"]], named);
     }
-    byId("regimes-maps-caption").textContent = `${chosen.quantity === "mean" ? "Mean RMSE over seeds, metres, coloured on a logarithmic scale" : `Mean ${named} over seeds`}: share of false edges upwards, the covariance that the odometry claims, over that of 0.1 m and 0.0167 rad a keyframe step, to the right. Point at a cell for its 95 % interval and number of runs.`;
+    byId("regimes-maps-caption").textContent = `${chosen.quantity === "mean" ? "Mean RMSE over seeds, metres, coloured on a logarithmic scale" : `Mean ${named} over seeds`}: share of false edges upwards, the covariance that the odometry claims, relative to that of 0.1 m and 0.0167 rad per keyframe step, to the right. Point at a cell for its 95 % interval and number of runs.`;
     const limit = roundUp(widest);
     ramp(byId("regimes-difference-scale"), (at) => along(at < 0.5 ? better : worse, Math.abs(2 * at - 1)).css,
       [[0, `−${short(limit)}`], [(1 - bend(1)) / 2, "−1"], [0.5, "0"], [(1 + bend(1)) / 2, "+1"], [1, `+${short(limit)}`]], "difference of RMSE, metres");
@@ -130,7 +130,7 @@ if (byId("regimes-maps")) {
       drawn.append(element("div", { class: "counts" }, `helps in ${count("helps")}, neutral in ${count("neutral")}, hurts in ${count("hurts")} of ${one.cells.filter(Boolean).length} cells`));
       return drawn;
     }));
-    if (!comparisons.length) byId("regimes-differences").replaceChildren(element("p", {}, "No method stands here with and without the graph cut."));
+    if (!comparisons.length) byId("regimes-differences").replaceChildren(element("p", {}, "No method has results here with and without the graph cut."));
   }
 
   function curves(place, values, cellAt, x, xLabel) {
@@ -165,7 +165,7 @@ if (byId("regimes-maps")) {
     const lines = curves(byId("regimes-over-rate"), map.rates, (cells, index) => cells[index * columns + chosen.scale],
       (start, end) => ticked(logarithmic(Math.max(1e-4, Math.min(...map.rates)), Math.max(...map.rates), start, end), map.rates, percent), `share of false edges, at covariance × ${short(map.scales[chosen.scale])}`);
     curves(byId("regimes-over-scale"), map.scales, (cells, index) => cells[chosen.rate * columns + index],
-      (start, end) => ticked(logarithmic(lowest, highest, start, end), map.scales, (value) => `× ${short(value)}`), `claimed covariance / (0.1 m, 0.0167 rad)^2 a step, at ${percent(map.rates[chosen.rate])} false edges`);
+      (start, end) => ticked(logarithmic(lowest, highest, start, end), map.scales, (value) => `× ${short(value)}`), `claimed covariance / (0.1 m, 0.0167 rad)^2 per step, at ${percent(map.rates[chosen.rate])} false edges`);
     legend(byId("regimes-legend"), lines.map(({ one, style }) => [{ ...style, dot: true }, one.method]));
   });
 }

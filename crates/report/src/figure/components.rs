@@ -65,7 +65,7 @@ fn plane(title: &str, graph: &PoseGraph, label: &[Option<usize>]) -> Panel {
             colour,
             shape: Shape::Disc,
             size: 3.5,
-            legend: (index == 0).then(|| format!("kept, a colour a landmark ({count})")),
+            legend: (index == 0).then(|| format!("kept, one colour per landmark ({count})")),
         })
         .collect();
     let mut add = |points: Vec<(f64, f64)>, colour, shape, size, text: &str| {

@@ -9,7 +9,7 @@ use super::{Axes, Dash, Panel, Polyline, colours};
 pub const FLOOR: f64 = 0.01;
 
 /// One line an estimate, named by its method. The error is the distance from the reference after one alignment of the
-/// whole. The axis is in minutes if all nodes have times that keep increasing, otherwise it is the number of the pose.
+/// whole. The axis is in minutes if all nodes have times that keep increasing, otherwise it is the index of the pose.
 pub fn panel(title: &str, estimates: &[(String, PoseGraph)], reference: &PoseGraph) -> anyhow::Result<Panel> {
     let time = minutes(reference);
     let mut lines = Vec::new();
@@ -17,7 +17,7 @@ pub fn panel(title: &str, estimates: &[(String, PoseGraph)], reference: &PoseGra
     for (name, graph) in estimates {
         let Some(errors) = Estimate::new(graph, Some(reference), usual_freedom(graph)).errors() else {
             anyhow::bail!(
-                "{name}: not every node has a pose in the reference; name the reference of this graph"
+                "{name}: some nodes have no pose in the reference; name the reference of this graph"
             );
         };
         let rmse =
@@ -51,7 +51,7 @@ pub fn panel(title: &str, estimates: &[(String, PoseGraph)], reference: &PoseGra
             legend: None,
         }));
     }
-    let right = if time.is_some() { "minutes since the start" } else { "number of the pose" };
+    let right = if time.is_some() { "minutes since the start" } else { "index of the pose" };
     Ok(Panel {
         title: title.to_owned(),
         axes: Axes {

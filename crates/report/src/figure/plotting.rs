@@ -33,7 +33,7 @@ impl Drawing {
                 .map_err(anyhow::Error::msg)
                 .context("the PNG cannot be drawn"),
             other => {
-                bail!("the figure's name ends in \".{other}\", and figures are written as .svg, .pdf or .png")
+                bail!("the figure's name ends in \".{other}\"; name a .svg, .pdf or .png file")
             }
         }
     }
@@ -49,7 +49,7 @@ fn pdf(scene: &Scene) -> anyhow::Result<Vec<u8>> {
 
 #[cfg(not(feature = "pdf"))]
 fn pdf(_scene: &Scene) -> anyhow::Result<Vec<u8>> {
-    bail!("this program was built without PDF; build it with --features pdf, or name a .svg or .png")
+    bail!("this program was built without PDF; build it with --features pdf, or name a .svg or .png file")
 }
 
 /// Numbers clip paths from 0 in every figure. The library counts them through the life of the process, but a figure's

@@ -8,7 +8,7 @@ use crate::regimes::{Cell, Comparison, Map, Verdict};
 use crate::table::metres;
 
 /// The label of the columns: a ratio, so that it means the same for every session.
-const AXIS: &str = "claimed odometry covariance / (0.1 m, 0.0167 rad)^2 a step";
+const AXIS: &str = "claimed odometry covariance / (0.1 m, 0.0167 rad)^2 per step";
 
 /// RMSE below this is drawn at this value, metres.
 pub const FLOOR: f64 = 0.1;
@@ -88,7 +88,7 @@ pub fn differences(map: &Map, session: &str, kind: &str) -> (Vec<Grid>, Ramp) {
     let colour = |at: f64| along(if at < 0.5 { &BETTER } else { &WORSE }, (2.0 * at - 1.0).abs()).0;
     let mut ticks = ticks.to_vec();
     ticks.insert(2, (0.5, "0".to_owned()));
-    (grids, ramp("difference of RMSE (m); dot: told from zero", colour, ticks))
+    (grids, ramp("difference of RMSE (m); dot: significant", colour, ticks))
 }
 
 /// Mean RMSE with its interval: one panel over the share of false edges at one scale, one over the scale at one share.

@@ -168,7 +168,7 @@ impl Loader<'_> {
             let drawn = (sum / errors.len().max(1) as f64).sqrt();
             if (drawn - run.result.rmse).abs() > 1e-6 * run.result.rmse.max(1.0) {
                 warn!(
-                    "{}/{}/{}/{name}: the graph's RMSE is {drawn} m and the result says {} m; it was evaluated by another alignment or scope, or the graph is a newer one",
+                    "{}/{}/{}/{name}: the RMSE of the graph is {drawn} m, but that of the result is {} m; the result has another alignment or scope, or the graph is newer",
                     run.result.label("pipeline"),
                     run.result.label("session"),
                     run.result.label("seed"),
@@ -285,14 +285,14 @@ fn matrix(graph: &PoseGraph, edges: &Edges, method: &str) -> Option<Consistency>
     let matrix = match consistency::matrix(graph) {
         Ok(matrix) => matrix?,
         Err(error) => {
-            warn!("{method}: the consistency matrix is left out: {error:#}");
+            warn!("{method}: the page omits the consistency matrix: {error:#}");
             return None;
         }
     };
     let count = matrix.edges.len();
     if count > LARGEST_MATRIX {
         warn!(
-            "{method}: {count} candidates; the consistency matrix is left out of the page above {LARGEST_MATRIX}"
+            "{method}: the page omits the consistency matrix of {count} candidates; at most {LARGEST_MATRIX} are shown"
         );
         return None;
     }

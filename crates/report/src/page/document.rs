@@ -84,18 +84,18 @@ fn text(parts: &Parts, name: &str) -> Option<String> {
         "tables" => section(
             !parts.tables.is_empty(),
             &parts.tables,
-            "There are no results. Name files that posecut-evaluate wrote, or directories of them.",
+            "There are no results. Name output files of posecut-evaluate, or directories that contain them.",
         ),
         "published" => {
             let published = escape(&parts.published);
             note(
                 &published,
-                &format!("Published figures: {published}. Their mean is over all sessions published."),
+                &format!("Published figures: {published}. Their mean is over all published sessions."),
             )
         }
         "missing" => {
             let missing = escape(&parts.missing.join(", "));
-            note(&missing, &format!("Asked for and without data: {missing}."))
+            note(&missing, &format!("Requested sessions without data: {missing}."))
         }
         "history" => parts.history.clone(),
         "version" => escape(&parts.version),
@@ -112,32 +112,32 @@ fn drawing(page: &Page, parts: &Parts, name: &str) -> Option<String> {
         "trajectories" => section(
             sessions().any(|it| it.truth.is_some()),
             TRAJECTORIES,
-            "The graphs beside the results carry no ground truth, or there are none: the sessions' routes are not known here.",
+            "The routes of the sessions are unknown, because there are no graphs beside the results, or they have no ground truth.",
         ),
         "graphs" => section(
             any(|method| method.track.is_some()),
             GRAPHS,
-            "There are no optimised graphs beside the results (METHOD.optimized.jsonl beside METHOD.result.json), so there is nothing to draw here.",
+            "There is nothing to draw, because there are no optimised graphs beside the results (METHOD.optimized.jsonl beside METHOD.result.json).",
         ),
         "error" => section(
             any(|method| method.error.is_some()),
             ERROR,
-            "There is no reference beside the results (oracle.optimized.jsonl), so the error of single poses is not known.",
+            "The errors of poses are unknown, because there is no reference beside the results (oracle.optimized.jsonl).",
         ),
         "consistency" => section(
             seeds().any(|it| it.consistency.is_some()),
             CONSISTENCY,
-            "None of the graphs beside the results went through PCM.",
+            "PCM has processed none of the graphs beside the results.",
         ),
         "components" => section(
             any(|method| method.landmarks.is_some()),
             COMPONENTS,
-            "None of the graphs beside the results went through the multicut.",
+            "The multicut has processed none of the graphs beside the results.",
         ),
         "regimes" => section(
             page.regimes.is_some(),
             REGIMES,
-            "There are no results over regimes of covariance and false-edge rate (make regimes makes them).",
+            "There are no results over regimes of covariance and false-edge rate; make regimes computes them.",
         ),
         "trust" => section(
             page.trust.is_some(),
@@ -146,7 +146,7 @@ fn drawing(page: &Page, parts: &Parts, name: &str) -> Option<String> {
                 "reliability" => Some(page.reliability.as_ref().map_or("", |_| RELIABILITY).to_owned()),
                 _ => None,
             }),
-            "There are no results of the trust benchmark (make trust DATA=DIR makes them).",
+            "There are no results of the trust benchmark; make trust DATA=DIR computes them.",
         ),
         _ => return None,
     })

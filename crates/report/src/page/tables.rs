@@ -55,7 +55,7 @@ pub fn experiment(table: &Table, published: &Published) -> String {
         );
     }
     if is_silently_disconnected(table) {
-        text.push_str("<p class=\"note\">† In at least one seed no edge was left between the experiences, and their relative place is unknown.</p>\n");
+        text.push_str("<p class=\"note\">† In at least one seed no edge remained between the experiences, so their relative pose is unknown.</p>\n");
     }
     edges(&mut text, table);
     text.push_str("</div>\n");

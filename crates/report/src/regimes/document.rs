@@ -19,10 +19,10 @@ fn verdict(map: &Map) -> String {
     let (fewest, most) = (counts.iter().min().unwrap_or(&0), counts.iter().max().unwrap_or(&0));
     let seeds = if fewest == most { fewest.to_string() } else { format!("{fewest} to {most}") };
     let mut text = format!(
-        "RMSE with the graph cut less RMSE without, metres, negative where the cut gains: mean of the paired differences over {seeds} \
-         seeds with its 95 % interval (percentile bootstrap). **helps** and hurts: the sign-flip test tells the difference from zero at \
+        "RMSE with the graph cut minus RMSE without it, in metres; negative values favour the cut. Mean of the paired differences over {seeds} \
+         seeds with its 95 % interval (percentile bootstrap). **helps** and hurts: the difference is significant in the sign-flip test at \
          0.05, adjusted over the cells of a table (Benjamini and Hochberg). Rows: share of incorrect edges; columns: scale of the \
-         covariance that the odometry claims, over that of 0.1 m and 0.0167 rad a step; uniform mistakes.\n\n"
+         covariance that the odometry claims, relative to that of 0.1 m and 0.0167 rad per step; uniform mistakes.\n\n"
     );
     for session in &map.sessions {
         let made = |comparison: &&Comparison| comparison.cells.iter().any(Option::is_some);

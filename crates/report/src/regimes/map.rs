@@ -142,14 +142,14 @@ impl Map {
         let (scales, rates) = (axis("covariance_scale")?, axis("incorrect_rate")?);
         if results.is_empty() {
             bail!(
-                "there are no results for a map of regimes; name a file of results, one a line (make regimes writes one)"
+                "there are no results for a map of regimes; name a file of results, one per line (make regimes writes one)"
             );
         }
         let mut runs: BTreeMap<Place, Seeds> = BTreeMap::new();
         for result in results {
             let at = |axis: &[f64], name: &str| -> anyhow::Result<usize> {
                 let value = number(result, name)?;
-                axis.iter().position(|known| *known == value).context("every value stands on its axis")
+                axis.iter().position(|known| *known == value).context("every value is on its axis")
             };
             let place = (
                 session(result),
@@ -172,9 +172,7 @@ impl Map {
             };
             let seed = result.label("seed");
             if runs.entry(place).or_default().insert(seed.clone(), run).is_some() {
-                bail!(
-                    "seed {seed} of {said} is there twice; give the map the results of one experiment, each once"
-                );
+                bail!("seed {seed} of {said} occurs twice; name the results of one experiment, each once");
             }
         }
         let distinct = |pick: fn(&Place) -> &String| -> Vec<String> {

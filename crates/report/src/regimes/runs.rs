@@ -70,7 +70,9 @@ pub(super) fn number(result: &RunResult, name: &str) -> anyhow::Result<f64> {
         if text.is_empty() {
             format!("the result of {run} has no label {name}; evaluate with --label {name}=NUMBER")
         } else {
-            format!("the result of {run} has the label {name}={text}, and a finite number was expected")
+            format!(
+                "the result of {run} has the label {name}={text}, but needs a finite number; correct the label"
+            )
         }
     };
     text.parse::<f64>().ok().filter(|value| value.is_finite()).with_context(said)

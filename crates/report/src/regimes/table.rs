@@ -22,9 +22,9 @@ pub fn short(value: f64) -> String {
 pub fn markdown(map: &Map, sessions: &[String], kinds: &[String]) -> String {
     let mut text = String::from(
         "Mean RMSE in metres over seeds, with the 95 % interval of the mean (percentile bootstrap, 2000 resamples). \
-         Columns: the covariance that the odometry claims, over that of 0.1 m and 0.0167 rad a step; rows: share of false edges among all landmark edges. Effects are mean \
-         paired differences over seeds; *helps* and *hurts* where the sign-flip test tells them from zero (p at most 0.05, \
-         adjusted over the cells of the table by Benjamini and Hochberg), else neutral.\n\n",
+         Columns: the covariance that the odometry claims, relative to that of 0.1 m and 0.0167 rad per step; rows: share of false edges among all landmark edges. Effects are mean \
+         paired differences over seeds: *helps* or *hurts* if they are significant in the sign-flip test (p at most 0.05, \
+         adjusted over the cells of the table by Benjamini and Hochberg), otherwise neutral.\n\n",
     );
     for session in sessions {
         for kind in kinds {
@@ -42,7 +42,7 @@ fn section(text: &mut String, map: &Map, session: &str, kind: &str) {
         let seeds = own.cells.iter().flatten().map(|cell| cell.seeds);
         let (least, most) = (seeds.clone().min().unwrap_or(0), seeds.max().unwrap_or(0));
         let runs = if least == most { most.to_string() } else { format!("{least} to {most}") };
-        let _ = writeln!(text, "**{}**, RMSE in metres ({runs} runs a cell)\n", inline(method));
+        let _ = writeln!(text, "**{}**, RMSE in metres ({runs} runs per cell)\n", inline(method));
         rows(text, map, |index| {
             own.cells[index]
                 .map(|cell| format!("{} [{}, {}]", metres(cell.mean), metres(cell.low), metres(cell.high)))
@@ -153,5 +153,5 @@ pub fn csv(map: &Map, sessions: &[String], kinds: &[String]) -> anyhow::Result<V
             writer.write_record(row)?;
         }
     }
-    writer.into_inner().context("the CSV cannot be finished")
+    writer.into_inner().context("the CSV cannot be written")
 }

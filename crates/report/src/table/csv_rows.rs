@@ -49,5 +49,5 @@ pub fn write_csv(results: &[RunResult]) -> anyhow::Result<Vec<u8>> {
         }
         writer.write_record(row)?;
     }
-    writer.into_inner().context("the CSV cannot be finished")
+    writer.into_inner().context("the CSV cannot be written")
 }

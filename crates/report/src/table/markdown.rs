@@ -51,7 +51,7 @@ fn section(text: &mut String, table: &Table, published: &Published) {
         let _ = writeln!(text, "† doubts of stages, which docs/doubts.md explains: {}.\n", inline(&doubts));
     }
     if is_silently_disconnected(table) {
-        text.push_str("† in at least one seed no edge was left between the experiences, and their relative place is unknown.\n\n");
+        text.push_str("† in at least one seed no edge remained between the experiences, so their relative pose is unknown.\n\n");
     }
     text.push_str(
         "Landmark edges in use: incorrect of all incorrect, correct of all correct (means over seeds).\n\n",

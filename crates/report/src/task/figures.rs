@@ -17,7 +17,7 @@ pub(crate) struct Trajectories {
     #[arg(required = true)]
     graphs: Vec<PathBuf>,
 
-    /// How coordinates lie on paper
+    /// Choose how coordinates are drawn
     #[arg(long, value_enum, default_value_t = Frame::Ned)]
     frame: Frame,
 }
@@ -38,15 +38,15 @@ impl Trajectories {
 /// Options of `graphs`.
 #[derive(Args)]
 pub(crate) struct Graphs {
-    /// TITLE=FILE: an optimised graph and its panel's title
+    /// An optimised graph and the title of its panel
     #[arg(required = true, value_name = "TITLE=FILE")]
     panels: Vec<String>,
 
-    /// The reference graph
+    /// Use this reference graph
     #[arg(long, value_name = "FILE")]
     reference: Option<Source>,
 
-    /// How coordinates lie on paper
+    /// Choose how coordinates are drawn
     #[arg(long, value_enum, default_value_t = Frame::Ned)]
     frame: Frame,
 }
@@ -70,7 +70,7 @@ impl Graphs {
 /// Options of `consistency`.
 #[derive(Args)]
 pub(crate) struct Consistency {
-    /// TITLE=FILE: a graph that went through PCM and its matrix's title
+    /// A graph that PCM has processed and the title of its matrix
     #[arg(required = true, value_name = "TITLE=FILE")]
     panels: Vec<String>,
 }
@@ -81,7 +81,7 @@ impl Consistency {
         for named in &self.panels {
             let (title, graph) = titled(named, context)?;
             let matrix = matrix(&graph).with_context(|| named.clone())?.with_context(|| {
-                format!("{named}: this graph did not go through PCM; name what posecut-pcm wrote, or a later stage")
+                format!("{named}: PCM has not processed this graph; name the output of posecut-pcm or of a later stage")
             })?;
             shown.push((title.to_owned(), graph, matrix));
         }
@@ -92,11 +92,11 @@ impl Consistency {
 /// Options of `components`.
 #[derive(Args)]
 pub(crate) struct Components {
-    /// TITLE=FILE: a graph that went through the multicut and its panels' title
+    /// A graph that the multicut has processed and the title of its panels
     #[arg(required = true, value_name = "TITLE=FILE")]
     panels: Vec<String>,
 
-    /// How coordinates lie on paper
+    /// Choose how coordinates are drawn
     #[arg(long, value_enum, default_value_t = Frame::Ned)]
     frame: Frame,
 }
@@ -107,7 +107,9 @@ impl Components {
         for named in &self.panels {
             let (title, graph) = titled(named, context)?;
             let landmarks = components::landmarks(&graph).with_context(|| {
-                format!("{named}: no node has a landmark; name what posecut-multicut wrote, or a later stage")
+                format!(
+                    "{named}: no node has a landmark; name the output of posecut-multicut or of a later stage"
+                )
             })?;
             panels.extend(components::panels(title, &graph, &landmarks, self.frame));
         }
@@ -118,15 +120,15 @@ impl Components {
 /// Options of `error`.
 #[derive(Args)]
 pub(crate) struct Error {
-    /// NAME=FILE: an optimised graph and the name of its method
+    /// An optimised graph and the name of its method
     #[arg(required = true, value_name = "NAME=FILE")]
     estimates: Vec<String>,
 
-    /// The reference graph
+    /// Use this reference graph
     #[arg(long, value_name = "FILE", required = true)]
     reference: Source,
 
-    /// Above the chart
+    /// Write this title above the chart
     #[arg(long, value_name = "TEXT", default_value = "Error of each pose along the session")]
     title: String,
 }

@@ -17,48 +17,48 @@ use posecut_report::results::{self, RunResult};
 use posecut_report::table;
 use posecut_report::trust::reliability::reliability;
 use posecut_report::trust::{Benchmark, Half, tables::tables};
-use posecut_stage::{Context, info};
+use posecut_stage::{Context, counted, info};
 
 /// Options of `html`.
 #[derive(Args)]
 pub(crate) struct Html {
-    /// Results of posecut-evaluate, or directories searched for *.result.json; graphs are found beside them
+    /// Results of posecut-evaluate, or directories to search for *.result.json; graphs are expected in the same directories
     #[arg(required_unless_present = "trust")]
     results: Vec<PathBuf>,
 
-    /// Published figures to stand beside ours (TOML)
+    /// Add published figures from this TOML file
     #[arg(long, value_name = "FILE")]
     published: Option<PathBuf>,
 
-    /// Methods in the order of rows
+    /// Show these methods first, in this order
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     methods: Vec<String>,
 
-    /// Sessions asked for that have no data
+    /// Add columns for these sessions, which have no data
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     missing: Vec<String>,
 
-    /// Results over regimes, one a line; may be given several times
+    /// Add the map of regimes from this file of results, one per line; may be repeated
     #[arg(long, value_name = "FILE")]
     regimes: Vec<PathBuf>,
 
-    /// Results of the trust benchmark, one a line; may be given several times
+    /// Add the trust benchmark from this file of results, one per line; may be repeated
     #[arg(long, value_name = "FILE")]
     trust: Vec<PathBuf>,
 
-    /// CPU times of the trust benchmark, one a line; may be given several times
+    /// Add CPU times of the trust benchmark from this file, one per line; may be repeated
     #[arg(long, value_name = "FILE", requires = "trust")]
     trust_times: Vec<PathBuf>,
 
-    /// Seeds of each session whose graphs are drawn; tables have all
+    /// Draw the graphs of this many seeds of each session; tables include all seeds
     #[arg(long, value_name = "N", default_value_t = 3)]
     graph_seeds: usize,
 
-    /// How coordinates lie on paper
+    /// Choose how coordinates are drawn
     #[arg(long, value_enum, default_value_t = Frame::Ned)]
     frame: Frame,
 
-    /// The page's title
+    /// Set the title of the page
     #[arg(long, value_name = "TEXT", default_value = "posecut report")]
     title: String,
 }
@@ -101,7 +101,7 @@ impl Html {
             version: env!("CARGO_PKG_VERSION").to_owned(),
         };
         let text = document(&page, &parts)?;
-        info!("{} results, {} graphs, {} kB", located.len(), graphs, text.len() / 1000);
+        info!("{}, {}, {} kB", counted(located.len(), "result"), counted(graphs, "graph"), text.len() / 1000);
         context.statistics.note("results", located.len());
         context.statistics.note("graphs", graphs);
         context.statistics.note("bytes", text.len());

@@ -17,11 +17,11 @@ use super::figures::extension;
 /// Options of `regimes`.
 #[derive(Args)]
 pub(crate) struct Regimes {
-    /// Results over regimes, one a line, labelled `covariance_scale`, `incorrect_rate`, `session`, `seed`, `method`
+    /// Results over regimes, one per line, with labels `covariance_scale`, `incorrect_rate`, `session`, `seed`, `method`
     #[arg(required = true)]
     results: Vec<PathBuf>,
 
-    /// What the figure shows
+    /// Choose what the figure shows
     #[arg(long, value_enum, default_value_t = Show::Rmse, conflicts_with = "table")]
     show: Show,
 
@@ -29,34 +29,36 @@ pub(crate) struct Regimes {
     #[arg(long, value_enum)]
     table: Option<Format>,
 
-    /// Put all tables between the markers of this document (docs/results/regimes.md) instead
+    /// Write all tables between the markers of this document (docs/results/regimes.md) instead
     #[arg(long, value_name = "FILE", conflicts_with_all = ["show", "table", "sessions", "kinds"])]
     document: Option<PathBuf>,
 
-    /// Sessions; `all sessions` is the mean over them. A figure shows the first, a table all named, or all there are
+    /// Show these sessions [default: all in a table, the first in a figure].
+    ///
+    /// `all sessions` is the mean over the sessions. A figure shows only the first of the named sessions.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     sessions: Vec<String>,
 
-    /// Kinds of false edges, as sessions are named
+    /// Show these kinds of false edges [default: all in a table, the first in a figure]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     kinds: Vec<String>,
 
-    /// Methods in the order of panels
+    /// Show these methods first, in this order
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     methods: Vec<String>,
 
-    /// Curves: the covariance scale (the nearest there is) at which false edges vary
+    /// Draw the curves over false edges at the covariance scale nearest to this
     #[arg(long, value_name = "SCALE", default_value_t = 3.0)]
     scale: f64,
 
-    /// Curves: the false-edge rate (the nearest there is) at which the scale varies
+    /// Draw the curves over the covariance scale at the false-edge rate nearest to this
     #[arg(long, value_name = "RATE", default_value_t = 0.1)]
     rate: f64,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Show {
-    /// Heat maps of the mean RMSE, one a method
+    /// Heat maps of the mean RMSE, one per method
     Rmse,
     /// Heat maps of the mean precision of edges
     Precision,
@@ -70,9 +72,9 @@ enum Show {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Format {
-    /// For people and documents
+    /// For readers and documents
     Markdown,
-    /// One row a cell
+    /// One row per cell
     Csv,
 }
 

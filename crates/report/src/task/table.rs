@@ -9,32 +9,32 @@ use posecut_report::{results, table};
 /// Options of `table`.
 #[derive(Args)]
 pub(crate) struct Table {
-    /// Results of posecut-evaluate, or directories searched for *.result.json
+    /// Results of posecut-evaluate, or directories to search for *.result.json
     #[arg(required = true)]
     results: Vec<PathBuf>,
 
-    /// How the table is written
+    /// Choose the format of the table
     #[arg(long, value_enum, default_value_t = Format::Markdown)]
     format: Format,
 
-    /// Published figures to stand beside ours (TOML)
+    /// Add published figures from this TOML file
     #[arg(long, value_name = "FILE")]
     published: Option<PathBuf>,
 
-    /// Methods in the order of rows
+    /// Show these methods first, in this order
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     methods: Vec<String>,
 
-    /// Sessions asked for that have no data
+    /// Add columns for these sessions, which have no data
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     missing: Vec<String>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Format {
-    /// For people and README files
+    /// For readers and README files
     Markdown,
-    /// One row a run
+    /// One row per run
     Csv,
     /// For papers
     Latex,

@@ -23,11 +23,11 @@ const COLUMNS: usize = 3;
 /// Options of `trust`.
 #[derive(Args)]
 pub(crate) struct Trust {
-    /// Results of the trust benchmark, one JSON object a line
+    /// Results of the trust benchmark, one JSON object per line
     #[arg(required = true, value_name = "RESULTS")]
     results: Vec<PathBuf>,
 
-    /// CPU times of the same runs, one JSON object a line; may be given several times
+    /// Read CPU times of the same runs from this file, one JSON object per line; may be repeated
     #[arg(long, value_name = "FILE")]
     times: Vec<PathBuf>,
 
@@ -35,19 +35,19 @@ pub(crate) struct Trust {
     #[arg(long, value_enum, default_value_t = Half::Test)]
     half: Half,
 
-    /// Draw the regret of every run (SVG, PDF or PNG by the file's name)
+    /// Draw the regret of every run to this file (SVG, PDF or PNG, by its name)
     #[arg(long, value_name = "FILE")]
     figure: Option<PathBuf>,
 
-    /// Draw the share of correct edges over `verify_probability` (SVG, PDF or PNG by the file's name)
+    /// Draw the share of correct edges over `verify_probability` to this file (SVG, PDF or PNG, by its name)
     #[arg(long, value_name = "FILE")]
     reliability: Option<PathBuf>,
 
-    /// Put the answer and the tables between the markers of this document (docs/trust.md)
+    /// Write the answer and the tables between the markers of this document (docs/trust.md)
     #[arg(long, value_name = "FILE")]
     document: Option<PathBuf>,
 
-    /// Put the recommended method beside the best other one between the markers `trust` of this document (README.md)
+    /// Write a comparison of the recommended and the best other method between the markers `trust` of this document (README.md)
     #[arg(long, value_name = "FILE")]
     summary: Option<PathBuf>,
 }
@@ -75,7 +75,7 @@ impl Trust {
                 write_figure(path, &charts(&diagram(&found), COLUMNS)?)?;
             } else {
                 warn!(
-                    "{} is not written: no result of the {} half has probabilities (`calibration`)",
+                    "{} was not written, because no result of the {} half has probabilities (`calibration`)",
                     path.display(),
                     self.half
                 );

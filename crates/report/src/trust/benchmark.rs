@@ -114,9 +114,7 @@ impl Benchmark {
         };
         let methods = distinct(|record| &record.method);
         if methods.is_empty() {
-            bail!(
-                "there is no result of any method but the oracle; run the benchmark first (make trust DATA=DIR)"
-            );
+            bail!("no method except the oracle has a result; run the benchmark first (make trust DATA=DIR)");
         }
         let seconds = seconds(&found, times.unwrap_or_default())?;
         let mut runs = Vec::new();
@@ -195,7 +193,7 @@ fn same_grouping(own: &BTreeMap<&str, &Record>) -> anyhow::Result<()> {
         for ((name, here), (_, there)) in grouping(one).into_iter().zip(grouping(other)) {
             if here != there {
                 bail!(
-                    "{}: label `{name}` of the run {} is \"{there}\", and {} has \"{here}\" for the same run; correct the declaration and collect again",
+                    "{}: label `{name}` of the run {} is \"{there}\", but {} has \"{here}\" for the same run; correct the declaration and collect again",
                     other.place,
                     other.run,
                     one.place

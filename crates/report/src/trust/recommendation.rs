@@ -21,7 +21,7 @@ use crate::table::{inline, metres};
 pub fn recommended(benchmark: &Benchmark) -> anyhow::Result<usize> {
     if benchmark.of(Half::Tuning, None).next().is_none() {
         bail!(
-            "the results have no run of the tuning half, which decides on the method to recommend; run the benchmark on both halves"
+            "the results have no run of the tuning half, which decides the recommended method; run the benchmark on both halves"
         );
     }
     let complete =
@@ -37,7 +37,7 @@ pub fn recommended(benchmark: &Benchmark) -> anyhow::Result<usize> {
             within(other).cmp(&within(one)).then_with(|| worst(one).total_cmp(&worst(other)))
         })
         .context(
-            "no method has a record for every run of the tuning half, so that none can be recommended; finish the benchmark",
+            "no method has a record for every run of the tuning half, so none can be recommended; finish the benchmark",
         )
 }
 
@@ -49,7 +49,7 @@ pub fn answer(benchmark: &Benchmark) -> anyhow::Result<String> {
     let chosen = recommended(benchmark)?;
     if benchmark.of(Half::Test, None).next().is_none() {
         bail!(
-            "the results have no run of the test half, which says what a method is worth; run the benchmark on both halves"
+            "the results have no run of the test half, which judges the methods; run the benchmark on both halves"
         );
     }
     let name = &benchmark.methods[chosen];

@@ -13,9 +13,9 @@ use serde_json::{Map, Value};
 /// Which half of its family a run belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, clap::ValueEnum)]
 pub enum Half {
-    /// Constants are chosen on these runs
+    /// The runs on which constants are chosen
     Tuning,
-    /// No constant is chosen on these runs
+    /// The runs on which no constant is chosen
     Test,
 }
 
@@ -171,7 +171,7 @@ fn read<T>(
             continue;
         }
         let record = serde_json::from_str::<Map<String, Value>>(&line)
-            .context("is no JSON object")
+            .context("is not a JSON object")
             .and_then(|object| parse(&place, &object))
             .with_context(|| place.clone())?;
         records.push(record);
@@ -184,7 +184,7 @@ fn read<T>(
 /// Labels as text: a seed may be a number in one file and text in another.
 fn labels(object: &Map<String, Value>) -> anyhow::Result<BTreeMap<String, String>> {
     let Some(Value::Object(labels)) = object.get("labels") else {
-        bail!("field `labels`: is missing or no object, expected an object of labels");
+        bail!("field `labels`: is missing or not an object, expected an object of labels");
     };
     labels
         .iter()
@@ -227,7 +227,7 @@ fn outcome(object: &Map<String, Value>) -> anyhow::Result<Result<Outcome, String
     let components = count(object, "components")?;
     let Some(Value::Object(edges)) = object.get("edges") else {
         bail!(
-            "field `edges`: is missing or no object; the landmark edges need labels (truth), so that kept and lost ones can be counted"
+            "field `edges`: is missing or not an object; label the landmark edges (`truth`), so that kept and lost ones can be counted"
         );
     };
     let edge = |name: &str| count(edges, name).context("in field `edges`");
@@ -258,7 +258,7 @@ fn bins(object: &Map<String, Value>) -> anyhow::Result<Option<Bins>> {
             let (low, high) = (bin as f64 / BINS as f64, (bin + 1) as f64 / BINS as f64);
             if !(low * count - 1e-6..=high * count + 1e-6).contains(&found.probability[bin]) {
                 bail!(
-                    "field `probability`, bin {bin}: found {} over {}, expected {low} to {high} an edge",
+                    "field `probability`, bin {bin}: found {} over {}, expected {low} to {high} per edge",
                     found.probability[bin],
                     counted(usize::try_from(found.edges[bin])?, "edge")
                 );

@@ -25,7 +25,7 @@ fn bad_input_is_refused_with_file_line_and_field() {
             good.replace("\"half\":\"test\"", "\"half\":\"both\""),
             ["line 2", "found \"both\", expected \"tuning\" or \"test\""],
         ),
-        (good.replace("\"rmse\":1", "\"rmse\":NaN"), ["line 2", "is no JSON object"]),
+        (good.replace("\"rmse\":1", "\"rmse\":NaN"), ["line 2", "is not a JSON object"]),
         (
             good.replace("\"rmse\":1", "\"rmse\":null"),
             ["line 2", "field `rmse`: found null, expected a finite number"],
@@ -46,7 +46,7 @@ fn bad_input_is_refused_with_file_line_and_field() {
             good.replace("posecut-result", "posecut"),
             ["line 2", "found posecut, 1, expected posecut-result, 1"],
         ),
-        ("[1]\n".to_owned(), ["line 2", "is no JSON object"]),
+        ("[1]\n".to_owned(), ["line 2", "is not a JSON object"]),
         (
             good.clone(),
             ["line 3", "method one has a second result on the run pipeline trust, seed 1, session f a"],
@@ -72,7 +72,7 @@ fn bad_input_is_refused_with_file_line_and_field() {
         assert!(!said.contains('\n'), "{said}");
     }
     let said = refused("");
-    assert!(said.contains("there is no result of any method"), "{said}");
+    assert!(said.contains("no method except the oracle has a result"), "{said}");
 }
 
 #[test]

@@ -24,7 +24,7 @@ fn the_program_draws_the_diagram_and_the_page_has_it() {
     // An empty figure is not an error, because a benchmark of other methods has no probabilities.
     fs::write(path("none.jsonl"), sample("test")).unwrap();
     let (good, _, said) = run(&["trust", &path("none.jsonl"), "--reliability", &path("none.svg")]);
-    assert!(good && said.contains("none.svg is not written"), "{said}");
+    assert!(good && said.contains("none.svg was not written"), "{said}");
     assert!(!Path::new(&path("none.svg")).exists());
     let (_, page, _) = run(&["html", "--trust", &path("none.jsonl")]);
     assert!(!page.contains("id=\"trust-reliability\""));

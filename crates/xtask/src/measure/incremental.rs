@@ -17,19 +17,19 @@ use crate::markdown;
 use crate::numbers::scientific;
 use crate::process::must;
 
-/// Time the incremental solver beside gtsam's ISAM2
+/// Time the incremental solver and gtsam's ISAM2
 ///
-/// Both take a benchmark graph pose by pose, each with the edges that end at it, and give the estimate of the newest pose after
-/// every step. "same" has gtsam's thresholds: relinearisation beyond 0.1 every 10 steps, propagation beyond 0.001, of all edges at
+/// Both read a benchmark graph pose by pose, each with the edges that end at it, and compute the estimate of the newest pose after
+/// every step. "same" uses gtsam's thresholds: relinearisation beyond 0.1 every 10 steps, propagation beyond 0.001, of all edges at
 /// a pose beyond them. Needs gtsam and POSECUT_SHARED_DATA; the machine should be idle.
 #[derive(Args)]
 pub(crate) struct Incremental {
-    /// Graphs [default: M3500 sphere2500 city10000]
+    /// Measure these graphs [default: M3500 sphere2500 city10000]
     graphs: Vec<String>,
-    /// The built bench program [default: cargo bench builds it]
+    /// Use this bench program [default: build it with cargo bench]
     #[arg(long)]
     bench: Option<PathBuf>,
-    /// Put the table into docs/results/incremental.md
+    /// Write the table into docs/results/incremental.md
     #[arg(long)]
     write: bool,
 }
@@ -95,7 +95,7 @@ impl Incremental {
         let mut measured = Vec::new();
         for name in names {
             let Some((name, best, dimension)) = GRAPHS.iter().find(|(known, ..)| *known == name) else {
-                bail!("the lowest cost of {name} is not known; measure M3500, sphere2500 or city10000");
+                bail!("the lowest cost of {name} is unknown; measure M3500, sphere2500 or city10000");
             };
             let mut isam2 = Command::new(&python);
             isam2.arg(script("isam2")).arg(data.join(format!("{name}.g2o"))).args([dimension, "10"]);

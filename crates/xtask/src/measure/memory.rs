@@ -19,16 +19,16 @@ use crate::markdown;
 use crate::process::{Ended, Measured, measure_accepting, shown};
 use inputs::{Inputs, Kind};
 
-/// Measure peak memory and seconds of every program on the largest input that is sensible for it
+/// Measure peak memory and seconds of every program on the largest sensible input
 ///
-/// Regenerates the table of docs/results/memory.md and the lines of READMEs. Rows of programs that are not measured stay. Needs
-/// the release programs.
+/// Regenerates the table of docs/results/memory.md and the lines in READMEs. The rows of programs that are not measured stay.
+/// Needs the release programs.
 #[derive(Args)]
 pub(crate) struct Memory {
-    /// Measure a tenth of each input, and fail if memory exceeds twice what the table foretells; write nothing
+    /// Measure a tenth of each input, and fail if memory exceeds twice the prediction of the table; write nothing
     #[arg(long, conflicts_with = "only")]
     check: bool,
-    /// Measure these programs alone
+    /// Measure only these programs
     #[arg(long, num_args = 1.., value_parser = PossibleValuesParser::new(CASES.map(|case| case.program)))]
     only: Vec<String>,
 }
@@ -94,7 +94,7 @@ fn run(command: &mut Command) -> anyhow::Result<Measured> {
         Ended::Done(measured) => Ok(measured),
         Ended::Failed(said) => bail!("{}: {said}", shown(command)),
         Ended::OutOfTime => {
-            bail!("{}: takes more than {} s; measure a smaller input", shown(command), LIMIT.as_secs())
+            bail!("{}: took more than {} s; measure a smaller input", shown(command), LIMIT.as_secs())
         }
     }
 }
@@ -142,7 +142,7 @@ fn check(inputs: &Inputs) -> anyhow::Result<Verdict> {
     if wrong.is_empty() {
         return Ok(Verdict::Holds);
     }
-    eprintln!("more memory than {PAGE} allows: {}", wrong.join(", "));
+    eprintln!("these programs need more memory than {PAGE} allows: {}", wrong.join(", "));
     Ok(Verdict::Fails)
 }
 

@@ -27,37 +27,37 @@ use running::{Found, Limits, measure};
 ///
 /// Builds the release program, generates graphs of the families F, S, A (10^3 to N viewpoints) and D (to 10^5) with 10, 50 and 90 %
 /// false edges, and adds every instance of $POSECUT_SHARED_DATA/multicut. CPU seconds and peak memory are those that the system
-/// counts for the whole process, reading and writing included, on one thread. Regenerates the sections of docs/results/multicut.md.
+/// counts for the whole process, including reading and writing, on one thread. Regenerates the sections of docs/results/multicut.md.
 #[derive(Args)]
 pub(crate) struct Multicut {
-    /// Viewpoints of the largest generated graph
+    /// Generate graphs of up to this many viewpoints
     #[arg(long, default_value_t = 1_000_000)]
     largest: u64,
-    /// Viewpoints of the largest generated graph that the peer solves
+    /// Run the peer on generated graphs of up to this many viewpoints
     #[arg(long, default_value_t = 1_000_000)]
     largest_peer: u64,
-    /// The Python of an environment with bioimage-cpp, whose GAEC and GAEC + KL run on the same files
+    /// Also measure GAEC and GAEC + KL of bioimage-cpp, with this Python that has the package
     #[arg(long, value_name = "PYTHON")]
     peer: Option<PathBuf>,
-    /// Seconds for each published instance
+    /// Stop after this many seconds on each published instance
     #[arg(long, default_value_t = 60)]
     time_limit: u64,
-    /// Seconds for each generated instance
+    /// Stop after this many seconds on each generated instance
     #[arg(long, default_value_t = 60)]
     generated_limit: u64,
-    /// Seconds for each run of the peer
+    /// Stop each run of the peer after this many seconds
     #[arg(long, default_value_t = 120)]
     peer_limit: u64,
-    /// Keep measurements in this file, one JSON object an instance, and use those in it
+    /// Keep measurements in this file, one JSON object per instance, and reuse those that it has
     #[arg(long, value_name = "FILE")]
     measured: Option<PathBuf>,
-    /// Only instances with this text in their names
+    /// Measure only instances with this text in their names
     #[arg(long, default_value = "", value_name = "TEXT")]
     only: String,
-    /// Measure nothing new after this many seconds
+    /// Start no measurement after this many seconds
     #[arg(long, value_name = "SECONDS")]
     r#for: Option<f64>,
-    /// Document with the sections [default: docs/results/multicut.md]
+    /// Write into the sections of this document [default: docs/results/multicut.md]
     #[arg(short, long)]
     output: Option<PathBuf>,
 }

@@ -17,25 +17,25 @@ use xtask::workspace::{root, target};
 
 use crate::Verdict;
 
-/// Measure posecut-optimize, beside other optimisers too, and regenerate the tables of docs/results/optimize.md
+/// Measure posecut-optimize and other optimisers, and regenerate the tables of docs/results/optimize.md
 ///
-/// Wants POSECUT_SHARED_DATA (the graphs in g2o/ and false_closures/), the release programs, for the part `growth` `cargo build
-/// --release -p posecut-optimize --benches`, and for the part `peers` crates/optimize/peers built to target/peers or to the folder
-/// that PEERS names, and gtsam. Every process runs on one processor. Results are collected in target/comparison.json, so that you can
-/// make a long measurement in parts. LIMIT names the seconds that a process may take (40), MOST_WITH_TWO the poses of the largest
-/// generated graph that is measured with two threads, too (300000).
+/// Needs POSECUT_SHARED_DATA (the graphs in g2o/ and false_closures/) and the release programs. The part `growth` needs `cargo build
+/// --release -p posecut-optimize --benches`; the part `peers` needs gtsam, and crates/optimize/peers built in target/peers or in the
+/// folder that PEERS names. Every process runs on one processor. Results are collected in target/comparison.json, so that you can
+/// split a long measurement. LIMIT is the time limit of a process in seconds (40), MOST_WITH_TWO the largest number of poses of a
+/// generated graph that is also measured with two threads (300000).
 #[derive(Args)]
 pub(crate) struct Optimize {
-    /// Graphs, by name, separated by commas [default: all]
+    /// Measure these graphs, separated by commas [default: all]
     #[arg(long, value_delimiter = ',')]
     only: Vec<String>,
-    /// What to measure
+    /// Measure these parts, separated by commas
     #[arg(long, value_delimiter = ',', default_values = ["peers", "process", "growth", "robust", "phases"])]
     parts: Vec<Part>,
-    /// Of generated graphs, those of so many poses
+    /// Measure only generated graphs with these numbers of poses, separated by commas [default: all]
     #[arg(long, value_delimiter = ',')]
     sizes: Vec<u64>,
-    /// Regenerate the tables from what was measured before
+    /// Regenerate the tables from earlier measurements
     #[arg(long)]
     no_measure: bool,
 }
@@ -50,7 +50,7 @@ enum Part {
     Growth,
     /// Robust kernels and GNC on graphs with false closures
     Robust,
-    /// What the processor gives at most, beside what `process` found
+    /// The limits of the processor, compared with the measurements of `process`
     Phases,
 }
 
@@ -80,7 +80,8 @@ impl Results {
         let mut map = &mut self.parts;
         for name in outer {
             let inner = map.entry(*name).or_insert_with(|| Value::Object(Map::new()));
-            map = inner.as_object_mut().with_context(|| format!("comparison.json: {name} is no object"))?;
+            map =
+                inner.as_object_mut().with_context(|| format!("comparison.json: {name} is not an object"))?;
         }
         map.insert((*last).to_owned(), serde_json::to_value(found)?);
         std::fs::write(&self.path, serde_json::to_string_pretty(&self.parts)?)
@@ -90,7 +91,7 @@ impl Results {
     /// The measurement with this name, if there is one.
     fn part<T: serde::de::DeserializeOwned>(&self, name: &str) -> anyhow::Result<Option<T>> {
         let found = self.parts.get(name).cloned().map(serde_json::from_value).transpose();
-        found.with_context(|| format!("comparison.json: {name} lacks what its table shows"))
+        found.with_context(|| format!("comparison.json: {name} lacks fields of its table; measure it again"))
     }
 }
 
@@ -172,7 +173,7 @@ fn tables(results: &Results, graphs: &[(String, f64)]) -> anyhow::Result<Vec<(&'
 /// The lowest known cost of a graph.
 fn best(graphs: &[(String, f64)], name: &str) -> anyhow::Result<f64> {
     let known = graphs.iter().find(|(known, _)| known == name);
-    known.map(|(_, cost)| *cost).with_context(|| format!("the lowest cost of {name} is not known"))
+    known.map(|(_, cost)| *cost).with_context(|| format!("the lowest cost of {name} is unknown"))
 }
 
 /// A JSON object as a list in the order of the file.

@@ -18,14 +18,14 @@ use crate::process::{Ended, measure, shown};
 
 /// Measure posecut-pcm on drawn scenarios: seconds, memory, precision and recall
 ///
-/// Regenerates the section `bench` of docs/results/pcm.md. A size can be measured at a time: rows of other sizes stay. Needs
+/// Regenerates the section `bench` of docs/results/pcm.md. You can measure single sizes: the rows of other sizes stay. Needs
 /// `cargo build --release -p posecut-pcm --example measure`. `make pcm-gates` regenerates the table of graphs with false closures.
 #[derive(Args)]
 pub(crate) struct Pcm {
-    /// Numbers of candidates
+    /// Measure with these numbers of candidates
     #[arg(long, num_args = 1.., default_values_t = [100, 1000, 5000, 10_000, 20_000, 100_000])]
     sizes: Vec<u64>,
-    /// Document with a section `bench` [default: docs/results/pcm.md]
+    /// Write into the section `bench` of this document [default: docs/results/pcm.md]
     #[arg(short, long)]
     output: Option<PathBuf>,
 }

@@ -19,17 +19,17 @@ use crate::twister::Twister;
 /// Count branchings, fixed edges and packed wheels in the certificates of posecut-partition
 ///
 /// Runs every program on the small instances of $POSECUT_SHARED_DATA/multicut, on generated graphs of 1,000 viewpoints, and on
-/// complete and on sparse random graphs with costs drawn evenly from -1 to 1. To see what a change gains, name a build from before
-/// and one from after it. The first program verifies each certificate.
+/// complete and on sparse random graphs with costs drawn uniformly from -1 to 1. To measure the effect of a change, name a build from
+/// before and one from after it. The first program verifies each certificate.
 #[derive(Args)]
 pub(crate) struct Proofs {
-    /// A program [default: the release build, as "now"]
+    /// Measure this program; may be repeated [default: the release build, as "now"]
     #[arg(long, value_name = "NAME=PATH")]
     program: Vec<String>,
-    /// Seconds for each instance
+    /// Stop after this many seconds on each instance
     #[arg(long, default_value_t = 10)]
     time_limit: u32,
-    /// Put the table into the section `wheels` of a document
+    /// Write the table into the section `wheels` of this document
     #[arg(long, value_name = "FILE")]
     write: Option<PathBuf>,
 }

@@ -17,10 +17,10 @@ use session::statistics;
 
 /// Compare simulated sessions with real NCLT sessions, statistic by statistic
 ///
-/// Each directory holds one directory a session, named by its date, with NCLT's CSV files. Prints a Markdown table: real sessions on
-/// the left, simulated ones on the right, `–` where a session lacks the file.
+/// Each directory contains one directory per session, named by its date, with the CSV files of NCLT. Prints a Markdown table: real
+/// sessions on the left, simulated ones on the right, `–` if a session lacks the file.
 ///
-/// How the figures are taken, the same on both sides:
+/// The figures are computed in the same way on both sides:
 ///
 /// - Everything is planar: x north, y east, heading. Rows with NaN and rows whose time does not advance are left out.
 ///
@@ -42,7 +42,7 @@ use session::statistics;
 pub(crate) struct Simulation {
     nclt: PathBuf,
     simulated: PathBuf,
-    /// Put the table into crates/simulate/README.md
+    /// Write the table into crates/simulate/README.md
     #[arg(long)]
     write: bool,
 }
@@ -73,7 +73,7 @@ impl Simulation {
 fn sessions(directory: &Path) -> anyhow::Result<Vec<(String, Statistics)>> {
     if !directory.is_dir() {
         bail!(
-            "{}: is no directory; name the one that holds a directory for each session",
+            "{}: is not a directory; name the one that contains a directory for each session",
             directory.display()
         );
     }
@@ -87,11 +87,14 @@ fn sessions(directory: &Path) -> anyhow::Result<Vec<(String, Statistics)>> {
         let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
         match statistics(folder, &name)? {
             Some(values) => found.push((name, values)),
-            None => eprintln!("{}: no usable groundtruth_{name}.csv, left out", folder.display()),
+            None => eprintln!(
+                "{}: skipped, because groundtruth_{name}.csv is missing or unusable",
+                folder.display()
+            ),
         }
     }
     if found.is_empty() {
-        bail!("{}: there is no session with ground truth in it", directory.display());
+        bail!("{}: contains no session with ground truth", directory.display());
     }
     Ok(found)
 }

@@ -18,25 +18,25 @@ use crate::numbers::{general, median};
 use crate::process::{Ended, measure, shown};
 use graphs::{FIVE_SESSIONS, graphs};
 
-/// Measure posecut-verify beside posecut-pcm: seconds and memory of whole processes
+/// Measure posecut-verify and posecut-pcm: seconds and memory of whole processes
 ///
-/// Regenerates the section `speed` of docs/results/verify-speed.md. A size can be measured at a time: rows of other sizes stay.
+/// Regenerates the section `speed` of docs/results/verify-speed.md. You can measure single sizes: the rows of other sizes stay.
 /// Needs the release programs and `cargo build --release -p posecut-pcm --example draw`.
 #[derive(Args)]
 pub(crate) struct Verify {
-    /// Numbers of candidates; 41142 is five whole NCLT sessions, where there is data
+    /// Measure with these numbers of candidates; 41142 is five whole NCLT sessions and needs their data
     #[arg(long, num_args = 1.., default_values_t = GOALS.map(|(size, _)| size))]
     sizes: Vec<u64>,
-    /// Runs of each process; the table has their medians
+    /// Run each process this many times; the table shows medians
     #[arg(long, default_value_t = 5)]
     repeats: usize,
-    /// Seconds after which a process is stopped
+    /// Stop a process after this many seconds
     #[arg(long, default_value_t = 120.0)]
     limit: f64,
-    /// Directory of NCLT sessions [default: nclt/ in $POSECUT_SHARED_DATA or ../shared/data]
+    /// Read NCLT sessions from this directory [default: nclt/ in $POSECUT_SHARED_DATA or ../shared/data]
     #[arg(long)]
     nclt: Option<PathBuf>,
-    /// Document with a section `speed` [default: docs/results/verify-speed.md]
+    /// Write into the section `speed` of this document [default: docs/results/verify-speed.md]
     #[arg(short, long)]
     output: Option<PathBuf>,
 }

@@ -34,7 +34,7 @@ pub(super) fn table(first: &Path, second: &Path) -> anyhow::Result<String> {
     let after: HashMap<Key, f64> = runs(second)?.into_iter().collect();
     if before.len() != after.len() || before.iter().any(|(run, _)| !after.contains_key(run)) {
         bail!(
-            "{} and {} are of different runs; make both with the same sessions, seeds and methods",
+            "{} and {} contain different runs; compute both with the same sessions, seeds and methods",
             first.display(),
             second.display()
         );

@@ -32,7 +32,8 @@ impl<B: BufRead> Checker<B> {
                 };
                 *left -= weight;
                 if *left < -ROUNDING * cost {
-                    return Err(self.refute(format!("edge {tail} {head} is packed beyond its cost")));
+                    return Err(self
+                        .refute(format!("the weights on edge {tail} {head} add up to more than its cost")));
                 }
                 *left = left.max(0.0);
             }

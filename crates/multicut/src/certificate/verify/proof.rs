@@ -41,7 +41,7 @@ impl<B: BufRead> Checker<B> {
     /// The word at a position as a number.
     pub(crate) fn number<T: std::str::FromStr>(&self, place: usize) -> Result<T, VerifyError> {
         let word = self.words.get(place).map(|word| word.parse());
-        word.and_then(Result::ok).ok_or_else(|| self.refute(format!("word {} is no number", place + 1)))
+        word.and_then(Result::ok).ok_or_else(|| self.refute(format!("word {} is not a number", place + 1)))
     }
 
     /// The numbers after a keyword.
@@ -72,7 +72,9 @@ impl<B: BufRead> Checker<B> {
             let names =
                 (2..self.words.len()).map(|place| self.number(place)).collect::<Result<Vec<u32>, _>>()?;
             let mut part = if self.words[1] == "-" {
-                whole.take().ok_or_else(|| self.refute("only the first piece is the whole".into()))?
+                whole
+                    .take()
+                    .ok_or_else(|| self.refute("only the first piece can be the whole component".into()))?
             } else {
                 let parent: usize = self.number(1)?;
                 let parent = parts.get_mut(parent).ok_or_else(|| VerifyError::Refuted {

@@ -110,7 +110,7 @@ impl<'a> Inputs<'a> {
         let (before, after) = line
             .split_once("\"seed\":")
             .and_then(|(before, rest)| Some((before, rest.trim_start().strip_prefix('1')?)))
-            .context("posecut-evaluate writes no label seed=1")?;
+            .context("the result of posecut-evaluate has no label seed=1")?;
         let mut file = std::io::BufWriter::new(std::fs::File::create(path)?);
         for seed in 0..size {
             writeln!(file, "{before}\"seed\":{seed}{after}")?;
@@ -156,7 +156,7 @@ impl<'a> Inputs<'a> {
 /// Draws the graph in a separate process. Otherwise its memory would count towards the peak of the programs that this
 /// process starts.
 fn drawn_apart(nodes: usize, path: &Path) -> anyhow::Result<()> {
-    let own = std::env::current_exe().context("this program's own path is not known")?;
+    let own = std::env::current_exe().context("the path of this program is unknown")?;
     run(Command::new(own).args(["measure", "graph", &nodes.to_string()]).arg(path))?;
     Ok(())
 }

@@ -99,7 +99,7 @@ fn solve(path: &Path, solver: &str, limit: u64, folder: &Path) -> anyhow::Result
     found
         .map(serde_json::from_value)
         .transpose()
-        .context("posecut-partition --stats lacks what the tables show")
+        .context("the output of posecut-partition --stats lacks fields of the tables")
 }
 
 fn solve_by_peer(python: &Path, path: &Path, solver: &str, limit: u64) -> anyhow::Result<Option<Peer>> {
@@ -109,7 +109,7 @@ fn solve_by_peer(python: &Path, path: &Path, solver: &str, limit: u64) -> anyhow
     found
         .map(serde_json::from_value)
         .transpose()
-        .context("scripts/peer-bioimage.py lacks what the tables show")
+        .context("the output of scripts/peer-bioimage.py lacks fields of the tables")
 }
 
 /// Measures an instance.

@@ -64,7 +64,7 @@ fn peers_program() -> anyhow::Result<PathBuf> {
     let program = root().join(folder).join("release/posecut-optimize-peers");
     if !program.exists() {
         bail!(
-            "{} is missing; build crates/optimize/peers with --target-dir target/peers, or let PEERS name the folder",
+            "{} is missing; build crates/optimize/peers with --target-dir target/peers, or set PEERS to its folder",
             program.display()
         );
     }

@@ -15,8 +15,8 @@ const PHASES: [&str; 5] = ["analysis", "start", "linearisation", "factorisation"
 /// Measures Gflop/s of large dense products and Gbyte/s of sums of two long vectors, on one core.
 pub(super) fn measure(results: &mut Results) -> anyhow::Result<()> {
     let output = Pinned::new(&python(&["numpy"])?, 1).path(script("numpy")).must()?.output;
-    let peak: BTreeMap<String, f64> = serde_json::from_slice(&output)
-        .context("scripts/peer-numpy.py prints something else than figures")?;
+    let peak: BTreeMap<String, f64> =
+        serde_json::from_slice(&output).context("scripts/peer-numpy.py does not print figures")?;
     results.keep(&["peak"], peak)
 }
 

@@ -21,7 +21,7 @@ pub(super) fn given(name: &str, default: f64) -> anyhow::Result<f64> {
         Err(_) => Ok(default),
         Ok(text) => match text.parse() {
             Ok(number) => Ok(number),
-            Err(_) => bail!("{name}={text}: is no number"),
+            Err(_) => bail!("{name}={text}: is not a number"),
         },
     }
 }
