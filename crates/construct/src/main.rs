@@ -5,16 +5,16 @@ use std::process::ExitCode;
 use clap::Parser;
 use posecut_construct::{Construction, Landmarks, MatchMeasurement, Options, construct, read_matches};
 use posecut_stage::{
-    CommonArguments, Context, Doubt, Identity, Outcome, Phase, Place, Source, info, run_with_doubts,
+    CommonArguments, Context, Doubt, Identity, Outcome, Phase, Place, Source, counted, info, run_with_doubts,
 };
 
 #[derive(Parser)]
 struct Command {
-    /// Session graphs (JSON Lines, may be compressed); one is split into two experiences, several are joined
+    /// Read these session graphs (JSON Lines, may be compressed): a single one is split into two experiences, several are joined
     #[arg(value_name = "SESSION", default_value = "-")]
     sessions: Vec<Source>,
 
-    /// Take landmark edges from a place recogniser's list instead: CSV, frame i, frame j, score
+    /// Take landmark edges from this list of a place recogniser instead of ground truth: CSV of frame i, frame j, score
     #[arg(long, value_name = "FILE", help_heading = "Landmark edges from a list")]
     matches: Option<Source>,
 
@@ -76,12 +76,15 @@ fn report(construction: &Construction, landmarks: &Landmarks, options: &Options,
     statistics.note("incorrect_edges", counts.incorrect_edges);
     match landmarks {
         Landmarks::Truth => {
-            info!("{} correct landmark edges, {} incorrect", counts.correct_edges, counts.incorrect_edges);
+            info!(
+                "added {} correct and {} incorrect landmark edges",
+                counts.correct_edges, counts.incorrect_edges
+            );
             statistics.note("incorrect_kind", options.incorrect_kind);
         }
-        Landmarks::Matches { matches, .. } => info!(
-            "{} matches, of which {} are correct and {} incorrect by ground truth",
-            matches.len(),
+        Landmarks::Matches { .. } => info!(
+            "added {} from the list: {} correct and {} incorrect by ground truth",
+            counted(counts.landmark_edges, "landmark edge"),
             counts.correct_edges,
             counts.incorrect_edges
         ),
@@ -98,13 +101,9 @@ fn doubt(landmarks: &Landmarks, options: &Options, context: &mut Context) {
         context.doubt(
             Doubt::CovarianceInvented,
             format!(
-                "the list of matches has no covariances, so {} the identity within {} m and {} rad; set \
+                "the list of matches has no covariances, so the standard deviations of {} are invented ({} m, {} rad); set \
                  --landmark-sigma-translation and --landmark-sigma-rotation to the spacing of viewpoints",
-                if matches.len() == 1 {
-                    "1 edge claims".to_owned()
-                } else {
-                    format!("{} edges claim", matches.len())
-                },
+                counted(matches.len(), "landmark edge"),
                 options.landmark_sigma_translation,
                 options.landmark_sigma_rotation
             ),

@@ -16,9 +16,9 @@ use crate::{ConstructError, Options};
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum MatchMeasurement {
-    /// Nothing: the edges have no measurement, and only the multicut uses them
+    /// No measurement: only the multicut uses such edges
     None,
-    /// That they are the same, within the standard deviations of landmark edges
+    /// The identity, with the standard deviations of landmark edges
     Identity,
 }
 
@@ -85,7 +85,7 @@ impl Columns {
                     file,
                     line,
                     format!("the header has no column \"{name}\""),
-                    "name the columns frame_i,frame_j,score (and session_i,session_j), or leave the header out",
+                    "name the columns frame_i,frame_j,score (and session_i,session_j), or remove the header",
                 )
             })
         };
@@ -104,7 +104,7 @@ impl Columns {
                 refused(
                     file,
                     line,
-                    format!("{name} is \"{field}\", and must be a whole number"),
+                    format!("{name} is \"{field}\", but must be a whole number"),
                     "correct the line",
                 )
             })
@@ -120,7 +120,7 @@ impl Columns {
                     refused(
                         file,
                         line,
-                        format!("score is \"{field}\", and must be a finite number"),
+                        format!("score is \"{field}\", but must be a finite number"),
                         "correct the line",
                     )
                 })?)
@@ -158,8 +158,8 @@ fn add<G: Headed<DOF>, const DOF: usize>(
             return Err(refused(
                 file,
                 entry.line,
-                format!("the same two frames are matched on line {first}"),
-                "keep one of the two lines",
+                format!("the same two frames are already matched on line {first}"),
+                "delete one of the two lines",
             ));
         }
         edges.push((key, entry.score));
@@ -225,7 +225,7 @@ impl Frames {
                             file,
                             entry.line,
                             format!("there is no session \"{name}\""),
-                            format!("the sessions are {}", self.sessions.join(", ")),
+                            format!("use one of {}", self.sessions.join(", ")),
                         )
                     })?)
                 }
@@ -241,7 +241,7 @@ impl Frames {
                         file,
                         entry.line,
                         format!("no node has frame {}", frame.number),
-                        "give frames as the nodes of the session graphs number them, after down-sampling",
+                        "use the frame numbers of the session graphs, after down-sampling",
                     ));
                 }
                 (Some(_), Some(_)) => {

@@ -15,9 +15,9 @@ use crate::Options;
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum NoiseKind {
-    /// Normal
+    /// The normal distribution
     Gaussian,
-    /// Student's t with 3 degrees of freedom and the Gaussian's covariance as scale matrix, so that the standard
+    /// Student's t distribution with 3 degrees of freedom and the normal covariance as scale matrix: the standard
     /// deviations are sqrt(3) times as large
     StudentT,
 }

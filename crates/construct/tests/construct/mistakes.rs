@@ -112,7 +112,12 @@ fn more_near_misses_than_there_are_pairs_are_refused() {
         ..options()
     };
     let error = construct(vec![rounds("s", 314)], &asked).unwrap_err().to_string();
-    assert!(error.contains("near miss") && error.contains("lower --incorrect-rate"), "{error}");
+    assert!(
+        error.contains("157 of 8949")
+            && error.contains("near-miss")
+            && error.contains("decrease --incorrect-rate"),
+        "{error}"
+    );
 }
 
 #[test]
