@@ -101,9 +101,9 @@ fn keyframes(
         return Err(IngestError::session(
             files.place(),
             format!(
-                "its odometry covers {first} to {last} us, {periods} periods, which is no drive but a clock that jumps"
+                "its odometry covers {first} to {last} us, {periods} periods: too long for a drive, so its clock jumps"
             ),
-            "correct the stamps in the first column, or lengthen --period",
+            "correct the times in the first column, or increase --period",
         ));
     }
     let all = keyframe_times(clock, period, options.keep_every as usize, first, last);
@@ -111,18 +111,19 @@ fn keyframes(
     if times.len() < all.len() {
         (reader.report)(Event::Warning(Warning::KeyframesInGaps {
             place: files.place().to_owned(),
-            keyframes: all.len() - times.len(),
+            left_out: all.len() - times.len(),
+            keyframes: all.len(),
         }));
     }
     if times.len() < 2 {
         return Err(IngestError::session(
             files.place(),
             format!(
-                "{} keyframes remain of {} images or periods, and a session needs two",
+                "too few keyframes: {} of {} images or periods, but a session needs 2",
                 times.len(),
                 all.len()
             ),
-            "keep more with --keep-every, or check that images and odometry are of the same session",
+            "decrease --keep-every, and make sure that images and odometry belong to the same session",
         ));
     }
     (reader.report)(Event::Chosen(Choice::Keyframes {

@@ -4,7 +4,7 @@
 #[derive(Debug, thiserror::Error)]
 pub enum IngestError {
     /// An option has a meaningless value.
-    #[error("{option} is {value}, and must be a positive number")]
+    #[error("{option} is {value}, but must be a positive number")]
     Option {
         /// The option.
         option: &'static str,

@@ -68,7 +68,9 @@ pub enum Warning {
     KeyframesInGaps {
         /// The session's directory or archive.
         place: String,
-        /// Number of keyframes.
+        /// Number of keyframes left out.
+        left_out: usize,
+        /// Number of all keyframes.
         keyframes: usize,
     },
     /// The odometry has gaps.
@@ -92,7 +94,7 @@ impl fmt::Display for Choice {
                 write!(formatter, "heading from {} (choose another with --heading)", kind.file_name())
             }
             Self::Keyframes { number, keep_every, clock } => {
-                write!(formatter, "{number} keyframes, one of {keep_every} by {}", clock.name())
+                write!(formatter, "{number} keyframes timed by {} (--keep-every {keep_every})", clock.name())
             }
         }
     }
@@ -102,24 +104,27 @@ impl fmt::Display for Warning {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::DroppedRows { file, rows, first_reversal } => {
-                write!(formatter, "{file}: {rows} rows left out (NaN, or time not advancing)")?;
+                write!(formatter, "{file}: skipped {rows} of its rows (NaN, or time not advancing)")?;
                 first_reversal
-                    .map_or(Ok(()), |line| write!(formatter, "; time first fails to advance in line {line}"))
+                    .map_or(Ok(()), |line| write!(formatter, "; time first does not advance in line {line}"))
             }
             Self::NoTruth { place } => write!(
                 formatter,
-                "{place}: there is no ground truth (groundtruth_DATE.csv); nothing can be evaluated"
+                "{place}: there is no ground truth (groundtruth_DATE.csv), so nothing can be evaluated; name it with --ground-truth"
             ),
             Self::FrozenTruth { place, rows } => write!(
                 formatter,
-                "{place}: {rows} rows of ground truth left out at its ends: they repeat one pose while the odometry moves"
+                "{place}: skipped {rows} of the rows of ground truth, at its ends: they repeat one pose while the odometry moves"
             ),
-            Self::KeyframesInGaps { place, keyframes } => write!(
-                formatter,
-                "{place}: {keyframes} keyframes fall into gaps of the odometry and are left out"
-            ),
+            Self::KeyframesInGaps { place, left_out, keyframes } => {
+                write!(
+                    formatter,
+                    "{place}: skipped {left_out} of {keyframes} keyframes, in gaps of the odometry"
+                )
+            }
             Self::Gaps { session, gaps, longest_silence } => {
-                write!(formatter, "{session}: the odometry has {gaps} gaps longer than {longest_silence} s")
+                let gap = if *gaps == 1 { "gap" } else { "gaps" };
+                write!(formatter, "{session}: the odometry has {gaps} {gap} longer than {longest_silence} s")
             }
         }
     }

@@ -12,15 +12,15 @@ use posecut_stage::{
 
 #[derive(Parser)]
 struct Command {
-    /// The session: a directory with NCLT's CSV files, or its DATE_sen.tar.gz
+    /// Read this session: a directory with NCLT's CSV files, or its DATE_sen.tar.gz
     #[arg(value_name = "SESSION")]
     session: PathBuf,
 
-    /// The ground-truth file, if it does not lie in the directory or beside the archive
+    /// Read ground truth from this file [default: groundtruth_DATE.csv in the directory or beside the archive]
     #[arg(long, value_name = "FILE")]
     ground_truth: Option<PathBuf>,
 
-    /// A folder of images named UTIME.tiff that set the keyframes; lb3/Cam5 in the directory is found by itself
+    /// Take the times of keyframes from the names of the images in this directory, UTIME.tiff [default: lb3/Cam5 in the session, if there is one]
     #[arg(long, value_name = "DIRECTORY")]
     images: Option<PathBuf>,
 
@@ -67,8 +67,9 @@ fn main() -> ExitCode {
                 context.doubt(
                     Doubt::CovarianceInvented,
                     format!(
-                        "the covariances of odometry are not all given, so each step claims {translation} m and {rotation} rad; \
-                         give both --sigma-translation and --sigma-rotation, or put odometry_cov.csv beside the odometry"
+                        "the covariances of odometry are not all given, so each step has standard deviations of {translation} m and \
+                         {rotation} rad; set both --sigma-translation and --sigma-rotation, or put odometry_cov.csv beside the \
+                         odometry"
                     ),
                 );
             }

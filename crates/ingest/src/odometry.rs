@@ -15,7 +15,7 @@ use crate::{Choice, Event, FileKind, IngestError, Options, SessionFiles, Table, 
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum OdometrySource {
-    /// The first of the following that is there
+    /// The first available one of the following
     Auto,
     /// odometry_mu.csv: poses relative to the previous image
     Relative,
@@ -30,7 +30,7 @@ pub enum OdometrySource {
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum HeadingSource {
-    /// The first of the following that is there
+    /// The first available one of the following
     Auto,
     /// kvh.csv: the fibre-optic gyro
     Kvh,
@@ -124,7 +124,7 @@ fn choose(reader: &mut Reader<'_>, wanted: OdometrySource) -> Result<OdometrySou
         return Err(IngestError::session(
             files.place(),
             format!("there is no odometry; found {}", files.found()),
-            "one of odometry_mu.csv, odometry_mu_100hz.csv or wheels.csv is needed; scripts/fetch-nclt.sh downloads them",
+            "add odometry_mu.csv, odometry_mu_100hz.csv or wheels.csv; scripts/fetch-nclt.sh downloads them",
         ));
     };
     (reader.report)(Event::Chosen(Choice::Odometry(kind)));

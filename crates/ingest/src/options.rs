@@ -8,44 +8,46 @@ use crate::{HeadingSource, IngestError, OdometrySource};
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct Options {
-    /// Name of the session in the graph; its date unless given
+    /// Set the session's name in the graph [default: its date]
     #[cfg_attr(feature = "cli", arg(long, value_name = "NAME"))]
     pub name: Option<String>,
 
-    /// 2: poses in the ground plane (x north, y east, heading); 3: six degrees of freedom
+    /// Write poses in the ground plane (2: x north, y east, heading) or in space (3: six degrees of freedom)
     #[cfg_attr(feature = "cli", arg(long, value_name = "2|3", default_value_t = Options::DEFAULT.dimension, value_parser = clap::value_parser!(u64).range(2..=3)))]
     pub dimension: u64,
 
-    /// Where the odometry comes from
+    /// Choose the source of the odometry
     #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t = Options::DEFAULT.odometry, help_heading = "Odometry"))]
     pub odometry: OdometrySource,
 
-    /// Where the heading comes from when the wheels give the odometry
+    /// Choose the source of the heading for odometry from the wheels
     #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t = Options::DEFAULT.heading, help_heading = "Odometry"))]
     pub heading: HeadingSource,
 
-    /// Multiply the way that the odometry reports by this factor, whatever its source: 1.07 for wheels that over-read by
-    /// 7 %, 0.93 to correct NCLT's wheels
+    /// Multiply the distances that the odometry reports by this factor, whatever its source.
+    ///
+    /// For example, 0.93 corrects wheels that over-read by 7 %, as NCLT's do, and 1.07 makes exact odometry over-read by
+    /// 7 %.
     #[cfg_attr(feature = "cli", arg(long, value_name = "FACTOR", default_value_t = Options::DEFAULT.wheel_scale, help_heading = "Odometry"))]
     pub wheel_scale: f64,
 
-    /// Standard deviation of each translation axis, metres per keyframe step; overrides odometry_cov*.csv
+    /// Set the standard deviation of each translation axis, metres per keyframe step, instead of reading odometry_cov*.csv
     #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", help_heading = "Odometry"))]
     pub sigma_translation: Option<f64>,
 
-    /// Standard deviation of each rotation axis, radians per keyframe step; overrides odometry_cov*.csv
+    /// Set the standard deviation of each rotation axis, radians per keyframe step, instead of reading odometry_cov*.csv
     #[cfg_attr(feature = "cli", arg(long, value_name = "RADIANS", help_heading = "Odometry"))]
     pub sigma_rotation: Option<f64>,
 
-    /// Keep every N-th image (the paper: 10, from 5 Hz to 0.5 Hz)
+    /// Keep every N-th image as a keyframe (the paper's 10 reduces 5 Hz to 0.5 Hz)
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Options::DEFAULT.keep_every, value_parser = clap::value_parser!(u32).range(1..), help_heading = "Keyframes"))]
     pub keep_every: u32,
 
-    /// Seconds between images where neither images nor odometry_mu.csv tell
+    /// Set the time between images, seconds, for sessions with neither images nor odometry_mu.csv
     #[cfg_attr(feature = "cli", arg(long, value_name = "SECONDS", default_value_t = Options::DEFAULT.period, help_heading = "Keyframes"))]
     pub period: f64,
 
-    /// A silence longer than this is a gap: nothing is interpolated across it
+    /// Treat a longer silence of a sensor than this as a gap, seconds; nothing is interpolated across a gap
     #[cfg_attr(feature = "cli", arg(long, value_name = "SECONDS", default_value_t = Options::DEFAULT.longest_silence, help_heading = "Keyframes"))]
     pub longest_silence: f64,
 }

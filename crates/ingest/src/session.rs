@@ -194,8 +194,8 @@ impl SessionFiles {
         let broken = |error: std::io::Error| {
             IngestError::session(
                 &path.display().to_string(),
-                format!("it is not a sound tar.gz archive ({error})"),
-                "download it again; scripts/fetch-nclt.sh checks what it fetches",
+                format!("it is not a valid tar.gz archive ({error})"),
+                "download it again with scripts/fetch-nclt.sh, which checks it",
             )
         };
         let expanded = Expansion::new(BufReader::new(file), MultiGzDecoder::new);
@@ -218,10 +218,10 @@ impl SessionFiles {
                 IngestError::session(
                     &path.display().to_string(),
                     format!(
-                        "with its member {name}, its files are larger than {} MiB",
+                        "its files up to {name} have more than {} MiB together, and no NCLT session has",
                         LARGEST_SESSION >> 20
                     ),
-                    "this is not an NCLT archive",
+                    "name an NCLT archive",
                 )
             })?;
             self.files.insert(kind, (name, Place::Member(bytes)));
@@ -245,7 +245,7 @@ fn unknown_session(path: &Path, error: &std::io::Error) -> IngestError {
     let remedy = if neighbours.is_empty() {
         "name a session's directory or its DATE_sen.tar.gz; scripts/fetch-nclt.sh downloads them".to_owned()
     } else {
-        format!("sessions in {}: {}", parent.display(), neighbours.join(", "))
+        format!("use one of the sessions in {}: {}", parent.display(), neighbours.join(", "))
     };
     IngestError::session(&path.display().to_string(), format!("there is no such session ({error})"), remedy)
 }
@@ -274,8 +274,8 @@ fn image_times(directory: &Path) -> Result<Vec<i64>, IngestError> {
     if times.is_empty() {
         return Err(IngestError::session(
             &directory.display().to_string(),
-            "there are no images named by their time",
-            "NCLT's front camera is lb3/Cam5/UTIME.tiff; leave --images out to use another clock",
+            "no image in it is named by its time",
+            "name a directory of UTIME.tiff files (NCLT: lb3/Cam5), or leave --images out",
         ));
     }
     times.sort_unstable();

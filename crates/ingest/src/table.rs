@@ -93,8 +93,8 @@ impl Table {
         if self.rows.is_empty() {
             return Err(IngestError::session(
                 &self.file,
-                format!("there is no usable row ({} were left out)", self.dropped),
-                "download the file again",
+                format!("the file has no usable row (skipped: {})", self.dropped),
+                "download it again",
             ));
         }
         if reversed * LARGEST_REVERSED_SHARE > self.rows.len() + reversed {
@@ -129,7 +129,7 @@ fn parse_row(
             file,
             line,
             format!("expected {} columns, found {}", columns + 1, record.len()),
-            "the line is cut short; download the file again, or delete the line",
+            "download the file again if it is cut short, or delete the line",
         ));
     }
     let number = |column: usize| -> Result<f64, IngestError> {
@@ -139,7 +139,7 @@ fn parse_row(
                 file,
                 line,
                 format!("column {} is \"{field}\", not a number", column + 1),
-                "NCLT's files have no header and only numbers; correct or delete the line",
+                "correct or delete the line: NCLT's files have no header and only numbers",
             )
         })
     };
@@ -162,7 +162,7 @@ fn parse_row(
             file,
             line,
             format!("the time {time} is not in microseconds since 1970"),
-            "NCLT counts microseconds UTC in the first column",
+            "use microseconds UTC in the first column, as NCLT does",
         ));
     }
     Ok(Some((time as i64, row)))
@@ -201,7 +201,9 @@ mod tests {
     fn a_cut_line_is_refused_with_its_line() {
         let error = parse("1,0,0\n2,0\n").unwrap_err().to_string();
         assert!(
-            error.starts_with("wheels.csv, line 2: expected 3 columns, found 2; the line is cut short"),
+            error.starts_with(
+                "wheels.csv, line 2: expected 3 columns, found 2; download the file again if it is cut short"
+            ),
             "{error}"
         );
     }
@@ -217,6 +219,6 @@ mod tests {
     #[test]
     fn a_file_without_usable_rows_is_refused() {
         assert!(parse("").unwrap_err().to_string().contains("no usable row"));
-        assert!(parse("1,nan,0\n").unwrap_err().to_string().contains("1 were left out"));
+        assert!(parse("1,nan,0\n").unwrap_err().to_string().contains("skipped: 1"));
     }
 }

@@ -24,8 +24,8 @@ pub(super) fn dead_reckoning(
     let Some(&(first, _, start)) = covered.first() else {
         return Err(IngestError::session(
             &wheels.file,
-            "no row lies within the times of the heading",
-            "choose another --heading; both files must be of the same session",
+            "no row is within the times of the heading",
+            "choose another --heading, and use files of the same session",
         ));
     };
     let mut trajectory = Trajectory { times: vec![first], poses: vec![start], gaps: Vec::new() };
@@ -59,7 +59,7 @@ fn choose(reader: &mut Reader<'_>, wanted: HeadingSource) -> Result<HeadingSourc
     let Some(&(kind, heading)) = candidates.iter().find(|(kind, _)| files.has(*kind)) else {
         return Err(IngestError::session(
             files.place(),
-            format!("wheels.csv gives speed, but nothing gives a heading; found {}", files.found()),
+            format!("wheels.csv gives speeds, but no file gives a heading; found {}", files.found()),
             "add kvh.csv, ms25_euler.csv or ms25.csv",
         ));
     };
