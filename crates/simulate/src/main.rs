@@ -16,7 +16,7 @@ struct Command {
     #[command(flatten)]
     options: Options,
 
-    /// Replace the output directory if it exists and holds nothing but a simulated session
+    /// Replace the output directory if it contains nothing but a simulated session
     #[arg(long)]
     overwrite: bool,
 
@@ -28,7 +28,7 @@ fn main() -> ExitCode {
     let identity = Identity {
         name: "simulate",
         version: env!("CARGO_PKG_VERSION"),
-        about: "Simulate a session and write NCLT's files into the directory given by -o, named by the session's date",
+        about: "Simulate a session and write it as NCLT files to the directory given by -o, whose name is the session's date",
         place: Place(Phase::Graphs, 10),
     };
     run::<Command>(
@@ -37,13 +37,13 @@ fn main() -> ExitCode {
         |command, context| {
             let Some(directory) = command.common.output.path() else {
                 bail!(
-                    "a session is a directory of files; name it with -o, such as -o data/simulated/2012-01-22"
+                    "a session is a directory, so it cannot go to standard output; name a directory with -o, such as -o data/simulated/2012-01-22"
                 );
             };
             let name = directory
                 .file_name()
                 .map(|name| name.to_string_lossy().into_owned())
-                .with_context(|| format!("{}: has no name to call the session by", directory.display()))?;
+                .with_context(|| format!("{}: does not end in a name for the session; end the path in a date, such as 2012-01-22", directory.display()))?;
             command.options.check()?;
             let summary = write_directory(directory, command.overwrite, is_session_file, |folder| {
                 let session = simulate(&name, &command.options)?;

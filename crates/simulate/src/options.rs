@@ -8,10 +8,10 @@ use crate::Route;
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum OptionError {
     /// Too few or too many rows a second.
-    #[error("--rate is {0}, and must lie between 5 (the camera's) and 200 Hz")]
+    #[error("--rate is {0}, but must be between 5 (the camera's rate) and 200 Hz")]
     Rate(f64),
     /// A drive that is too short or too long.
-    #[error("--length is {0}, and must lie between 50 and 100000 m")]
+    #[error("--length is {0}, but must be between 50 and 100000 m")]
     Length(f64),
 }
 
@@ -19,23 +19,25 @@ pub enum OptionError {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct Options {
-    /// Seed of the session: route, drive and all sensors
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Options::DEFAULT.seed))]
+    /// Set the seed of the session: route, drive and all sensors
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SEED", default_value_t = Options::DEFAULT.seed))]
     pub seed: u64,
 
-    /// Seed of the campus, which sessions to be compared share
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Options::DEFAULT.campus))]
+    /// Set the seed of the campus; use one campus for sessions to be compared
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SEED", default_value_t = Options::DEFAULT.campus))]
     pub campus: u64,
 
-    /// Length of the drive, metres; between 5500 and 6100 by the seed unless given
+    /// Set the length of the drive, metres [default: between 5500 and 6100, by the seed]
     #[cfg_attr(feature = "cli", arg(long, value_name = "METRES"))]
     pub length: Option<f64>,
 
-    /// Which way the robot takes
+    /// Choose the route of the robot
     #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t = Options::DEFAULT.route))]
     pub route: Route,
 
-    /// Rows a second of the fast sensors; NCLT's own rates are 40 to 150, which makes files ten times as large
+    /// Set the rate of the fast sensors, Hz.
+    ///
+    /// NCLT's own rates are 40 to 150 Hz, with files ten times as large.
     #[cfg_attr(feature = "cli", arg(long, value_name = "HZ", default_value_t = Options::DEFAULT.rate))]
     pub rate: f64,
 }
