@@ -18,12 +18,12 @@ use crate::trajectory::{AbsoluteError, Match, RelativeError, align, errors, rela
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Scope {
-    /// One alignment for all poses: a session in the wrong place counts as an error
+    /// One alignment for all poses: a wrong relative pose of two sessions counts as an error
     #[default]
     Joint,
-    /// One alignment a session: only its shape counts
+    /// One alignment per session: only the shape of each counts
     PerSession,
-    /// One alignment for each connected component of the reference; equal to joint where the reference is connected
+    /// One alignment per connected component of the reference: the same as joint if the reference is connected
     PerComponent,
 }
 
@@ -32,8 +32,8 @@ impl Scope {
     pub fn name(self) -> &'static str {
         match self {
             Self::Joint => "all sessions together",
-            Self::PerSession => "each session by itself",
-            Self::PerComponent => "each component of the reference by itself",
+            Self::PerSession => "each session separately",
+            Self::PerComponent => "each component of the reference separately",
         }
     }
 }
@@ -42,19 +42,19 @@ impl Scope {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct Options {
-    /// Motions that the alignment may use; SE(2) for planar graphs and SE(3) for others unless given
+    /// Align by these motions [default: se2 for planar graphs, se3 for spatial graphs]
     #[cfg_attr(feature = "cli", arg(long, value_enum))]
     pub align: Option<Freedom>,
 
-    /// Which poses share one alignment
+    /// Choose which poses share one alignment
     #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t = Options::DEFAULT.scope))]
     pub scope: Scope,
 
-    /// Frames over which relative errors are taken
+    /// Measure relative errors over this many frames
     #[cfg_attr(feature = "cli", arg(long, value_name = "FRAMES", default_value_t = Options::DEFAULT.rpe_delta, value_parser = clap::value_parser!(u32).range(1..)))]
     pub rpe_delta: u32,
 
-    /// NAME=VALUE, kept in the result for tables; may be given several times
+    /// Add this label to the result, for tables; may be repeated
     #[cfg_attr(feature = "cli", arg(long = "label", value_name = "NAME=VALUE"))]
     pub labels: Vec<String>,
 }
@@ -150,7 +150,7 @@ pub fn evaluate(
             hint: if reference.is_some() {
                 ""
             } else {
-                ", and without --reference the nodes must carry truth"
+                ", or name --reference, because the estimate has no ground truth"
             },
         });
     }
