@@ -26,19 +26,19 @@ pub struct GroundTruth {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct Comparison {
-    /// Call an edge correct within this distance of the ground truth, metres; `inf` compares rotations alone
+    /// Label an edge correct if its translation error is below this, metres; `inf` compares rotations alone
     #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", default_value_t = Comparison::DEFAULT.tolerance_translation, help_heading = "Ground truth"))]
     pub tolerance_translation: f64,
 
-    /// Call an edge correct within this angle of the ground truth, degrees
+    /// Label an edge correct if its rotation error is below this, degrees
     #[cfg_attr(feature = "cli", arg(long, value_name = "DEGREES", default_value_t = Comparison::DEFAULT.tolerance_rotation, help_heading = "Ground truth"))]
     pub tolerance_rotation: f64,
 
-    /// Interpolate no ground truth across a longer silence than this, seconds
+    /// Do not interpolate ground truth across a longer silence than this, seconds
     #[cfg_attr(feature = "cli", arg(long, value_name = "SECONDS", default_value_t = Comparison::DEFAULT.longest_silence, help_heading = "Ground truth"))]
     pub longest_silence: f64,
 
-    /// Call an edge incorrect where an end has no ground truth, instead of refusing it
+    /// Label an edge incorrect if an end has no ground truth, instead of failing
     #[cfg_attr(feature = "cli", arg(long, help_heading = "Ground truth"))]
     pub unknown_incorrect: bool,
 }
@@ -66,7 +66,7 @@ impl Comparison {
             ("--longest-silence", self.longest_silence),
         ] {
             if !(value > 0.0) {
-                bail!("{name} is {value}, and must be a positive number");
+                bail!("{name} is {value}, but must be a positive number");
             }
         }
         Ok(())
@@ -107,7 +107,7 @@ impl GroundTruth {
     pub fn of_graph(name: &str, truth: &PoseGraph, dimension: Dimension) -> anyhow::Result<Self> {
         if truth.header.dimension != dimension {
             bail!(
-                "{name}: has dimension {}, the graph {dimension}; both must be alike",
+                "{name}: has dimension {}, but the graph has {dimension}; use ground truth of the same dimension",
                 truth.header.dimension
             );
         }
@@ -137,7 +137,7 @@ pub fn apply(graph: &mut PoseGraph, truth: &GroundTruth, options: &Comparison) -
                 continue;
             }
             bail!(
-                "{}: has no pose of node {node}, which {} joins; complete it, or say --unknown-incorrect to call such edges incorrect",
+                "{}: has no pose of node {node}, an end of {}; complete it, or use --unknown-incorrect to label such edges incorrect",
                 truth.source,
                 described(edge)
             );

@@ -8,13 +8,13 @@ use serde::Serialize;
 use crate::ground_truth::{self, Comparison, GroundTruth};
 use crate::{all_correct, check_labels, pairs, table, zero_measurements};
 
-/// What becomes of the measurements of landmark edges.
+/// The measurements of landmark edges in the output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Measurements {
-    /// They stay as they are
+    /// Those of the input
     Keep,
-    /// All become "the same place", as from a recogniser without geometry
+    /// The identity ("the same place"), as from a recogniser without geometry
     Zero,
 }
 
@@ -22,12 +22,12 @@ pub enum Measurements {
 #[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
 #[group(skip)]
 pub struct Options {
-    /// Take labels from this CSV file: columns i, j and inlier (1 or 0); where there is a column kind, from rows `loop`
+    /// Read labels from this CSV file: columns i, j and inlier (1 or 0); with a column kind, only from its rows `loop`
     #[arg(long, value_name = "FILE", group = "source", help_heading = "Source of labels")]
     #[serde(skip)]
     pub labels: Option<Source>,
 
-    /// Take the correct edges from this list, one pair of node ids a line in either order; all others are incorrect
+    /// Read the correct edges from this list, one pair of node ids per line in either order; all others are incorrect
     #[arg(long, value_name = "FILE", group = "source", help_heading = "Source of labels")]
     #[serde(skip)]
     pub correct_pairs: Option<Source>,
@@ -36,16 +36,16 @@ pub struct Options {
     #[arg(long, group = "source", help_heading = "Source of labels")]
     pub all_correct: bool,
 
-    /// Compare edges with these ground-truth poses: a pose graph (JSON Lines) with the same node ids, or with --times a CSV file of time, x, y, heading
+    /// Compare edges with the ground truth in this file: a pose graph (JSON Lines) with the same node ids or, with --times, a CSV file of time, x, y, heading
     #[arg(long, value_name = "FILE", group = "source", help_heading = "Source of labels")]
     #[serde(skip)]
     pub ground_truth: Option<Source>,
 
-    /// Compare edges with the poses that the nodes have, and keep these as ground truth only
+    /// Compare edges with the poses of the nodes, and move these poses to the ground truth
     #[arg(long, group = "source", help_heading = "Source of labels")]
     pub vertices: bool,
 
-    /// Times of the nodes for --ground-truth, seconds, one a line: the first for node 0
+    /// Read the times of the nodes for --ground-truth from this file, seconds, one per line, node 0 first
     #[arg(long, value_name = "FILE", requires = "ground_truth", help_heading = "Ground truth")]
     #[serde(skip)]
     pub times: Option<Source>,
@@ -55,7 +55,7 @@ pub struct Options {
     #[serde(flatten)]
     pub comparison: Comparison,
 
-    /// What becomes of the measurements of landmark edges
+    /// Choose the measurements of landmark edges in the output
     #[arg(long, value_enum, default_value_t = Measurements::Keep)]
     pub measurements: Measurements,
 }
@@ -86,7 +86,7 @@ impl GraphStage for Options {
         let all = graph.edges_of(EdgeKind::Landmark).count();
         let correct =
             graph.edges_of(EdgeKind::Landmark).filter(|edge| edge.truth_correct() == Some(true)).count();
-        info!("{correct} landmark edges are correct, {} are not", all - correct);
+        info!("{correct} correct and {} incorrect landmark edges", all - correct);
         context.statistics.note("landmark_edges", all);
         context.statistics.note("correct", correct);
         context.statistics.note("incorrect", all - correct);
