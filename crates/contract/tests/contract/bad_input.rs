@@ -1,8 +1,6 @@
 //! Tests that programs refuse impossible input with exit status 2 and a sentence that names position and remedy, and that
 //! they change no file.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use posecut_contract::{run, samples};
 
 /// The programs that read pose graphs from standard input, with the subcommand if there is one.

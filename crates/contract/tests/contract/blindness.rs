@@ -1,7 +1,5 @@
 //! Tests that stages that estimate do not read the truth, and that all stages keep unknown fields and records.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use posecut_contract::{run, samples, succeed};
 use posecut_graph::PoseGraph;
 use serde_json::Value;

@@ -1,7 +1,5 @@
 //! Tests that no program writes two of its outputs to one file.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use posecut_contract::{run, samples};
 
 /// Regression: the graph and the consistency graph silently overwrote each other.

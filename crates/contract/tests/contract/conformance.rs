@@ -1,7 +1,5 @@
 //! Runs posecut-conform, the check for other people's stages, on the stages of this workspace.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use std::thread;
 
 use posecut_contract::{program, run};

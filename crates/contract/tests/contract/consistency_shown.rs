@@ -1,7 +1,5 @@
 //! Tests that reports show the consistency graph on which PCM decided, with any options.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 

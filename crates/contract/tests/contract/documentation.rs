@@ -1,7 +1,5 @@
 //! Tests that the documents about the programs equal their generated documentation.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use posecut_contract::registry::programs;
 use posecut_contract::{program, run};
 use posecut_graph::schema;

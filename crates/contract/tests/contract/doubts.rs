@@ -1,7 +1,5 @@
 //! Tests that a doubtful result is reported on standard error, in `--stats`, in the provenance and by the exit status.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use std::collections::{BTreeMap, BTreeSet};
 
 use posecut_contract::registry::programs;

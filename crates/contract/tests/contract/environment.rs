@@ -1,6 +1,5 @@
 //! Tests that environment variables with hostile values are ignored or give one sentence. docs/environment.md lists them.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![cfg(unix)]
 
 use std::ffi::{OsStr, OsString};

@@ -1,6 +1,5 @@
 //! Tests the failure of every call by which a program writes: the program reports it and leaves complete files or none.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![cfg(unix)]
 
 mod cases;

@@ -1,8 +1,6 @@
 //! Tests that the stages give the recorded results for testdata/graph.jsonl. To change the expectations on purpose, run
 //! `cargo xtask test-data`.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use posecut_contract::{succeed, workspace};
 use posecut_graph::PoseGraph;
 

@@ -1,7 +1,5 @@
 //! Tests that errors of the command line have the form of all other errors.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use posecut_contract::run;
 
 use posecut_contract::registry::table;

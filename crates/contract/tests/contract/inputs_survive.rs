@@ -1,6 +1,5 @@
 //! Tests that no output other than the result replaces an input.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![cfg(unix)]
 
 use std::fs;

@@ -1,6 +1,5 @@
 //! Tests that a program that is ended while it writes leaves the old file and no partial one.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![cfg(unix)]
 
 use std::fmt::Write as _;

@@ -1,7 +1,10 @@
 //! The tests of the contract. They are one program, so that they share the samples and run in parallel.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 mod bad_input;
 mod blindness;
+mod certificates;
 mod colliding_outputs;
 mod conformance;
 mod consistency_shown;
@@ -16,6 +19,8 @@ mod hostile;
 mod inputs_survive;
 mod interruption;
 mod manifests;
+mod metamorphic;
+mod readmission;
 mod schema;
 mod standard_output;
 mod table;

@@ -1,8 +1,6 @@
 //! Tests that a target without tests in `cargo test` (`test = false` in its manifest, to save a second compilation) really
 //! contains none.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use std::path::{Path, PathBuf};
 
 use posecut_contract::workspace;

@@ -1,7 +1,5 @@
 //! Tests that every line of a pose graph that a program writes conforms to the published schema.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use jsonschema::Validator;
 use posecut_contract::{samples, succeed, workspace};
 

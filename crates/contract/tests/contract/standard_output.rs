@@ -1,6 +1,5 @@
 //! Tests that a standard output that accepts nothing is an error.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![cfg(target_os = "linux")]
 
 use std::process::{Command, Output, Stdio};

@@ -1,7 +1,5 @@
 //! Checks every program against the contract of inputs and outputs. The programs declare their rows of the table.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use std::io::Read as _;
 use std::process::{Command, Stdio};
 

@@ -1,7 +1,5 @@
 //! Tests that the number of threads is at most that of the processors.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use crate::table::streams;
 
 /// Regression: with a hundred thousand threads, a program never started.

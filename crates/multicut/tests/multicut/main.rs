@@ -1,0 +1,14 @@
+//! The tests of the multicut, in one program: linking takes longer than most of them.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test fails by panicking, and says what it skips"
+)]
+
+mod exhaustive;
+mod instances;
+mod invariance;
+mod program;
+mod support;
+mod wheels;
