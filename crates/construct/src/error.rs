@@ -6,7 +6,7 @@ use crate::IncorrectKind;
 #[derive(Debug, thiserror::Error)]
 pub enum ConstructError {
     /// An option has a meaningless value.
-    #[error("{option} is {value}, and must be {expected}")]
+    #[error("{option} is {value}, but must be {expected}")]
     Option {
         /// The option.
         option: &'static str,
@@ -37,12 +37,12 @@ pub enum ConstructError {
     },
     /// No node of some session has ground truth.
     #[error(
-        "no node of the graph has truth, so nobody knows which viewpoints see the same place; ingest the session together with its ground truth"
+        "no node of the graph has ground truth, so landmark edges cannot be constructed; ingest the sessions with their ground truth"
     )]
     NoTruth,
     /// The experiences never come near each other.
     #[error(
-        "no two viewpoints of different experiences lie within {radius} m and {heading} degrees of heading, so there is no landmark edge to construct; widen --radius or --heading, or take sessions that overlap"
+        "no two viewpoints of different experiences are within {radius} m and {heading} degrees of heading, so there are no landmark edges to construct; increase --radius or --heading, or use sessions that overlap"
     )]
     NoOverlap {
         /// The radius, metres.
@@ -52,7 +52,7 @@ pub enum ConstructError {
     },
     /// There are fewer correct edges than requested.
     #[error(
-        "--correct-edges asks for {wanted} correct landmark edges, but only {found} pairs of viewpoints are spatially similar; lower it, or widen --radius or --heading"
+        "--correct-edges is {wanted}, but the sessions give only {found}; decrease it, or increase --radius or --heading"
     )]
     TooFewCorrectEdges {
         /// Number of requested edges.
@@ -62,7 +62,7 @@ pub enum ConstructError {
     },
     /// There are fewer odometry edges than requested.
     #[error(
-        "--odometry-gaps asks for {wanted} gaps, but the graph has only {found} odometry edges; lower it"
+        "--odometry-gaps is {wanted}, but must be at most {found}, the number of odometry edges; decrease it"
     )]
     TooFewOdometryEdges {
         /// Number of requested gaps.
@@ -72,8 +72,8 @@ pub enum ConstructError {
     },
     /// There are fewer wrong pairs than requested.
     #[error(
-        "a rate of {rate} asks for {wanted} {} landmark edges, but only {found} were found with --incorrect-distance {distance}; {remedy}",
-        kind.words()
+        "too few incorrect landmark edges were found: {found} of {wanted} (--incorrect-rate {rate}, --incorrect-kind {}, --incorrect-distance {distance}); {remedy}",
+        kind.name()
     )]
     TooFewWrongPairs {
         /// The requested rate.

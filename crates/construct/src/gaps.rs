@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use posecut_graph::connectivity::Forest;
 use posecut_graph::{EdgeKind, PoseGraph};
-use posecut_stage::random;
+use posecut_random::random;
 use rand::seq::SliceRandom as _;
 
 use crate::ConstructError;

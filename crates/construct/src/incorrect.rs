@@ -8,7 +8,7 @@ mod uniform;
 
 use std::collections::HashSet;
 
-use posecut_stage::ChaCha8Rng;
+use posecut_random::ChaCha8Rng;
 use serde::Serialize;
 
 pub(crate) use claims::Claims;
@@ -17,36 +17,36 @@ use crate::viewpoint::{Headed, Viewpoint};
 use crate::{ConstructError, Options};
 
 /// How incorrect landmark edges come about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum IncorrectKind {
-    /// Each by itself, uniform over all pairs of distant viewpoints (the paper's)
+    /// Independent edges, uniform over all pairs of distant viewpoints (the paper's)
     Uniform,
-    /// Perceptual aliasing: a stretch of one experience is taken for a stretch of another, place by place
+    /// Perceptual aliasing: a stretch of one experience is matched to a stretch of another, viewpoint by viewpoint
     Grouped,
-    /// The right neighbourhood, but metres or a good part of a turn off
+    /// Near viewpoints with a pose that is off by metres or by a large angle
     NearMiss,
-    /// Places that repeat: edges all over the map are off by one and the same displacement
+    /// Repeating places: edges all over the map are off by the same displacement
     Corridor,
 }
 
 impl IncorrectKind {
-    pub(crate) fn words(self) -> &'static str {
+    /// The value of `--incorrect-kind`.
+    pub(crate) fn name(self) -> &'static str {
         match self {
-            Self::Uniform => "incorrect",
-            Self::Grouped => "incorrect (grouped)",
-            Self::NearMiss => "incorrect (near miss)",
-            Self::Corridor => "incorrect (corridor)",
+            Self::Uniform => "uniform",
+            Self::Grouped => "grouped",
+            Self::NearMiss => "near-miss",
+            Self::Corridor => "corridor",
         }
     }
 
     fn remedy(self) -> &'static str {
         match self {
-            Self::Uniform | Self::Corridor => "lower --incorrect-rate or --incorrect-distance",
-            Self::Grouped => "lower --incorrect-rate, --incorrect-distance or --group-length",
-            Self::NearMiss => {
-                "lower --incorrect-rate, or widen --incorrect-distance, within which a near miss lies"
-            }
+            Self::Uniform | Self::Corridor => "decrease --incorrect-rate or --incorrect-distance",
+            Self::Grouped => "decrease --incorrect-rate, --incorrect-distance or --group-length",
+            Self::NearMiss => "decrease --incorrect-rate, or increase --incorrect-distance",
         }
     }
 }

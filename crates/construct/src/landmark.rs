@@ -1,7 +1,7 @@
 //! Landmark edges, correct and incorrect, with their measurements.
 
 use posecut_graph::{Edge, EdgeKind, EdgeTruth, PoseGraph, for_dimension};
-use posecut_stage::{Statistics, info, random};
+use posecut_random::random;
 use rand::seq::SliceRandom as _;
 
 use crate::correct::Similarity;
@@ -10,21 +10,31 @@ use crate::noise::{add_noise_model, with_noise};
 use crate::viewpoint::{Headed, viewpoints};
 use crate::{ConstructError, Options};
 
+/// The landmark edges that were added, in numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Counts {
+    /// Nodes with ground truth.
+    pub nodes_with_truth: usize,
+    /// Added landmark edges.
+    pub landmark_edges: usize,
+    /// Those that are correct by ground truth.
+    pub correct_edges: usize,
+    /// Those that are incorrect by ground truth.
+    pub incorrect_edges: usize,
+    /// Mistakes that made several incorrect edges each; `None` if there are none.
+    pub incorrect_groups: Option<usize>,
+}
+
 /// Adds correct edges between spatially similar viewpoints of different experiences, and incorrect ones at the given
 /// rate. Edges are numbered by their nodes, so that an id does not reveal the truth.
-pub fn add_landmark_edges(
-    graph: &mut PoseGraph,
-    options: &Options,
-    statistics: &mut Statistics,
-) -> Result<(), ConstructError> {
-    for_dimension!(graph.header.dimension, |G, DOF| add::<G, DOF>(graph, options, statistics))
+pub fn add_landmark_edges(graph: &mut PoseGraph, options: &Options) -> Result<Counts, ConstructError> {
+    for_dimension!(graph.header.dimension, |G, DOF| add::<G, DOF>(graph, options))
 }
 
 fn add<G: Headed<DOF>, const DOF: usize>(
     graph: &mut PoseGraph,
     options: &Options,
-    statistics: &mut Statistics,
-) -> Result<(), ConstructError> {
+) -> Result<Counts, ConstructError> {
     let viewpoints = viewpoints::<G, DOF>(graph);
     if viewpoints.is_empty() {
         return Err(ConstructError::NoTruth);
@@ -61,18 +71,13 @@ fn add<G: Headed<DOF>, const DOF: usize>(
         edge.truth = Some(truth);
         graph.edges.push(edge);
     }
-    info!("{} correct landmark edges, {wanted} incorrect", kept.len());
-    statistics.note("sessions", graph.sessions());
-    statistics.note("nodes", graph.nodes.len());
-    statistics.note("nodes_with_truth", viewpoints.len());
-    statistics.note("landmark_edges", kept.len() + wanted);
-    statistics.note("correct_edges", kept.len());
-    statistics.note("incorrect_edges", wanted);
-    statistics.note("incorrect_kind", options.incorrect_kind);
-    if let Some(groups) = groups {
-        statistics.note("incorrect_groups", groups);
-    }
-    Ok(())
+    Ok(Counts {
+        nodes_with_truth: viewpoints.len(),
+        landmark_edges: kept.len() + wanted,
+        correct_edges: kept.len(),
+        incorrect_edges: wanted,
+        incorrect_groups: groups,
+    })
 }
 
 /// Chooses the spatially similar pairs that become correct edges. A smaller choice is a subset of a larger one.

@@ -19,14 +19,13 @@ pub use error::ConstructError;
 pub use gaps::cut_odometry;
 pub use incorrect::IncorrectKind;
 pub use join::join;
-pub use landmark::add_landmark_edges;
+pub use landmark::{Counts, add_landmark_edges};
 pub use matches::{Frame, Match, MatchMeasurement, add_matches, read_matches};
 pub use noise::NoiseKind;
 pub use options::{Options, Split};
 pub use split::split_at_middle;
 
 use posecut_graph::PoseGraph;
-use posecut_stage::Statistics;
 
 /// The source of landmark edges.
 #[derive(Clone, Debug)]
@@ -42,28 +41,36 @@ pub enum Landmarks {
     },
 }
 
+/// A multi-session graph, and what was added to the sessions.
+#[derive(Clone, Debug)]
+pub struct Construction {
+    /// The graph.
+    pub graph: PoseGraph,
+    /// Chains of odometry after gaps were cut; `None` if none were to be cut.
+    pub chains: Option<usize>,
+    /// Its landmark edges.
+    pub counts: Counts,
+}
+
 /// Builds the multi-session graph from session graphs. O(nodes + landmark edges).
 pub fn construct(
     graphs: Vec<PoseGraph>,
     landmarks: &Landmarks,
     options: &Options,
-) -> Result<(PoseGraph, Statistics), ConstructError> {
+) -> Result<Construction, ConstructError> {
     options.check()?;
     let mut graph = join(graphs)?;
     if options.split.applies(graph.sessions().len()) {
         split_at_middle(&mut graph)?;
     }
-    let mut statistics = Statistics::default();
-    if options.odometry_gaps > 0 {
-        let chains = cut_odometry(&mut graph, options.odometry_gaps, options.seed)?;
-        statistics.note("odometry_gaps", options.odometry_gaps);
-        statistics.note("chains", chains);
-    }
-    match landmarks {
-        Landmarks::Truth => add_landmark_edges(&mut graph, options, &mut statistics)?,
-        Landmarks::Matches { file, matches } => {
-            add_matches(&mut graph, file, matches, options, &mut statistics)?;
-        }
-    }
-    Ok((graph, statistics))
+    let chains = if options.odometry_gaps > 0 {
+        Some(cut_odometry(&mut graph, options.odometry_gaps, options.seed)?)
+    } else {
+        None
+    };
+    let counts = match landmarks {
+        Landmarks::Truth => add_landmark_edges(&mut graph, options)?,
+        Landmarks::Matches { file, matches } => add_matches(&mut graph, file, matches, options)?,
+    };
+    Ok(Construction { graph, chains, counts })
 }

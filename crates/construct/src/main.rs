@@ -3,18 +3,18 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use posecut_construct::{Landmarks, MatchMeasurement, Options, construct, read_matches};
+use posecut_construct::{Construction, Landmarks, MatchMeasurement, Options, construct, read_matches};
 use posecut_stage::{
-    CommonArguments, Context, Doubt, Identity, Outcome, Phase, Place, Source, run_with_doubts,
+    CommonArguments, Context, Doubt, Identity, Outcome, Phase, Place, Source, counted, info, run_with_doubts,
 };
 
 #[derive(Parser)]
 struct Command {
-    /// Session graphs (JSON Lines, may be compressed); one is split into two experiences, several are joined
+    /// Read these session graphs (JSON Lines, may be compressed): a single one is split into two experiences, several are joined
     #[arg(value_name = "SESSION", default_value = "-")]
     sessions: Vec<Source>,
 
-    /// Take landmark edges from a place recogniser's list instead: CSV, frame i, frame j, score
+    /// Take landmark edges from this list of a place recogniser instead of ground truth: CSV of frame i, frame j, score
     #[arg(long, value_name = "FILE", help_heading = "Landmark edges from a list")]
     matches: Option<Source>,
 
@@ -49,14 +49,49 @@ fn main() -> ExitCode {
                     Landmarks::Matches { matches: read_matches(&file, &bytes)?, file }
                 }
             };
-            let (mut graph, statistics) = construct(graphs, &landmarks, &command.options)?;
-            context.statistics = statistics;
+            let construction = construct(graphs, &landmarks, &command.options)?;
+            report(&construction, &landmarks, &command.options, context);
+            let mut graph = construction.graph;
             doubt(&landmarks, &command.options, context);
             context.record_provenance(&mut graph, &command.options, Some(command.options.seed))?;
             context.write_graph(&graph)?;
             Ok(Outcome::Done)
         },
     )
+}
+
+/// Reports the edges on standard error and in the statistics.
+fn report(construction: &Construction, landmarks: &Landmarks, options: &Options, context: &mut Context) {
+    let Construction { graph, chains, counts } = construction;
+    let statistics = &mut context.statistics;
+    if let Some(chains) = chains {
+        statistics.note("odometry_gaps", options.odometry_gaps);
+        statistics.note("chains", chains);
+    }
+    statistics.note("sessions", graph.sessions());
+    statistics.note("nodes", graph.nodes.len());
+    statistics.note("nodes_with_truth", counts.nodes_with_truth);
+    statistics.note("landmark_edges", counts.landmark_edges);
+    statistics.note("correct_edges", counts.correct_edges);
+    statistics.note("incorrect_edges", counts.incorrect_edges);
+    match landmarks {
+        Landmarks::Truth => {
+            info!(
+                "added {} correct and {} incorrect landmark edges",
+                counts.correct_edges, counts.incorrect_edges
+            );
+            statistics.note("incorrect_kind", options.incorrect_kind);
+        }
+        Landmarks::Matches { .. } => info!(
+            "added {} from the list: {} correct and {} incorrect by ground truth",
+            counted(counts.landmark_edges, "landmark edge"),
+            counts.correct_edges,
+            counts.incorrect_edges
+        ),
+    }
+    if let Some(groups) = counts.incorrect_groups {
+        statistics.note("incorrect_groups", groups);
+    }
 }
 
 /// Records a doubt if edges are made from a list of matches, because a list has no covariances.
@@ -66,13 +101,9 @@ fn doubt(landmarks: &Landmarks, options: &Options, context: &mut Context) {
         context.doubt(
             Doubt::CovarianceInvented,
             format!(
-                "the list of matches has no covariances, so {} the identity within {} m and {} rad; set \
+                "the list of matches has no covariances, so the standard deviations of {} are invented ({} m, {} rad); set \
                  --landmark-sigma-translation and --landmark-sigma-rotation to the spacing of viewpoints",
-                if matches.len() == 1 {
-                    "1 edge claims".to_owned()
-                } else {
-                    format!("{} edges claim", matches.len())
-                },
+                counted(matches.len(), "landmark edge"),
                 options.landmark_sigma_translation,
                 options.landmark_sigma_rotation
             ),

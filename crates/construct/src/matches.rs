@@ -3,21 +3,22 @@
 use std::collections::HashMap;
 
 use posecut_graph::{Edge, EdgeKind, EdgeTruth, PoseGraph, for_dimension};
-use posecut_stage::{Statistics, info};
 use serde::Serialize;
 
 use crate::correct::Similarity;
+use crate::landmark::Counts;
 use crate::noise::add_noise_model;
 use crate::viewpoint::{Headed, Viewpoint, viewpoints};
 use crate::{ConstructError, Options};
 
 /// What a match of two frames says about their relative pose.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum MatchMeasurement {
-    /// Nothing: the edges have no measurement, and only the multicut uses them
+    /// No measurement: only the multicut uses such edges
     None,
-    /// That they are the same, within the standard deviations of landmark edges
+    /// The identity, with the standard deviations of landmark edges
     Identity,
 }
 
@@ -84,7 +85,7 @@ impl Columns {
                     file,
                     line,
                     format!("the header has no column \"{name}\""),
-                    "name the columns frame_i,frame_j,score (and session_i,session_j), or leave the header out",
+                    "name the columns frame_i,frame_j,score (and session_i,session_j), or remove the header",
                 )
             })
         };
@@ -103,7 +104,7 @@ impl Columns {
                 refused(
                     file,
                     line,
-                    format!("{name} is \"{field}\", and must be a whole number"),
+                    format!("{name} is \"{field}\", but must be a whole number"),
                     "correct the line",
                 )
             })
@@ -119,7 +120,7 @@ impl Columns {
                     refused(
                         file,
                         line,
-                        format!("score is \"{field}\", and must be a finite number"),
+                        format!("score is \"{field}\", but must be a finite number"),
                         "correct the line",
                     )
                 })?)
@@ -137,9 +138,8 @@ pub fn add_matches(
     file: &str,
     matches: &[Match],
     options: &Options,
-    statistics: &mut Statistics,
-) -> Result<(), ConstructError> {
-    for_dimension!(graph.header.dimension, |G, DOF| add::<G, DOF>(graph, file, matches, options, statistics))
+) -> Result<Counts, ConstructError> {
+    for_dimension!(graph.header.dimension, |G, DOF| add::<G, DOF>(graph, file, matches, options))
 }
 
 fn add<G: Headed<DOF>, const DOF: usize>(
@@ -147,8 +147,7 @@ fn add<G: Headed<DOF>, const DOF: usize>(
     file: &str,
     matches: &[Match],
     options: &Options,
-    statistics: &mut Statistics,
-) -> Result<(), ConstructError> {
+) -> Result<Counts, ConstructError> {
     let mut pairs = HashMap::with_capacity(matches.len());
     let mut edges = Vec::with_capacity(matches.len());
     let frames = Frames::of(graph);
@@ -159,8 +158,8 @@ fn add<G: Headed<DOF>, const DOF: usize>(
             return Err(refused(
                 file,
                 entry.line,
-                format!("the same two frames are matched on line {first}"),
-                "keep one of the two lines",
+                format!("the same two frames are already matched on line {first}"),
+                "delete one of the two lines",
             ));
         }
         edges.push((key, entry.score));
@@ -185,19 +184,13 @@ fn add<G: Headed<DOF>, const DOF: usize>(
         }
         graph.edges.push(edge);
     }
-    info!(
-        "{} matches, of which {} are correct and {} incorrect by ground truth",
-        matches.len(),
-        judged[1],
-        judged[0]
-    );
-    statistics.note("sessions", graph.sessions());
-    statistics.note("nodes", graph.nodes.len());
-    statistics.note("nodes_with_truth", known.len());
-    statistics.note("landmark_edges", matches.len());
-    statistics.note("correct_edges", judged[1]);
-    statistics.note("incorrect_edges", judged[0]);
-    Ok(())
+    Ok(Counts {
+        nodes_with_truth: known.len(),
+        landmark_edges: matches.len(),
+        correct_edges: judged[1],
+        incorrect_edges: judged[0],
+        incorrect_groups: None,
+    })
 }
 
 /// Nodes by frame, session by session.
@@ -232,7 +225,7 @@ impl Frames {
                             file,
                             entry.line,
                             format!("there is no session \"{name}\""),
-                            format!("the sessions are {}", self.sessions.join(", ")),
+                            format!("use one of {}", self.sessions.join(", ")),
                         )
                     })?)
                 }
@@ -248,7 +241,7 @@ impl Frames {
                         file,
                         entry.line,
                         format!("no node has frame {}", frame.number),
-                        "give frames as the nodes of the session graphs number them, after down-sampling",
+                        "use the frame numbers of the session graphs, after down-sampling",
                     ));
                 }
                 (Some(_), Some(_)) => {

@@ -4,19 +4,20 @@ use nalgebra::SVector;
 use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::isotropic_information;
 use posecut_graph::{Extra, NoiseModel, PoseGraph};
-use posecut_stage::ChaCha8Rng;
+use posecut_random::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Serialize;
 
 use crate::Options;
 
 /// How the errors of landmark edges are distributed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum NoiseKind {
-    /// Normal
+    /// The normal distribution
     Gaussian,
-    /// Student's t with 3 degrees of freedom and the Gaussian's covariance as scale matrix, so that the standard
+    /// Student's t distribution with 3 degrees of freedom and the normal covariance as scale matrix: the standard
     /// deviations are sqrt(3) times as large
     StudentT,
 }

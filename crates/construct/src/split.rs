@@ -20,10 +20,10 @@ pub fn split_at_middle(graph: &mut PoseGraph) -> Result<(), ConstructError> {
         if members.len() < 2 {
             return Err(ConstructError::Join {
                 problem: format!(
-                    "the session \"{name}\" has {} keyframes and cannot be split",
+                    "the session \"{name}\" has too few keyframes to be split: {} of at least 2",
                     members.len()
                 ),
-                remedy: "take a longer session, or say --split none".to_owned(),
+                remedy: "use a longer session, or --split none".to_owned(),
             });
         }
         let (first, second) = members.split_at(members.len() / 2);

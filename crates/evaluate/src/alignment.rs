@@ -4,12 +4,13 @@ use nalgebra::{Matrix2, Matrix3, Rotation3, Vector2, Vector3};
 use serde::Serialize;
 
 /// Which motions an alignment may use.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Freedom {
-    /// None: the poses are compared as they stand
+    /// No motion: the poses are compared unchanged
     #[serde(rename = "none")]
     None,
-    /// Turns about the vertical axis, and translations
+    /// Rotations about the vertical axis, and translations
     #[serde(rename = "SE(2)")]
     Se2,
     /// Rigid motions

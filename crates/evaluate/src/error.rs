@@ -5,7 +5,7 @@
 pub enum EvaluateError {
     /// One graph is planar and the other spatial.
     #[error(
-        "the estimate has dimension {estimate}, the reference {reference}; optimise both from the same session graphs"
+        "the estimate has dimension {estimate}, but the reference has {reference}; optimise both from the same session graphs"
     )]
     Dimension {
         /// Dimension of the estimate.
@@ -15,7 +15,7 @@ pub enum EvaluateError {
     },
     /// No node is in both graphs.
     #[error(
-        "not one node has a pose both in the estimate ({estimate} nodes) and in the reference ({reference} nodes); the ids of the two files must mean the same nodes{hint}"
+        "no node has a pose both in the estimate ({estimate} nodes) and in the reference ({reference} nodes); use files with the same node ids{hint}"
     )]
     NothingInCommon {
         /// Number of nodes of the estimate.
@@ -27,7 +27,7 @@ pub enum EvaluateError {
     },
     /// A probability is not a number between 0 and 1.
     #[error(
-        "{edge}: `verify_probability` is {value}, expected a number between 0 and 1; correct or remove the field"
+        "{edge}: `verify_probability` is {value}, but must be a number between 0 and 1; correct or remove the field"
     )]
     Probability {
         /// Kind and id of the edge.

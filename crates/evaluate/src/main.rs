@@ -3,17 +3,21 @@
 use std::process::ExitCode;
 
 use clap::Parser;
+use posecut_evaluate::alignment::Freedom;
+use posecut_evaluate::result::AlignmentUsed;
 use posecut_evaluate::{Options, Scope, evaluate};
 use posecut_graph::StageDoubt;
-use posecut_stage::{CommonArguments, Doubt, Identity, Outcome, Phase, Place, Source, info, run_with_doubts};
+use posecut_stage::{
+    CommonArguments, Doubt, Identity, Outcome, Phase, Place, Source, counted, info, run_with_doubts,
+};
 
 #[derive(Parser)]
 struct Command {
-    /// The estimate: an optimised pose graph; `-` is standard input
+    /// Evaluate this optimised pose graph; `-` is standard input
     #[arg(value_name = "ESTIMATE", default_value = "-")]
     estimate: Source,
 
-    /// The reference graph, matched by node ids; the estimate's own ground truth unless given
+    /// Compare with this graph, matched by node ids [default: the estimate's own ground truth]
     #[arg(long, value_name = "FILE")]
     reference: Option<Source>,
 
@@ -44,19 +48,18 @@ fn main() -> ExitCode {
                 .transpose()?;
             let mut result = evaluate(&estimate, reference.as_ref(), &command.options)?;
             info!(
-                "RMSE {:.3} m over {} poses after {} alignment of {}",
+                "RMSE {:.3} m over {} {}",
                 result.rmse,
-                result.poses,
-                result.alignment.freedom.name(),
-                result.alignment.scope.name()
+                counted(result.poses, "pose"),
+                alignment(&result.alignment)
             );
             let aligned = result.alignment.found.len();
             if result.alignment.scope == Scope::PerComponent && aligned > 1 {
                 context.doubt(
                     Doubt::PartsNotConnected,
                     format!(
-                        "the {aligned} components of the reference are aligned each by itself, so the RMSE says nothing of their \
-                         relative poses; --scope joint counts those, too"
+                        "the {aligned} components of the reference are aligned separately, so the RMSE does not measure their \
+                         relative poses; use --scope joint to include them"
                     ),
                 );
             }
@@ -71,4 +74,12 @@ fn main() -> ExitCode {
             Ok(Outcome::Done)
         },
     )
+}
+
+/// The alignment in words.
+fn alignment(used: &AlignmentUsed) -> String {
+    match used.freedom {
+        Freedom::None => "without alignment".to_owned(),
+        freedom => format!("after {} alignment of {}", freedom.name(), used.scope.name()),
+    }
 }

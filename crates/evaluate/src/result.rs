@@ -14,14 +14,16 @@ use crate::summary::Summary;
 use crate::trajectory::{AbsoluteError, Match, RelativeError, align, errors, relative_error};
 
 /// Whether sessions are aligned together or each by itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Scope {
-    /// One alignment for all poses: a session in the wrong place counts as an error
+    /// One alignment for all poses: a wrong relative pose of two sessions counts as an error
+    #[default]
     Joint,
-    /// One alignment a session: only its shape counts
+    /// One alignment per session: only the shape of each counts
     PerSession,
-    /// One alignment for each connected component of the reference; equal to joint where the reference is connected
+    /// One alignment per connected component of the reference: the same as joint if the reference is connected
     PerComponent,
 }
 
@@ -30,30 +32,42 @@ impl Scope {
     pub fn name(self) -> &'static str {
         match self {
             Self::Joint => "all sessions together",
-            Self::PerSession => "each session by itself",
-            Self::PerComponent => "each component of the reference by itself",
+            Self::PerSession => "each session separately",
+            Self::PerComponent => "each component of the reference separately",
         }
     }
 }
 
 /// The options of evaluation.
-#[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct Options {
-    /// Motions that the alignment may use; SE(2) for planar graphs and SE(3) for others unless given
-    #[arg(long, value_enum)]
+    /// Align by these motions [default: se2 for planar graphs, se3 for spatial graphs]
+    #[cfg_attr(feature = "cli", arg(long, value_enum))]
     pub align: Option<Freedom>,
 
-    /// Which poses share one alignment
-    #[arg(long, value_enum, default_value_t = Scope::Joint)]
+    /// Choose which poses share one alignment
+    #[cfg_attr(feature = "cli", arg(long, value_enum, default_value_t = Options::DEFAULT.scope))]
     pub scope: Scope,
 
-    /// Frames over which relative errors are taken
-    #[arg(long, value_name = "FRAMES", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    /// Measure relative errors over this many frames
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FRAMES", default_value_t = Options::DEFAULT.rpe_delta, value_parser = clap::value_parser!(u32).range(1..)))]
     pub rpe_delta: u32,
 
-    /// NAME=VALUE, kept in the result for tables; may be given several times
-    #[arg(long = "label", value_name = "NAME=VALUE")]
+    /// Add this label to the result, for tables; may be repeated
+    #[cfg_attr(feature = "cli", arg(long = "label", value_name = "NAME=VALUE"))]
     pub labels: Vec<String>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+impl Options {
+    /// One alignment for all poses by the motions of the graph's dimension, and relative errors from frame to frame.
+    pub const DEFAULT: Self = Self { align: None, scope: Scope::Joint, rpe_delta: 1, labels: Vec::new() };
 }
 
 /// The result of an evaluation.
@@ -136,7 +150,7 @@ pub fn evaluate(
             hint: if reference.is_some() {
                 ""
             } else {
-                ", and without --reference the nodes must carry truth"
+                ", or name --reference, because the estimate has no ground truth"
             },
         });
     }

@@ -196,16 +196,16 @@ pub(crate) const OPENING: &str = "==== ";
 /// A simulated session, cut to its first rows: once with all files, once with only the integrated odometry, and twice with only
 /// wheels and an attitude.
 pub(crate) fn sessions() -> Vec<Vec<u8>> {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let route = posecut_simulate::Route::Wander;
-    let options = posecut_simulate::Options { seed: 1, campus: 1, length: Some(60.0), rate: 5.0, route };
-    posecut_simulate::simulate(folder.path(), "2012-01-22", &options).expect("a short session is simulated");
-    let mut files: Vec<(String, String)> = std::fs::read_dir(folder.path())
-        .expect("the folder is there")
-        .flatten()
-        .filter_map(|entry| {
-            let text = std::fs::read_to_string(entry.path()).ok()?;
-            Some((entry.file_name().to_string_lossy().into_owned(), text))
+    let options =
+        posecut_simulate::Options { length: Some(60.0), rate: 5.0, ..posecut_simulate::Options::DEFAULT };
+    let session = posecut_simulate::simulate("2012-01-22", &options).expect("a short session is simulated");
+    let mut files: Vec<(String, String)> = session
+        .files
+        .into_iter()
+        .map(|file| {
+            let mut bytes = Vec::new();
+            file.write(&mut bytes).expect("memory takes it");
+            (file.name, String::from_utf8(bytes).expect("numbers are text"))
         })
         .collect();
     files.sort();

@@ -3,14 +3,12 @@
 use posecut_geometry::covariance::isotropic_information;
 use posecut_geometry::{LieGroup, SE3};
 use posecut_graph::{Dimension, Edge, EdgeKind, Header, Node, NodeTruth, NoiseModel, PoseGraph};
-use posecut_stage::{ProgressBar, Statistics, info, warn};
 
 use crate::clock::{ClockSource, keyframe_times};
-use crate::covariance::step_error;
 use crate::frozen::remove_frozen_ends;
-use crate::nees::nees;
 use crate::odometry::{self, Odometry, Reader, from_row};
-use crate::{FileKind, IngestError, Options, SessionFiles, Table, Trajectory};
+use crate::summary::{Origin, Summary};
+use crate::{Choice, Event, FileKind, IngestError, Options, SessionFiles, Table, Trajectory, Warning};
 
 /// The name of the noise model of all odometry edges, used if the options give the standard deviations.
 const NOISE_MODEL: &str = "odometry";
@@ -18,12 +16,12 @@ const NOISE_MODEL: &str = "odometry";
 /// No drive has more periods than this: at five a second it is 23 days.
 const MOST_PERIODS: u64 = 10_000_000;
 
-/// A session's graph, with statistics.
+/// A session's graph, also in numbers.
 pub struct Ingested {
     /// One session: keyframes, odometry edges, truth.
     pub graph: PoseGraph,
-    /// Figures for `--stats`.
-    pub statistics: Statistics,
+    /// The graph in numbers.
+    pub summary: Summary,
     /// The default standard deviations of odometry, metres and radians, if neither the session nor the options give
     /// any.
     pub invented: Option<(f64, f64)>,
@@ -33,37 +31,40 @@ pub struct Ingested {
 pub fn ingest(
     files: &mut SessionFiles,
     options: &Options,
-    progress: &ProgressBar,
+    report: &mut dyn FnMut(Event<'_>),
 ) -> Result<Ingested, IngestError> {
-    let name = options.name.clone().unwrap_or_else(|| files.name.clone());
-    let mut reader = Reader { files, progress, dropped_rows: 0 };
+    let session = options.name.clone().unwrap_or_else(|| files.name.clone());
+    let mut reader = Reader { files, report, dropped_rows: 0 };
     let odometry = odometry::read(&mut reader, options)?;
     let mut truth = read_truth(&mut reader, options)?;
-    let dropped_rows = reader.dropped_rows;
     let frozen = truth.as_mut().map_or(0, |truth| remove_frozen_ends(truth, &odometry.trajectory));
     if frozen > 0 {
-        warn!(
-            "{}: {frozen} rows of ground truth left out at its ends: they repeat one pose while the odometry moves",
-            files.place()
-        );
+        reader.warn(Warning::FrozenTruth { place: reader.files.place().to_owned(), rows: frozen });
     }
-    let (clock_source, times) = keyframes(files, &odometry, options)?;
-    let builder = Builder { name, odometry: &odometry, truth: truth.as_ref(), options };
+    let (clock, times) = keyframes(&mut reader, &odometry, options)?;
+    let builder = Builder { session: &session, odometry: &odometry, truth: truth.as_ref(), options };
     let graph = builder.graph(&times)?;
-    let mut statistics = builder.statistics(&graph);
-    statistics.note("dropped_rows", dropped_rows);
-    statistics.note("frozen_truth_rows", frozen);
-    statistics.note("clock", clock_source);
-    progress.finish_and_clear();
-    Ok(Ingested { invented: builder.invented(), graph, statistics })
+    let gaps = odometry.trajectory.gaps.len();
+    if gaps > 0 {
+        let longest_silence = options.longest_silence;
+        reader.warn(Warning::Gaps { session: session.clone(), gaps, longest_silence });
+    }
+    let origin = Origin {
+        session: &session,
+        odometry: &odometry,
+        truth: truth.as_ref(),
+        clock,
+        covariances_from_file: builder.covariances().is_some(),
+        dropped_rows: reader.dropped_rows,
+        frozen_truth_rows: frozen,
+    };
+    let summary = Summary::of(&graph, &origin);
+    Ok(Ingested { invented: builder.invented(), graph, summary })
 }
 
 fn read_truth(reader: &mut Reader<'_>, options: &Options) -> Result<Option<Trajectory>, IngestError> {
     if !reader.files.has(FileKind::GroundTruth) {
-        warn!(
-            "{}: there is no ground truth (groundtruth_DATE.csv); nothing can be evaluated",
-            reader.files.place()
-        );
+        reader.warn(Warning::NoTruth { place: reader.files.place().to_owned() });
         return Ok(None);
     }
     let table: Table = reader.table(FileKind::GroundTruth, 6)?;
@@ -75,11 +76,11 @@ fn read_truth(reader: &mut Reader<'_>, options: &Options) -> Result<Option<Traje
 
 /// The keyframe times that the odometry covers.
 fn keyframes(
-    files: &SessionFiles,
+    reader: &mut Reader<'_>,
     odometry: &Odometry,
     options: &Options,
 ) -> Result<(ClockSource, Vec<i64>), IngestError> {
-    let trajectory = &odometry.trajectory;
+    let (files, trajectory) = (&*reader.files, &odometry.trajectory);
     let (Some(&first), Some(&last)) = (trajectory.times.first(), trajectory.times.last()) else {
         return Err(IngestError::session(
             files.place(),
@@ -100,37 +101,41 @@ fn keyframes(
         return Err(IngestError::session(
             files.place(),
             format!(
-                "its odometry covers {first} to {last} us, {periods} periods, which is no drive but a clock that jumps"
+                "its odometry covers {first} to {last} us, {periods} periods: too long for a drive, so its clock jumps"
             ),
-            "correct the stamps in the first column, or lengthen --period",
+            "correct the times in the first column, or increase --period",
         ));
     }
     let all = keyframe_times(clock, period, options.keep_every as usize, first, last);
     let times: Vec<i64> = all.iter().copied().filter(|&time| trajectory.at(time).is_some()).collect();
     if times.len() < all.len() {
-        warn!(
-            "{}: {} keyframes fall into gaps of the odometry and are left out",
-            files.place(),
-            all.len() - times.len()
-        );
+        (reader.report)(Event::Warning(Warning::KeyframesInGaps {
+            place: files.place().to_owned(),
+            left_out: all.len() - times.len(),
+            keyframes: all.len(),
+        }));
     }
     if times.len() < 2 {
         return Err(IngestError::session(
             files.place(),
             format!(
-                "{} keyframes remain of {} images or periods, and a session needs two",
+                "too few keyframes: {} of {} images or periods, but a session needs 2",
                 times.len(),
                 all.len()
             ),
-            "keep more with --keep-every, or check that images and odometry are of the same session",
+            "decrease --keep-every, and make sure that images and odometry belong to the same session",
         ));
     }
-    info!("{} keyframes, one of {} by {}", times.len(), options.keep_every, source.name());
+    (reader.report)(Event::Chosen(Choice::Keyframes {
+        number: times.len(),
+        keep_every: options.keep_every,
+        clock: source,
+    }));
     Ok((source, times))
 }
 
 struct Builder<'a> {
-    name: String,
+    session: &'a str,
     odometry: &'a Odometry,
     truth: Option<&'a Trajectory>,
     options: &'a Options,
@@ -156,7 +161,7 @@ impl Builder<'_> {
             let truth = self.truth.and_then(|truth| truth.at(time));
             graph.nodes.push(Node {
                 id: index as u64,
-                session: Some(self.name.clone()),
+                session: Some(self.session.to_owned()),
                 frame: Some(index as i64),
                 utime: Some(time),
                 truth: truth.map(|truth| NodeTruth {
@@ -238,68 +243,4 @@ impl Builder<'_> {
         };
         measurement.unwrap_or_default()
     }
-
-    fn statistics(&self, graph: &PoseGraph) -> Statistics {
-        let mut statistics = Statistics::default();
-        let gaps = self.odometry.trajectory.gaps.len();
-        if gaps > 0 {
-            warn!(
-                "{}: the odometry has {gaps} gaps longer than {} s",
-                self.name, self.options.longest_silence
-            );
-        }
-        let times: Vec<i64> = graph.nodes.iter().filter_map(|node| node.utime).collect();
-        let poses: Vec<Option<(SE3, SE3)>> = times
-            .iter()
-            .map(|&time| Some((self.odometry.trajectory.at(time)?, self.truth?.at(time)?)))
-            .collect();
-        let errors: Vec<[f64; 6]> = poses
-            .windows(2)
-            .filter_map(|pair| {
-                let ((measured_from, true_from), (measured_to, true_to)) = (pair[0]?, pair[1]?);
-                Some(step_error(&measured_from.between(&measured_to), &true_from.between(&true_to)))
-            })
-            .collect();
-        statistics.note("session", &self.name);
-        statistics.note("keyframes", graph.nodes.len());
-        statistics
-            .note("keyframes_with_truth", graph.nodes.iter().filter(|node| node.truth.is_some()).count());
-        statistics.note("path_length_m", self.odometry.trajectory.path_length());
-        statistics.note("true_path_length_m", self.truth.map(Trajectory::path_length));
-        statistics.note("duration_s", seconds_between(&times));
-        statistics.note("odometry", self.odometry.source);
-        statistics.note("heading", self.odometry.heading);
-        statistics.note("odometry_dropped_rows", self.odometry.dropped_rows);
-        statistics.note("gaps", gaps);
-        statistics.note("truth_gaps", self.truth.map(|truth| truth.gaps.len()));
-        statistics.note("covariance", if self.covariances().is_some() { "file" } else { "options" });
-        let axis =
-            |pick: fn(&[f64; 6]) -> f64| -> Option<[f64; 2]> { spread(errors.iter().map(pick).collect()) };
-        statistics.note("step_error_forward_m", axis(|error| error[0]));
-        statistics.note("step_error_sideways_m", axis(|error| error[1]));
-        statistics.note("step_error_heading_rad", axis(|error| error[5]));
-        statistics.note("nees", nees(graph));
-        statistics
-    }
-}
-
-fn seconds_between(times: &[i64]) -> f64 {
-    match (times.first(), times.last()) {
-        (Some(first), Some(last)) => (last - first) as f64 * 1e-6,
-        _ => 0.0,
-    }
-}
-
-/// Root mean square, and a robust standard deviation (1.4826 times the median of the absolute values).
-fn spread(mut values: Vec<f64>) -> Option<[f64; 2]> {
-    if values.is_empty() {
-        return None;
-    }
-    let root_mean_square =
-        (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt();
-    for value in &mut values {
-        *value = value.abs();
-    }
-    values.sort_by(f64::total_cmp);
-    Some([root_mean_square, 1.4826 * values[values.len() / 2]])
 }

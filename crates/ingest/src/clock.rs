@@ -18,7 +18,7 @@ impl ClockSource {
     /// The name in messages.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Images => "image names",
+            Self::Images => "the images",
             Self::RelativeOdometry => "odometry_mu.csv",
             Self::Period => "a fixed period",
         }

@@ -70,8 +70,8 @@ impl StepCovariances {
         packed.map_err(|error| {
             IngestError::session(
                 &self.file,
-                format!("the covariance of the motion from {from} to {to} us is unusable ({error})"),
-                "give --sigma-translation and --sigma-rotation instead",
+                format!("the covariance of the motion from {from} to {to} us cannot be used ({error})"),
+                "set --sigma-translation and --sigma-rotation instead",
             )
         })
     }

@@ -3,6 +3,14 @@
 /// Why a session cannot be ingested: cause, file and remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum IngestError {
+    /// An option has a meaningless value.
+    #[error("{option} is {value}, but must be a positive number")]
+    Option {
+        /// The option.
+        option: &'static str,
+        /// The given value.
+        value: f64,
+    },
     /// The system could not read the bytes.
     #[error("{place}: cannot be read: {error}")]
     Io {

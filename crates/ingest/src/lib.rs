@@ -4,25 +4,32 @@
 //!
 //! NCLT's frames are kept: the local frame has x north, y east, z down; the body x forward, y right,
 //! z down; `R = Rz(yaw) Ry(pitch) Rx(roll)`. Lengths are metres, angles radians, times microseconds UTC.
+//!
+//! [`ingest`] reports files, choices and warnings as [`Event`]s; the program turns them into progress, digests and
+//! messages.
 
 mod assemble;
 mod clock;
 mod covariance;
 mod error;
+mod event;
 mod frozen;
 mod nees;
 mod odometry;
 mod options;
 mod session;
+mod summary;
 mod table;
 mod trajectory;
 
 pub use assemble::{Ingested, ingest};
 pub use clock::{ClockSource, keyframe_times};
 pub use error::IngestError;
+pub use event::{Choice, Event, Warning};
 pub use nees::{Nees, WINDOWS, nees};
 pub use odometry::{HeadingSource, OdometrySource};
 pub use options::Options;
 pub use session::{FileKind, SessionFiles};
+pub use summary::{StepErrors, Summary};
 pub use table::Table;
 pub use trajectory::Trajectory;

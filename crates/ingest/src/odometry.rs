@@ -5,17 +5,17 @@ mod wheels;
 
 pub(crate) use integrated::from_row;
 
-use posecut_stage::{ProgressBar, info, warn};
 use serde::Serialize;
 
 use crate::covariance::StepCovariances;
-use crate::{FileKind, IngestError, Options, SessionFiles, Table, Trajectory};
+use crate::{Choice, Event, FileKind, IngestError, Options, SessionFiles, Table, Trajectory, Warning};
 
 /// Which files give the odometry.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum OdometrySource {
-    /// The first of the following that is there
+    /// The first available one of the following
     Auto,
     /// odometry_mu.csv: poses relative to the previous image
     Relative,
@@ -26,10 +26,11 @@ pub enum OdometrySource {
 }
 
 /// Which file gives the heading for dead reckoning with the wheels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum HeadingSource {
-    /// The first of the following that is there
+    /// The first available one of the following
     Auto,
     /// kvh.csv: the fibre-optic gyro
     Kvh,
@@ -52,7 +53,7 @@ pub(crate) struct Odometry {
 /// Reads tables of one session, and counts the rows that they drop.
 pub(crate) struct Reader<'a> {
     pub(crate) files: &'a mut SessionFiles,
-    pub(crate) progress: &'a ProgressBar,
+    pub(crate) report: &'a mut dyn FnMut(Event<'_>),
     pub(crate) dropped_rows: usize,
 }
 
@@ -60,29 +61,35 @@ impl Reader<'_> {
     /// The table of a required file.
     pub(crate) fn table(&mut self, kind: FileKind, columns: usize) -> Result<Table, IngestError> {
         let found = self.files.found();
-        let Some((file, bytes)) = self.files.content(kind)? else {
+        let Some(content) = self.files.content(kind)? else {
             return Err(IngestError::session(
                 self.files.place(),
                 format!("there is no {}; found {found}", kind.file_name()),
                 "complete the session with scripts/fetch-nclt.sh, or choose another source (--odometry, --heading)",
             ));
         };
-        self.progress.inc_length(bytes.len() as u64);
-        let table = Table::parse(&file, &bytes, columns, self.progress)?;
+        (self.report)(Event::Opened { name: &content.name, bytes: &content.bytes });
+        let mut parsed = |bytes| (self.report)(Event::Parsed(bytes));
+        let table = Table::parse(&content.shown, &content.bytes, columns, &mut parsed)?;
         if table.dropped > 0 {
-            let reversal = table
-                .first_reversal
-                .map_or_else(String::new, |line| format!("; time first fails to advance in line {line}"));
-            warn!("{file}: {} rows left out (NaN, or time not advancing){reversal}", table.dropped);
+            self.warn(Warning::DroppedRows {
+                file: content.shown,
+                rows: table.dropped,
+                first_reversal: table.first_reversal,
+            });
         }
         self.dropped_rows += table.dropped;
         Ok(table)
+    }
+
+    pub(crate) fn warn(&mut self, warning: Warning) {
+        (self.report)(Event::Warning(warning));
     }
 }
 
 /// Reads the odometry that the options name, or the best available one.
 pub(crate) fn read(reader: &mut Reader<'_>, options: &Options) -> Result<Odometry, IngestError> {
-    let source = choose(reader.files, options.odometry)?;
+    let source = choose(reader, options.odometry)?;
     let longest = (options.longest_silence * 1e6) as i64;
     let before = reader.dropped_rows;
     let (heading, mut trajectory, covariances) = match source {
@@ -103,7 +110,7 @@ pub(crate) fn read(reader: &mut Reader<'_>, options: &Options) -> Result<Odometr
     Ok(Odometry { source, heading, trajectory, covariances, dropped_rows: reader.dropped_rows - before })
 }
 
-fn choose(files: &SessionFiles, wanted: OdometrySource) -> Result<OdometrySource, IngestError> {
+fn choose(reader: &mut Reader<'_>, wanted: OdometrySource) -> Result<OdometrySource, IngestError> {
     if wanted != OdometrySource::Auto {
         return Ok(wanted);
     }
@@ -112,13 +119,14 @@ fn choose(files: &SessionFiles, wanted: OdometrySource) -> Result<OdometrySource
         (FileKind::IntegratedOdometry, OdometrySource::Integrated),
         (FileKind::Wheels, OdometrySource::Wheels),
     ];
+    let files = &reader.files;
     let Some(&(kind, source)) = candidates.iter().find(|(kind, _)| files.has(*kind)) else {
         return Err(IngestError::session(
             files.place(),
             format!("there is no odometry; found {}", files.found()),
-            "one of odometry_mu.csv, odometry_mu_100hz.csv or wheels.csv is needed; scripts/fetch-nclt.sh downloads them",
+            "add odometry_mu.csv, odometry_mu_100hz.csv or wheels.csv; scripts/fetch-nclt.sh downloads them",
         ));
     };
-    info!("odometry from {} (choose another with --odometry)", kind.file_name());
+    (reader.report)(Event::Chosen(Choice::Odometry(kind)));
     Ok(source)
 }

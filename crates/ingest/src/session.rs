@@ -6,8 +6,7 @@ use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use flate2::bufread::MultiGzDecoder;
-use posecut_graph::InputDigest;
-use posecut_stage::Expansion;
+use posecut_graph::Expansion;
 
 use crate::IngestError;
 
@@ -83,7 +82,15 @@ pub struct SessionFiles {
     files: BTreeMap<FileKind, (String, Place)>,
     /// Ascending times of the front camera's images in microseconds; empty if there are none.
     pub image_times: Vec<i64>,
-    digests: Vec<InputDigest>,
+}
+
+/// A file that was read.
+pub(crate) struct Content {
+    /// Its name without the directory.
+    pub(crate) name: String,
+    /// Its name for messages.
+    pub(crate) shown: String,
+    pub(crate) bytes: Vec<u8>,
 }
 
 impl SessionFiles {
@@ -95,13 +102,8 @@ impl SessionFiles {
     ) -> Result<Self, IngestError> {
         let place = path.display().to_string();
         let metadata = fs::metadata(path).map_err(|error| unknown_session(path, &error))?;
-        let mut session = Self {
-            name: session_name(path),
-            place,
-            files: BTreeMap::new(),
-            image_times: Vec::new(),
-            digests: Vec::new(),
-        };
+        let mut session =
+            Self { name: session_name(path), place, files: BTreeMap::new(), image_times: Vec::new() };
         if metadata.is_dir() {
             session.find_in_directory(path)?;
         } else {
@@ -136,13 +138,8 @@ impl SessionFiles {
         if names.is_empty() { "none of NCLT's files".to_owned() } else { names.join(", ") }
     }
 
-    /// The digests of the files opened so far.
-    pub fn digests(&self) -> &[InputDigest] {
-        &self.digests
-    }
-
-    /// The content of a file, and its name for messages.
-    pub(crate) fn content(&mut self, kind: FileKind) -> Result<Option<(String, Vec<u8>)>, IngestError> {
+    /// Reads a file.
+    pub(crate) fn content(&mut self, kind: FileKind) -> Result<Option<Content>, IngestError> {
         let Some((name, place)) = self.files.get_mut(&kind) else { return Ok(None) };
         let (shown, bytes) = match place {
             Place::File(path) => {
@@ -153,8 +150,7 @@ impl SessionFiles {
             }
             Place::Member(bytes) => (format!("{}: {name}", self.place), std::mem::take(bytes)),
         };
-        self.digests.push(InputDigest { name: name.clone(), sha256: posecut_stage::digest(&bytes) });
-        Ok(Some((shown, bytes)))
+        Ok(Some(Content { name: name.clone(), shown, bytes }))
     }
 
     fn add_file(&mut self, kind: FileKind, path: &Path) {
@@ -198,8 +194,8 @@ impl SessionFiles {
         let broken = |error: std::io::Error| {
             IngestError::session(
                 &path.display().to_string(),
-                format!("it is not a sound tar.gz archive ({error})"),
-                "download it again; scripts/fetch-nclt.sh checks what it fetches",
+                format!("it is not a valid tar.gz archive ({error})"),
+                "download it again with scripts/fetch-nclt.sh, which checks it",
             )
         };
         let expanded = Expansion::new(BufReader::new(file), MultiGzDecoder::new);
@@ -222,10 +218,10 @@ impl SessionFiles {
                 IngestError::session(
                     &path.display().to_string(),
                     format!(
-                        "with its member {name}, its files are larger than {} MiB",
+                        "its files up to {name} have more than {} MiB together, and no NCLT session has",
                         LARGEST_SESSION >> 20
                     ),
-                    "this is not an NCLT archive",
+                    "name an NCLT archive",
                 )
             })?;
             self.files.insert(kind, (name, Place::Member(bytes)));
@@ -249,7 +245,7 @@ fn unknown_session(path: &Path, error: &std::io::Error) -> IngestError {
     let remedy = if neighbours.is_empty() {
         "name a session's directory or its DATE_sen.tar.gz; scripts/fetch-nclt.sh downloads them".to_owned()
     } else {
-        format!("sessions in {}: {}", parent.display(), neighbours.join(", "))
+        format!("use one of the sessions in {}: {}", parent.display(), neighbours.join(", "))
     };
     IngestError::session(&path.display().to_string(), format!("there is no such session ({error})"), remedy)
 }
@@ -278,8 +274,8 @@ fn image_times(directory: &Path) -> Result<Vec<i64>, IngestError> {
     if times.is_empty() {
         return Err(IngestError::session(
             &directory.display().to_string(),
-            "there are no images named by their time",
-            "NCLT's front camera is lb3/Cam5/UTIME.tiff; leave --images out to use another clock",
+            "no image in it is named by its time",
+            "name a directory of UTIME.tiff files (NCLT: lb3/Cam5), or leave --images out",
         ));
     }
     times.sort_unstable();

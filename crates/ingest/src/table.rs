@@ -1,7 +1,5 @@
 //! CSV tables of NCLT: a time and then numbers, without a header.
 
-use posecut_stage::ProgressBar;
-
 use crate::IngestError;
 
 /// The usable rows of one file, in ascending order of time.
@@ -29,12 +27,12 @@ impl Table {
     ///
     /// Rows with NaN are left out and counted (NCLT's ground truth starts with some). So are rows whose time does not
     /// advance; if they are more than one in a hundred, that is an error. A row that is too short or has a field that
-    /// is not a number is an error that names its line.
+    /// is not a number is an error that names its line. `parsed` is told the number of further bytes, each MiB.
     pub fn parse(
         file: &str,
         bytes: &[u8],
         columns: usize,
-        progress: &ProgressBar,
+        parsed: &mut dyn FnMut(u64),
     ) -> Result<Self, IngestError> {
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
@@ -67,7 +65,7 @@ impl Table {
             }
             let position = record.position().map_or((0, 0), |place| (place.line(), place.byte()));
             if position.1 > reported + (1 << 20) {
-                progress.inc(position.1 - reported);
+                parsed(position.1 - reported);
                 reported = position.1;
             }
             let Some((time, row)) = parse_row(file, position.0, &record, columns)? else {
@@ -86,7 +84,7 @@ impl Table {
             table.times.push(time);
             table.rows.push(row);
         }
-        progress.inc((bytes.len() as u64).saturating_sub(reported));
+        parsed((bytes.len() as u64).saturating_sub(reported));
         table.check(reversed)?;
         Ok(table)
     }
@@ -95,8 +93,8 @@ impl Table {
         if self.rows.is_empty() {
             return Err(IngestError::session(
                 &self.file,
-                format!("there is no usable row ({} were left out)", self.dropped),
-                "download the file again",
+                format!("the file has no usable row (skipped: {})", self.dropped),
+                "download it again",
             ));
         }
         if reversed * LARGEST_REVERSED_SHARE > self.rows.len() + reversed {
@@ -131,7 +129,7 @@ fn parse_row(
             file,
             line,
             format!("expected {} columns, found {}", columns + 1, record.len()),
-            "the line is cut short; download the file again, or delete the line",
+            "download the file again if it is cut short, or delete the line",
         ));
     }
     let number = |column: usize| -> Result<f64, IngestError> {
@@ -141,7 +139,7 @@ fn parse_row(
                 file,
                 line,
                 format!("column {} is \"{field}\", not a number", column + 1),
-                "NCLT's files have no header and only numbers; correct or delete the line",
+                "correct or delete the line: NCLT's files have no header and only numbers",
             )
         })
     };
@@ -164,7 +162,7 @@ fn parse_row(
             file,
             line,
             format!("the time {time} is not in microseconds since 1970"),
-            "NCLT counts microseconds UTC in the first column",
+            "use microseconds UTC in the first column, as NCLT does",
         ));
     }
     Ok(Some((time as i64, row)))
@@ -175,7 +173,7 @@ mod tests {
     use super::*;
 
     fn parse(text: &str) -> Result<Table, IngestError> {
-        Table::parse("wheels.csv", text.as_bytes(), 2, &ProgressBar::hidden())
+        Table::parse("wheels.csv", text.as_bytes(), 2, &mut |_| ())
     }
 
     #[test]
@@ -203,7 +201,9 @@ mod tests {
     fn a_cut_line_is_refused_with_its_line() {
         let error = parse("1,0,0\n2,0\n").unwrap_err().to_string();
         assert!(
-            error.starts_with("wheels.csv, line 2: expected 3 columns, found 2; the line is cut short"),
+            error.starts_with(
+                "wheels.csv, line 2: expected 3 columns, found 2; download the file again if it is cut short"
+            ),
             "{error}"
         );
     }
@@ -219,6 +219,6 @@ mod tests {
     #[test]
     fn a_file_without_usable_rows_is_refused() {
         assert!(parse("").unwrap_err().to_string().contains("no usable row"));
-        assert!(parse("1,nan,0\n").unwrap_err().to_string().contains("1 were left out"));
+        assert!(parse("1,nan,0\n").unwrap_err().to_string().contains("skipped: 1"));
     }
 }

@@ -4,53 +4,29 @@
 //! answer for all edges, or ground-truth poses ([`ground_truth`]). Without a source the labels in the file are checked:
 //! every landmark edge must have one. A label without an edge and an edge without a label are errors, so that the labels
 //! of another graph are not used by mistake.
+//!
+//! The library works on graphs and bytes; [`stage`], the program, reads the files.
 
 pub mod ground_truth;
-mod options;
 pub mod pairs;
+#[cfg(feature = "cli")]
+pub mod stage;
 pub mod table;
-
-pub use options::{Measurements, Options};
 
 use std::collections::HashMap;
 
 use anyhow::bail;
 use posecut_graph::{Edge, EdgeKind, EdgeTruth, PoseGraph};
-use posecut_stage::{Context, GraphStage, Phase, Place, info};
 
-impl GraphStage for Options {
-    const NAME: &'static str = "label";
-    const ABOUT: &'static str = "Write which landmark edges of a graph are correct";
-    const PLACE: Place = Place(Phase::Graphs, 50);
+/// Labels every landmark edge correct.
+pub fn all_correct(graph: &mut PoseGraph) {
+    landmarks(graph).for_each(|edge| set(edge, true));
+}
 
-    fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
-        self.check()?;
-        if let Some(source) = &self.labels {
-            let (file, bytes) = context.read_bytes(source, "labels")?;
-            table::apply(graph, &file, &table::read(&file, &bytes)?)?;
-        } else if let Some(source) = &self.correct_pairs {
-            let (file, bytes) = context.read_bytes(source, "correct pairs")?;
-            pairs::apply(graph, &file, &pairs::read(&file, &bytes)?)?;
-        } else if self.all_correct {
-            landmarks(graph).for_each(|edge| set(edge, true));
-        } else if let Some(truth) = ground_truth::read(self, graph, context)? {
-            ground_truth::apply(graph, &truth, self)?;
-        } else {
-            check_labels(graph)?;
-        }
-        if self.measurements == Measurements::Zero {
-            let identity = graph.header.dimension.identity();
-            landmarks(graph).for_each(|edge| edge.measurement = Some(identity.clone()));
-        }
-        let all = graph.edges_of(EdgeKind::Landmark).count();
-        let correct =
-            graph.edges_of(EdgeKind::Landmark).filter(|edge| edge.truth_correct() == Some(true)).count();
-        info!("{correct} landmark edges are correct, {} are not", all - correct);
-        context.statistics.note("landmark_edges", all);
-        context.statistics.note("correct", correct);
-        context.statistics.note("incorrect", all - correct);
-        Ok(())
-    }
+/// Replaces every landmark measurement by the identity: "the same place", as from a recogniser without geometry.
+pub fn zero_measurements(graph: &mut PoseGraph) {
+    let identity = graph.header.dimension.identity();
+    landmarks(graph).for_each(|edge| edge.measurement = Some(identity.clone()));
 }
 
 fn landmarks(graph: &mut PoseGraph) -> impl Iterator<Item = &mut Edge> {
@@ -82,12 +58,13 @@ pub(crate) fn by_ends(graph: &PoseGraph) -> HashMap<(u64, u64), Vec<usize>> {
 }
 
 /// Refuses a graph in which a landmark edge has no label.
-fn check_labels(graph: &PoseGraph) -> anyhow::Result<()> {
+pub fn check_labels(graph: &PoseGraph) -> anyhow::Result<()> {
     let mut unknown = graph.edges_of(EdgeKind::Landmark).filter(|edge| edge.truth_correct().is_none());
     if let Some(first) = unknown.next() {
         bail!(
-            "{} of the landmark edges have no label \"truth\":{{\"correct\":…}}, first {}; name a source of labels: --labels, --correct-pairs, --all-correct, --ground-truth or --vertices",
+            "there is no label \"truth\":{{\"correct\":…}} on {} of {} landmark edges (first: {}); name a source of labels: --labels, --correct-pairs, --all-correct, --ground-truth or --vertices",
             1 + unknown.count(),
+            graph.edges_of(EdgeKind::Landmark).count(),
             described(first)
         );
     }

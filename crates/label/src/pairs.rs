@@ -18,7 +18,7 @@ pub struct Pair {
 /// be empty.
 pub fn read(file: &str, bytes: &[u8]) -> anyhow::Result<Vec<Pair>> {
     let text = std::str::from_utf8(bytes)
-        .with_context(|| format!("{file}: is no text; name a list with two node ids a line"))?;
+        .with_context(|| format!("{file}: is not a text file; name a list with two node ids per line"))?;
     let mut pairs = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let fields: Vec<&str> =
@@ -50,7 +50,7 @@ pub fn apply(graph: &mut PoseGraph, file: &str, pairs: &[Pair]) -> anyhow::Resul
             .collect();
         if found.is_empty() {
             bail!(
-                "{file}, line {line}: calls {first} {second} correct, and the graph has no landmark edge between them; use the list that belongs to this graph"
+                "{file}, line {line}: calls {first} {second} correct, but the graph has no landmark edge between them; use the list of this graph"
             );
         }
         for position in found {

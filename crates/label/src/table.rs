@@ -45,7 +45,7 @@ pub fn read(file: &str, bytes: &[u8]) -> anyhow::Result<Vec<Row>> {
         let node = |column: usize, name: &str| {
             field(column).parse::<u64>().with_context(|| {
                 format!(
-                    "{file}, line {line}: {name} is \"{}\", and must be the id of a node; correct the line",
+                    "{file}, line {line}: {name} is \"{}\", but must be the id of a node; correct the line",
                     field(column)
                 )
             })
@@ -54,7 +54,7 @@ pub fn read(file: &str, bytes: &[u8]) -> anyhow::Result<Vec<Row>> {
             "1" | "true" => true,
             "0" | "false" => false,
             other => {
-                bail!("{file}, line {line}: inlier is \"{other}\", and must be 1 or 0; correct the line")
+                bail!("{file}, line {line}: inlier is \"{other}\", but must be 1 or 0; correct the line")
             }
         };
         rows.push(Row { line, ends: (node(i, "i")?, node(j, "j")?), correct });
@@ -85,14 +85,14 @@ pub fn apply(graph: &mut PoseGraph, file: &str, rows: &[Row]) -> anyhow::Result<
         match take((edge.to, edge.from)) {
             Some(row) => set(edge, row.correct),
             None => bail!(
-                "{file}: has no label for {}; add a line, or use the labels that belong to this graph",
+                "{file}: has no label for {}; add a line, or use the labels of this graph",
                 described(edge)
             ),
         }
     }
     if let Some(row) = labels.values().flatten().min_by_key(|row| row.line) {
         bail!(
-            "{file}, line {}: labels an edge {} {}, and the graph has no landmark edge for it; use the labels that belong to this graph",
+            "{file}, line {}: labels an edge {} {}, but the graph has no such landmark edge; use the labels of this graph",
             row.line,
             row.ends.0,
             row.ends.1

@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 use petgraph::algo::connected_components;
 use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
 use petgraph::visit::EdgeRef as _;
-use posecut_stage::{ChaCha8Rng, random};
+use posecut_random::{ChaCha8Rng, random};
 use rand::RngExt as _;
 
 use crate::noise::normal;

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 use posecut_geometry::{SE3, wrap_angle};
-use posecut_stage::ChaCha8Rng;
+use posecut_random::ChaCha8Rng;
 use rand::RngExt as _;
 use rand_distr::{Distribution, Exp1};
 

@@ -5,16 +5,20 @@
 //! - [`route`]: a walk over the network, with revisits in both directions.
 //! - [`drive`]: the pose at every instant: speed, turns, stops.
 //! - [`sensors`]: the measurements of each sensor.
-//! - [`session`]: the files.
+//! - [`session`]: the rows of its files.
+//!
+//! The program writes the files; without the feature `cli` the crate is the simulation alone.
 //!
 //! Frames are as in NCLT: x north, y east, z down; yaw clockwise from north.
 
 pub mod campus;
 pub mod drive;
 mod noise;
+mod options;
 pub mod route;
 pub mod sensors;
 pub mod session;
 
+pub use options::{OptionError, Options};
 pub use route::Route;
-pub use session::{Options, is_session_file, simulate};
+pub use session::{Session, SessionFile, Summary, is_session_file, simulate};

@@ -1,6 +1,6 @@
 //! Noise of sensors.
 
-use posecut_stage::ChaCha8Rng;
+use posecut_random::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
 /// A normally distributed number with mean 0 and the given standard deviation.

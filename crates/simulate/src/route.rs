@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 use petgraph::graph::NodeIndex;
-use posecut_stage::ChaCha8Rng;
+use posecut_random::ChaCha8Rng;
 use rand::RngExt as _;
 use serde::Serialize;
 
@@ -21,13 +21,14 @@ const TURN_ROUND: f64 = 0.04;
 /// Each time a path is driven in a direction, its weight in that direction is multiplied by this.
 const NOVELTY: f64 = 0.6;
 
-/// Which way a robot takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+/// The route of a robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Route {
     /// A random walk, which revisits places in both directions
     Wander,
-    /// A random walk and the same way back: the second half sees the first from the other side
+    /// A random walk and the same way back: the second half sees the first in the opposite direction
     Return,
 }
 

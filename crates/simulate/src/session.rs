@@ -1,55 +1,46 @@
-//! Simulates a session and writes its files.
+//! Simulates a session: the rows of its files.
 
-use std::io::Write as _;
-use std::path::Path;
+use std::io::{self, Write};
 
-use anyhow::{Context as _, bail};
-use posecut_stage::{Statistics, close, random};
+use posecut_random::random;
 use rand::RngExt as _;
-use serde::Serialize;
 
 use crate::campus::Campus;
 use crate::drive::{Instant, drive};
-use crate::route::Route;
 use crate::sensors::{self, Row};
+use crate::{OptionError, Options};
 
-/// What shapes a session.
-#[derive(Clone, Debug, PartialEq, Serialize, clap::Args)]
-pub struct Options {
-    /// Seed of the session: route, drive and all sensors
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
-
-    /// Seed of the campus, which sessions to be compared share
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub campus: u64,
-
-    /// Length of the drive, metres; between 5500 and 6100 by the seed unless given
-    #[arg(long, value_name = "METRES")]
-    pub length: Option<f64>,
-
-    /// Which way the robot takes
-    #[arg(long, value_enum, default_value_t = Route::Wander)]
-    pub route: Route,
-
-    /// Rows a second of the fast sensors; NCLT's own rates are 40 to 150, which makes files ten times as large
-    #[arg(long, value_name = "HZ", default_value_t = 10.0)]
-    pub rate: f64,
+/// A simulated session.
+#[derive(Clone, Debug)]
+pub struct Session {
+    /// Its files, the ground truth first.
+    pub files: Vec<SessionFile>,
+    /// The drive in numbers.
+    pub summary: Summary,
 }
 
-impl Options {
-    /// Refuses options with which no session can be simulated.
-    pub fn check(&self) -> anyhow::Result<()> {
-        if !(5.0..=200.0).contains(&self.rate) {
-            bail!("--rate is {}, and must lie between 5 (the camera's) and 200 Hz", self.rate);
-        }
-        if let Some(length) = self.length
-            && !(50.0..=100_000.0).contains(&length)
-        {
-            bail!("--length is {length}, and must lie between 50 and 100000 m");
-        }
-        Ok(())
-    }
+/// One file of a session.
+#[derive(Clone, Debug)]
+pub struct SessionFile {
+    /// Its name, without a directory.
+    pub name: String,
+    /// Its rows in the order of time.
+    pub rows: Vec<Row>,
+}
+
+/// A drive in numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summary {
+    /// Length of the path, metres.
+    pub path_length: f64,
+    /// Duration, seconds.
+    pub duration: f64,
+    /// Share of the time that the robot stands still or nearly so: below 0.15 m/s.
+    pub stopped_share: f64,
+    /// Crossings of the campus.
+    pub crossings: usize,
+    /// Paths between them.
+    pub paths: usize,
 }
 
 /// The time stamp of an instant, microseconds.
@@ -75,9 +66,9 @@ pub fn is_session_file(name: &str) -> bool {
         || name.strip_prefix("groundtruth_").is_some_and(|rest| rest.strip_suffix(".csv").is_some())
 }
 
-/// Simulates a session and writes its files into an existing directory. `name` is the session's date: it is part of the
-/// ground-truth file's name, and determines the route together with the seed.
-pub fn simulate(directory: &Path, name: &str, options: &Options) -> anyhow::Result<Statistics> {
+/// Simulates a session. `name` is its date: it is part of the ground-truth file's name, and determines the route together
+/// with the seed.
+pub fn simulate(name: &str, options: &Options) -> Result<Session, OptionError> {
     options.check()?;
     let campus = Campus::new(options.campus);
     let draw = |purpose: &str| random(options.seed, &format!("{name} {purpose}"));
@@ -89,7 +80,6 @@ pub fn simulate(directory: &Path, name: &str, options: &Options) -> anyhow::Resu
     let start = start_time(name);
     let odometry = sensors::odometry(&instants, start, period, &mut draw("odometry"));
     let truth = sensors::ground_truth(&instants, start, period, &mut draw("truth"));
-    write(&directory.join(format!("groundtruth_{name}.csv")), &truth)?;
     let rows: [Vec<Row>; FILES.len()] = [
         odometry.integrated,
         odometry.relative,
@@ -100,23 +90,38 @@ pub fn simulate(directory: &Path, name: &str, options: &Options) -> anyhow::Resu
         sensors::fibre_optic_gyro(&instants, start, period, &mut draw("gyro")),
         sensors::gps(&instants, start, period, &mut draw("gps")),
     ];
-    for (file, rows) in FILES.into_iter().zip(&rows) {
-        write(&directory.join(file), rows)?;
-    }
-    Ok(statistics(name, &instants, &campus))
+    let mut files = vec![SessionFile { name: format!("groundtruth_{name}.csv"), rows: truth }];
+    files.extend(FILES.into_iter().zip(rows).map(|(file, rows)| SessionFile { name: file.to_owned(), rows }));
+    Ok(Session { files, summary: Summary::of(&instants, &campus) })
 }
 
-fn statistics(name: &str, instants: &[Instant], campus: &Campus) -> Statistics {
-    let mut statistics = Statistics::default();
-    let way = |pair: &[Instant]| (pair[1].pose.translation - pair[0].pose.translation).norm();
-    let stopped = instants.iter().filter(|instant| instant.speed < 0.15).count();
-    statistics.note("session", name);
-    statistics.note("path_length_m", instants.windows(2).map(way).sum::<f64>());
-    statistics.note("duration_s", instants.last().map_or(0.0, |last| last.seconds));
-    statistics.note("stopped_share", stopped as f64 / instants.len().max(1) as f64);
-    statistics.note("crossings", campus.paths.node_count());
-    statistics.note("paths", campus.paths.edge_count());
-    statistics
+impl Summary {
+    fn of(instants: &[Instant], campus: &Campus) -> Self {
+        let way = |pair: &[Instant]| (pair[1].pose.translation - pair[0].pose.translation).norm();
+        let stopped = instants.iter().filter(|instant| instant.speed < 0.15).count();
+        Self {
+            path_length: instants.windows(2).map(way).sum(),
+            duration: instants.last().map_or(0.0, |last| last.seconds),
+            stopped_share: stopped as f64 / instants.len().max(1) as f64,
+            crossings: campus.paths.node_count(),
+            paths: campus.paths.edge_count(),
+        }
+    }
+}
+
+impl SessionFile {
+    /// Writes the rows as CSV without a header: the time, then the numbers.
+    pub fn write(&self, writer: &mut impl Write) -> io::Result<()> {
+        for (time, numbers) in &self.rows {
+            write!(writer, "{time}")?;
+            for number in numbers {
+                // Nine decimals are finer than any of the sensors, but latitudes in radians need them.
+                write!(writer, ",{number:.9}")?;
+            }
+            writeln!(writer)?;
+        }
+        Ok(())
+    }
 }
 
 /// Noon UTC of a date YYYY-MM-DD, microseconds. A name that is not a date gets a fixed day.
@@ -127,23 +132,6 @@ fn start_time(name: &str) -> i64 {
     let (year, month) = if month > 2 { (year, month - 3) } else { (year - 1, month + 9) };
     let days = 365 * year + year / 4 - year / 100 + year / 400 + (153 * month + 2) / 5 + day - 1 - 719_468;
     (days * 86_400 + 43_200) * 1_000_000
-}
-
-fn write(path: &Path, rows: &[Row]) -> anyhow::Result<()> {
-    // The user does not know the temporary folder: name only the file.
-    let place = || path.file_name().unwrap_or_default().display().to_string();
-    let file = std::fs::File::create(path).with_context(place)?;
-    let mut writer = std::io::BufWriter::new(file);
-    for (time, numbers) in rows {
-        write!(writer, "{time}").with_context(place)?;
-        for number in numbers {
-            // Nine decimals are finer than any of the sensors, but latitudes in radians need them.
-            write!(writer, ",{number:.9}").with_context(place)?;
-        }
-        writeln!(writer).with_context(place)?;
-    }
-    let file = writer.into_inner().map_err(std::io::IntoInnerError::into_error).with_context(place)?;
-    close(file).with_context(place)
 }
 
 #[cfg(test)]

@@ -15,7 +15,6 @@ mod context;
 mod directory;
 mod documentation;
 mod doubt;
-mod expansion;
 mod given;
 mod graph_stage;
 mod input;
@@ -37,7 +36,6 @@ pub use closing::close;
 pub use context::Context;
 pub use directory::write_directory;
 pub use doubt::Doubt;
-pub use expansion::Expansion;
 pub use graph_stage::{GraphStage, run_graph_stage};
 pub use input::{Input, digest, open, open_file};
 pub use lines::bounded_lines;
@@ -51,6 +49,6 @@ pub use words::counted;
 
 // Re-exported so that stages need no crates of their own for messages and progress.
 pub use indicatif::ProgressBar;
-pub use posecut_graph::LONGEST_LINE;
+pub use posecut_graph::{Expansion, LONGEST_LINE};
 pub use posecut_random::{ChaCha8Rng, rand, random};
 pub use tracing::{debug, info, warn};

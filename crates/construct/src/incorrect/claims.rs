@@ -1,7 +1,7 @@
 //! The relative poses that false matches claim: within a few metres, as correct matches do.
 
 use posecut_geometry::LieGroup;
-use posecut_stage::ChaCha8Rng;
+use posecut_random::ChaCha8Rng;
 use rand::RngExt as _;
 
 use crate::Options;

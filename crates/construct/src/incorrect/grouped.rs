@@ -1,6 +1,6 @@
 //! Perceptual aliasing: two stretches that look alike.
 
-use posecut_stage::ChaCha8Rng;
+use posecut_random::ChaCha8Rng;
 use rand::RngExt as _;
 
 use super::{DRAWS_PER_PAIR, FalseMatch, Scene, Taken};

@@ -1,7 +1,7 @@
 //! Matches in the right neighbourhood with a wrong pose.
 
 use posecut_geometry::LieGroup;
-use posecut_stage::ChaCha8Rng;
+use posecut_random::ChaCha8Rng;
 use rand::seq::SliceRandom as _;
 
 use super::{FalseMatch, Scene};

@@ -13,7 +13,7 @@ use crate::rounds::{construct, landmarks, options, rounds, truth};
 
 #[test]
 fn correct_edges_are_exactly_the_similar_pairs() {
-    let (graph, _) = construct(vec![rounds("s", 314)], &options()).unwrap();
+    let graph = construct(vec![rounds("s", 314)], &options()).unwrap();
     let mut expected = BTreeSet::new();
     for first in &graph.nodes {
         for second in &graph.nodes {
@@ -31,7 +31,7 @@ fn correct_edges_are_exactly_the_similar_pairs() {
 
 #[test]
 fn the_split_cuts_the_odometry_once_and_starts_the_second_half_anew() {
-    let (graph, _) = construct(vec![rounds("s", 314)], &options()).unwrap();
+    let graph = construct(vec![rounds("s", 314)], &options()).unwrap();
     assert_eq!(graph.sessions(), ["s/a", "s/b"]);
     assert_eq!(graph.edges_of(EdgeKind::Odometry).count(), 312);
     assert!(graph.edges_of(EdgeKind::Odometry).all(|edge| (edge.from, edge.to) != (156, 157)));
@@ -45,8 +45,7 @@ fn the_split_cuts_the_odometry_once_and_starts_the_second_half_anew() {
 
 #[test]
 fn ids_are_sorted_by_ends_and_tell_nothing_of_the_truth() {
-    let (graph, _) =
-        construct(vec![rounds("s", 314)], &Options { incorrect_rate: 0.4, ..options() }).unwrap();
+    let graph = construct(vec![rounds("s", 314)], &Options { incorrect_rate: 0.4, ..options() }).unwrap();
     let ends: Vec<(u64, u64)> = graph.edges_of(EdgeKind::Landmark).map(|edge| (edge.from, edge.to)).collect();
     assert!(ends.is_sorted());
     let ids: Vec<u64> = graph.edges.iter().map(|edge| edge.id).collect();
@@ -55,8 +54,8 @@ fn ids_are_sorted_by_ends_and_tell_nothing_of_the_truth() {
 
 #[test]
 fn raising_the_rate_keeps_the_correct_edges_and_their_noise() {
-    let few = construct(vec![rounds("s", 314)], &Options { incorrect_rate: 0.05, ..options() }).unwrap().0;
-    let many = construct(vec![rounds("s", 314)], &Options { incorrect_rate: 0.5, ..options() }).unwrap().0;
+    let few = construct(vec![rounds("s", 314)], &Options { incorrect_rate: 0.05, ..options() }).unwrap();
+    let many = construct(vec![rounds("s", 314)], &Options { incorrect_rate: 0.5, ..options() }).unwrap();
     let measured = |graph: &PoseGraph| -> Vec<Vec<f64>> {
         let correct = graph.edges_of(EdgeKind::Landmark).filter(|edge| edge.truth_correct() == Some(true));
         correct.map(|edge| edge.measurement.clone().unwrap()).collect()
@@ -68,7 +67,7 @@ fn raising_the_rate_keeps_the_correct_edges_and_their_noise() {
 
 #[test]
 fn sessions_are_joined_as_they_are() {
-    let (graph, _) = construct(vec![rounds("s", 100), rounds("t", 100)], &options()).unwrap();
+    let graph = construct(vec![rounds("s", 100), rounds("t", 100)], &options()).unwrap();
     assert_eq!(graph.sessions(), ["s", "t"]);
     assert_eq!(graph.nodes.len(), 200);
     assert_eq!(graph.edges_of(EdgeKind::Odometry).count(), 198);
@@ -80,7 +79,7 @@ fn sessions_are_joined_as_they_are() {
 fn noise_models_of_one_name_and_different_content_are_kept_apart() {
     let mut second = rounds("t", 100);
     second.header.noise_models[0].1.information[0] = 7.0;
-    let (graph, _) = construct(vec![rounds("s", 100), second], &options()).unwrap();
+    let graph = construct(vec![rounds("s", 100), second], &options()).unwrap();
     let odometry: Vec<&posecut_graph::Edge> = graph.edges_of(EdgeKind::Odometry).collect();
     assert_eq!(graph.information(odometry[0]).unwrap()[0], 100.0);
     assert_eq!(graph.information(odometry[150]).unwrap()[0], 7.0);
@@ -88,9 +87,8 @@ fn noise_models_of_one_name_and_different_content_are_kept_apart() {
 
 #[test]
 fn a_minimum_interval_leaves_out_neighbours_across_the_cut() {
-    let plain = construct(vec![rounds("s", 314)], &options()).unwrap().0;
-    let apart =
-        construct(vec![rounds("s", 314)], &Options { minimum_interval: 60.0, ..options() }).unwrap().0;
+    let plain = construct(vec![rounds("s", 314)], &options()).unwrap();
+    let apart = construct(vec![rounds("s", 314)], &Options { minimum_interval: 60.0, ..options() }).unwrap();
     assert!(landmarks(&plain, true).contains(&(156, 157)));
     assert!(!landmarks(&apart, true).contains(&(156, 157)));
 }
@@ -99,7 +97,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
     #[test]
     fn incorrect_edges_make_the_asked_share_and_are_far_apart(rate in 0.0_f64..0.9, seed in 0_u64..1000) {
-        let (graph, _) = construct(vec![rounds("s", 314)], &Options { incorrect_rate: rate, seed, ..options() }).unwrap();
+        let graph = construct(vec![rounds("s", 314)], &Options { incorrect_rate: rate, seed, ..options() }).unwrap();
         let (correct, incorrect) = (landmarks(&graph, true), landmarks(&graph, false));
         let share = incorrect.len() as f64 / (correct.len() + incorrect.len()) as f64;
         prop_assert!((share - rate).abs() <= 0.5 / correct.len() as f64 + 1e-12, "{} against {}", share, rate);
@@ -109,13 +107,13 @@ proptest! {
             prop_assert!((truth(&graph, from).translation - truth(&graph, to).translation).norm() > 10.0);
             prop_assert!(from < 157 && to >= 157, "they join the two experiences");
         }
-        let again = construct(vec![rounds("s", 314)], &Options { incorrect_rate: rate, seed, ..options() }).unwrap().0;
+        let again = construct(vec![rounds("s", 314)], &Options { incorrect_rate: rate, seed, ..options() }).unwrap();
         prop_assert_eq!(graph, again);
     }
 
     #[test]
     fn measurement_noise_has_the_stated_size(seed in 0_u64..50) {
-        let (graph, _) = construct(vec![rounds("s", 314)], &Options { seed, ..options() }).unwrap();
+        let graph = construct(vec![rounds("s", 314)], &Options { seed, ..options() }).unwrap();
         let errors: Vec<[f64; 3]> = graph
             .edges_of(EdgeKind::Landmark)
             .filter(|edge| edge.truth_correct() == Some(true))

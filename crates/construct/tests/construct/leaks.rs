@@ -14,7 +14,7 @@ const KINDS: [IncorrectKind; 4] =
 
 fn with(kind: IncorrectKind, rate: f64, seed: u64) -> PoseGraph {
     let options = Options { incorrect_kind: kind, incorrect_rate: rate, seed, ..options() };
-    construct(vec![unsteady_rounds("s", 314)], &options).unwrap().0
+    construct(vec![unsteady_rounds("s", 314)], &options).unwrap()
 }
 
 /// The measurements of landmark edges, each with its truth.

@@ -11,7 +11,9 @@ fn build(list: &str, names: &[&str], options: &Options) -> Result<PoseGraph, Str
     let matches = read_matches("list.csv", list.as_bytes()).map_err(|error| error.to_string())?;
     let landmarks = Landmarks::Matches { file: "list.csv".to_owned(), matches };
     let graphs = names.iter().map(|name| rounds(name, 200)).collect();
-    construct(graphs, &landmarks, options).map(|(graph, _)| graph).map_err(|error| error.to_string())
+    construct(graphs, &landmarks, options)
+        .map(|construction| construction.graph)
+        .map_err(|error| error.to_string())
 }
 
 #[test]
@@ -59,19 +61,19 @@ fn an_empty_list_is_a_graph_without_landmark_edges() {
 #[test]
 fn lines_that_cannot_be_used_are_named() {
     let cases: &[(&str, &[&str], &str)] = &[
-        ("1,x", &["s"], "list.csv:1: frame_j is \"x\", and must be a whole number; correct the line"),
-        ("1,2\n7", &["s"], "list.csv:2: frame_j is \"\", and must be a whole number; correct the line"),
-        ("1,2,NaN", &["s"], "list.csv:1: score is \"NaN\", and must be a finite number; correct the line"),
+        ("1,x", &["s"], "list.csv:1: frame_j is \"x\", but must be a whole number; correct the line"),
+        ("1,2\n7", &["s"], "list.csv:2: frame_j is \"\", but must be a whole number; correct the line"),
+        ("1,2,NaN", &["s"], "list.csv:1: score is \"NaN\", but must be a finite number; correct the line"),
         (
             "1,2\n2,1",
             &["s"],
-            "list.csv:2: the same two frames are matched on line 1; keep one of the two lines",
+            "list.csv:2: the same two frames are already matched on line 1; delete one of the two lines",
         ),
         ("3,3", &["s"], "list.csv:1: frame 3 is matched to itself; delete the line"),
         (
             "1,999",
             &["s"],
-            "list.csv:1: no node has frame 999; give frames as the nodes of the session graphs number them, after down-sampling",
+            "list.csv:1: no node has frame 999; use the frame numbers of the session graphs, after down-sampling",
         ),
         (
             "1,2",
@@ -81,12 +83,12 @@ fn lines_that_cannot_be_used_are_named() {
         (
             "frame_i,frame_j,session_i\n1,2,x",
             &["s", "t"],
-            "list.csv:2: there is no session \"x\"; the sessions are s, t",
+            "list.csv:2: there is no session \"x\"; use one of s, t",
         ),
         (
             "from,to\n1,2",
             &["s"],
-            "list.csv:1: the header has no column \"frame_i\"; name the columns frame_i,frame_j,score (and session_i,session_j), or leave the header out",
+            "list.csv:1: the header has no column \"frame_i\"; name the columns frame_i,frame_j,score (and session_i,session_j), or remove the header",
         ),
     ];
     for (list, names, expected) in cases {

@@ -13,7 +13,7 @@ use crate::rounds::{construct, landmarks, options, rounds, truth};
 
 fn with(kind: IncorrectKind, rate: f64, seed: u64) -> PoseGraph {
     let options = Options { incorrect_kind: kind, incorrect_rate: rate, seed, ..options() };
-    construct(vec![rounds("s", 314)], &options).unwrap().0
+    construct(vec![rounds("s", 314)], &options).unwrap()
 }
 
 fn wrong(graph: &PoseGraph) -> impl Iterator<Item = &Edge> {
@@ -64,7 +64,7 @@ fn grouped_mistakes_support_each_other_and_uniform_ones_do_not() {
 fn the_stretches_have_the_length_asked_for() {
     let asked =
         Options { incorrect_kind: IncorrectKind::Grouped, group_length: 4, incorrect_rate: 0.2, ..options() };
-    let graph = construct(vec![rounds("s", 314)], &asked).unwrap().0;
+    let graph = construct(vec![rounds("s", 314)], &asked).unwrap();
     let lengths: Vec<usize> = groups(&graph).values().map(Vec::len).collect();
     let (last, full) = lengths.split_last().unwrap();
     assert!(full.len() > 5 && full.iter().all(|&length| length == 4) && *last <= 4, "{lengths:?}");
@@ -112,7 +112,12 @@ fn more_near_misses_than_there_are_pairs_are_refused() {
         ..options()
     };
     let error = construct(vec![rounds("s", 314)], &asked).unwrap_err().to_string();
-    assert!(error.contains("near miss") && error.contains("lower --incorrect-rate"), "{error}");
+    assert!(
+        error.contains("157 of 8949")
+            && error.contains("near-miss")
+            && error.contains("decrease --incorrect-rate"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -137,7 +142,7 @@ fn deviations_whose_squares_are_no_numbers_are_refused() {
         }
     }
     let largest = Options { landmark_sigma_rotation: 1e50, opposite_direction: true, ..options() };
-    let (graph, _) = construct(vec![rounds("s", 314)], &largest).unwrap();
+    let graph = construct(vec![rounds("s", 314)], &largest).unwrap();
     graph.write(&mut Vec::new()).unwrap();
 }
 

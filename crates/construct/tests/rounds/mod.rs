@@ -3,40 +3,16 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(dead_code, unreachable_pub, missing_docs, reason = "each test program uses its part")]
 
-use posecut_construct::{
-    ConstructError, IncorrectKind, Landmarks, MatchMeasurement, NoiseKind, Options, Split,
-};
+use posecut_construct::{ConstructError, Landmarks, Options};
 use posecut_geometry::{LieGroup, SE2};
 use posecut_graph::{EdgeKind, PoseGraph};
 
 pub fn options() -> Options {
-    Options {
-        split: Split::Auto,
-        radius: 3.0,
-        heading: 30.0,
-        minimum_interval: 0.0,
-        landmark_sigma_translation: 0.1,
-        landmark_sigma_rotation: 0.02,
-        noise: NoiseKind::Gaussian,
-        landmark_covariance_scale: 1.0,
-        opposite_direction: false,
-        correct_edges: None,
-        no_correct_edges: false,
-        odometry_gaps: 0,
-        incorrect_rate: 0.1,
-        incorrect_kind: IncorrectKind::Uniform,
-        group_length: 10,
-        match_measurement: MatchMeasurement::None,
-        incorrect_distance: 10.0,
-        seed: 1,
-    }
+    Options::DEFAULT
 }
 
-pub fn construct(
-    graphs: Vec<PoseGraph>,
-    options: &Options,
-) -> Result<(PoseGraph, posecut_stage::Statistics), ConstructError> {
-    posecut_construct::construct(graphs, &Landmarks::Truth, options)
+pub fn construct(graphs: Vec<PoseGraph>, options: &Options) -> Result<PoseGraph, ConstructError> {
+    posecut_construct::construct(graphs, &Landmarks::Truth, options).map(|construction| construction.graph)
 }
 
 /// A session of two rounds on a ring of 50 m with steps of 2 m: every place is seen once in each half.

@@ -229,7 +229,7 @@ fn graphs_without_nodes_or_edges_have_an_answer() {
         assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
     }
     for (name, part) in
-        [("construct", "no node of the graph has truth"), ("evaluate", "not one node has a pose")]
+        [("construct", "no node of the graph has ground truth"), ("evaluate", "no node has a pose")]
     {
         let output = run(name, &[], empty.as_bytes());
         let said = String::from_utf8_lossy(&output.stderr);
@@ -248,7 +248,7 @@ fn impossible_requests_to_construct_are_refused() {
         (&["--radius", "0.000001"], "no two viewpoints"),
         (
             &["--incorrect-rate", "0.9", "--radius", "8", "--incorrect-distance", "100000"],
-            "lower --incorrect-rate",
+            "0 of 1359 (--incorrect-rate 0.9, --incorrect-kind uniform, --incorrect-distance 100000); decrease",
         ),
         (&["--split", "none"], "no two viewpoints"),
         (&[&session], "in two of the graphs"),

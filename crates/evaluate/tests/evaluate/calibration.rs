@@ -1,7 +1,6 @@
 //! Tests the counts of edges by bins of their probability.
 
 use posecut_evaluate::calibration::calibration;
-use posecut_evaluate::result::Scope;
 use posecut_evaluate::{Options, evaluate};
 use posecut_graph::PoseGraph;
 
@@ -47,8 +46,7 @@ fn an_edge_counts_in_the_bin_of_its_probability() {
 fn without_probabilities_or_truth_the_result_has_no_such_field() {
     let written = |edges: &[(Option<bool>, Option<&str>)]| {
         let estimate = graph(edges);
-        let options = Options { align: None, scope: Scope::Joint, rpe_delta: 1, labels: Vec::new() };
-        serde_json::to_value(evaluate(&estimate, Some(&estimate), &options).unwrap()).unwrap()
+        serde_json::to_value(evaluate(&estimate, Some(&estimate), &Options::DEFAULT).unwrap()).unwrap()
     };
     for edges in [&[][..], &[(Some(true), None)], &[(None, Some("0.5"))], &[(Some(true), Some("null"))]] {
         assert!(written(edges).get("calibration").is_none(), "{edges:?}");

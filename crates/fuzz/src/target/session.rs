@@ -2,7 +2,6 @@
 
 use clap::Parser as _;
 use posecut_ingest::{Options, SessionFiles, ingest};
-use posecut_stage::ProgressBar;
 
 use super::{Outcome, scratch};
 use crate::seeds::{compressed, sections};
@@ -22,7 +21,7 @@ fn ingested(path: &std::path::Path) -> Outcome {
             Ok(files) => files,
             Err(error) => return Outcome::refused(error),
         };
-        match ingest(&mut files, &options, &ProgressBar::hidden()) {
+        match ingest(&mut files, &options, &mut |_| ()) {
             Ok(ingested) => {
                 // Writing may refuse a number that overflowed on the way; everything else must be valid.
                 let mut bytes = Vec::new();

@@ -190,7 +190,7 @@ pub(super) fn construct(input: &[u8]) -> Outcome {
     let options =
         arguments::<posecut_construct::Options>(&["--radius", "8", "--incorrect-rate", "0.3"]).options;
     match posecut_construct::construct(vec![graph], &posecut_construct::Landmarks::Truth, &options) {
-        Ok((graph, _)) => sound(&graph),
+        Ok(construction) => sound(&construction.graph),
         Err(error) => Outcome::refused(error),
     }
 }

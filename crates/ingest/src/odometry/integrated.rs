@@ -16,7 +16,7 @@ pub(super) fn from_relative(reader: &mut Reader<'_>, longest: i64) -> Result<Wit
         return Err(IngestError::row(
             &table.file,
             line,
-            "a relative pose cannot be used, and every pose after it would be wrong",
+            "the relative pose cannot be used, so every pose after it would be wrong",
             "repair the row, or use --odometry integrated",
         ));
     }

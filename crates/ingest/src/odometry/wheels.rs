@@ -1,10 +1,9 @@
 //! Dead reckoning from the wheels' speed and a heading.
 
 use posecut_geometry::{LieGroup, SE3};
-use posecut_stage::info;
 
 use super::{HeadingSource, Reader};
-use crate::{FileKind, IngestError, SessionFiles, Table, Trajectory};
+use crate::{Choice, Event, FileKind, IngestError, Table, Trajectory};
 
 /// Integrates the mean speed of both wheels along the heading: trapezoidal rule for the speed, and the middle attitude
 /// of each step. Rows outside the heading's times are left out.
@@ -14,7 +13,7 @@ pub(super) fn dead_reckoning(
     longest: i64,
 ) -> Result<(HeadingSource, Trajectory), IngestError> {
     let wheels = reader.table(FileKind::Wheels, 2)?;
-    let heading = choose(reader.files, heading)?;
+    let heading = choose(reader, heading)?;
     let attitude = attitude(reader, heading, longest)?;
     let covered: Vec<(i64, f64, SE3)> = wheels
         .times
@@ -25,8 +24,8 @@ pub(super) fn dead_reckoning(
     let Some(&(first, _, start)) = covered.first() else {
         return Err(IngestError::session(
             &wheels.file,
-            "no row lies within the times of the heading",
-            "choose another --heading; both files must be of the same session",
+            "no row is within the times of the heading",
+            "choose another --heading, and use files of the same session",
         ));
     };
     let mut trajectory = Trajectory { times: vec![first], poses: vec![start], gaps: Vec::new() };
@@ -47,7 +46,7 @@ pub(super) fn dead_reckoning(
     Ok((heading, trajectory))
 }
 
-fn choose(files: &SessionFiles, wanted: HeadingSource) -> Result<HeadingSource, IngestError> {
+fn choose(reader: &mut Reader<'_>, wanted: HeadingSource) -> Result<HeadingSource, IngestError> {
     if wanted != HeadingSource::Auto {
         return Ok(wanted);
     }
@@ -56,14 +55,15 @@ fn choose(files: &SessionFiles, wanted: HeadingSource) -> Result<HeadingSource, 
         (FileKind::Euler, HeadingSource::Euler),
         (FileKind::Imu, HeadingSource::Gyro),
     ];
+    let files = &reader.files;
     let Some(&(kind, heading)) = candidates.iter().find(|(kind, _)| files.has(*kind)) else {
         return Err(IngestError::session(
             files.place(),
-            format!("wheels.csv gives speed, but nothing gives a heading; found {}", files.found()),
+            format!("wheels.csv gives speeds, but no file gives a heading; found {}", files.found()),
             "add kvh.csv, ms25_euler.csv or ms25.csv",
         ));
     };
-    info!("heading from {} (choose another with --heading)", kind.file_name());
+    (reader.report)(Event::Chosen(Choice::Heading(kind)));
     Ok(heading)
 }
 

@@ -23,7 +23,7 @@ impl Track {
             };
             if rows.last().is_some_and(|(before, _)| before >= time) {
                 bail!(
-                    "{file}, line {line}: its time {time} does not follow the one before; sort the file by time"
+                    "{file}, line {line}: the time {time} is not later than the one before; sort the file by time"
                 );
             }
             rows.push((*time, [*x, *y, *heading]));
@@ -56,14 +56,15 @@ pub(super) fn times(file: &str, bytes: &[u8]) -> anyhow::Result<Vec<f64>> {
         .into_iter()
         .map(|(line, text)| {
             text.parse().ok().filter(|time: &f64| time.is_finite()).with_context(|| {
-                format!("{file}, line {line}: \"{text}\" is no time in seconds; correct the line")
+                format!("{file}, line {line}: \"{text}\" is not a time in seconds; correct the line")
             })
         })
         .collect()
 }
 
 fn lines<'a>(file: &str, bytes: &'a [u8]) -> anyhow::Result<Vec<(usize, &'a str)>> {
-    let text = std::str::from_utf8(bytes).with_context(|| format!("{file}: is no text file"))?;
+    let text = std::str::from_utf8(bytes)
+        .with_context(|| format!("{file}: is not a text file; name a CSV file in UTF-8"))?;
     Ok(text
         .lines()
         .map(str::trim)

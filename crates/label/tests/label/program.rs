@@ -73,18 +73,18 @@ fn a_trajectory_is_interpolated_between_its_times() {
     let options = ["--ground-truth", "track.csv", "--times", "times.txt"];
     assert_eq!(labelled(&files, &options).0, [true, false, false]);
     let said = refused(&files, &[&options[..], &["--longest-silence", "5"]].concat());
-    assert!(said.contains("track.csv: has no pose of node 0, which landmark 2 (0 2) joins"), "{said}");
+    assert!(said.contains("track.csv: has no pose of node 0, an end of landmark 2 (0 2)"), "{said}");
     let told = labelled(&files, &[&options[..], &["--longest-silence", "5", "--unknown-incorrect"]].concat());
     assert_eq!(told.0, [false; 3]);
     let said = refused(&[("track.csv", "0,0,0,0\n0,1,1,1\n"), files[1]], &options);
-    assert!(said.contains("track.csv, line 2: its time 0 does not follow"), "{said}");
+    assert!(said.contains("track.csv, line 2: the time 0 is not later than the one before"), "{said}");
     let said = refused(&[files[0], ("times.txt", "0\nsoon\n")], &options);
-    assert!(said.contains("times.txt, line 2: \"soon\" is no time"), "{said}");
+    assert!(said.contains("times.txt, line 2: \"soon\" is not a time"), "{said}");
 }
 
 #[test]
 fn there_is_one_source_of_labels_and_every_edge_gets_one() {
-    assert!(refused(&[], &[]).contains("3 of the landmark edges have no label"));
+    assert!(refused(&[], &[]).contains("on 3 of 3 landmark edges (first: landmark 2 (0 2))"));
     assert_eq!(labelled(&[], &["--all-correct"]).0, [true; 3]);
     assert!(refused(&[], &["--all-correct", "--vertices"]).contains("cannot be used with"));
     let said = refused(&[("truth.jsonl", "VERTEX_SE2 0 0 0 0\n")], &["--ground-truth", "truth.jsonl"]);

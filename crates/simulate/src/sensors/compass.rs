@@ -1,7 +1,7 @@
 //! Headings: `ms25_euler.csv` from the IMU's magnetometer, `kvh.csv` from the fibre-optic gyro.
 
 use posecut_geometry::wrap_angle;
-use posecut_stage::ChaCha8Rng;
+use posecut_random::ChaCha8Rng;
 
 use super::Row;
 use crate::campus::Campus;

@@ -1,6 +1,6 @@
 //! `gps.csv`: consumer GPS.
 
-use posecut_stage::ChaCha8Rng;
+use posecut_random::ChaCha8Rng;
 
 use super::Row;
 use crate::drive::Instant;

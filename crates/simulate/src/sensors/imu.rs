@@ -1,7 +1,7 @@
 //! `ms25.csv`: magnetometer, accelerations and angular rates of the IMU.
 
 use nalgebra::Vector3;
-use posecut_stage::ChaCha8Rng;
+use posecut_random::ChaCha8Rng;
 
 use super::Row;
 use crate::campus::Campus;

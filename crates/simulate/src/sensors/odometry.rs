@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use posecut_geometry::{LieGroup, SE3};
-use posecut_stage::ChaCha8Rng;
+use posecut_random::ChaCha8Rng;
 use rand::RngExt as _;
 
 use super::{Row, six};

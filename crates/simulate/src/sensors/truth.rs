@@ -1,7 +1,7 @@
 //! `groundtruth_DATE.csv`.
 
 use posecut_geometry::{LieGroup, SE3};
-use posecut_stage::ChaCha8Rng;
+use posecut_random::ChaCha8Rng;
 
 use super::{Row, six};
 use crate::drive::Instant;

@@ -1,6 +1,6 @@
 //! `wheels.csv`: speed of the left and of the right wheel.
 
-use posecut_stage::ChaCha8Rng;
+use posecut_random::ChaCha8Rng;
 use rand::RngExt as _;
 
 use super::Row;
