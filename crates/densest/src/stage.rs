@@ -75,7 +75,7 @@ impl GraphStage for Options {
         if let Some(spread) = self.spread {
             ensure!(
                 spread > 0.0 && spread.is_finite(),
-                "--spread is {spread}, and must be a positive number of standard deviations"
+                "--spread is {spread}, but must be a positive number of standard deviations"
             );
         }
         let summary = for_dimension!(graph.header.dimension, |G, DOF| self.reject::<G, DOF>(graph)?);

@@ -57,7 +57,7 @@ fn main() -> anyhow::Result<()> {
         anyhow::bail!("usage: online_rejection GRAPH.jsonl FIGURE.svg SERIES.csv [K]")
     };
     let every: usize = arguments.get(3).map_or(Ok(20), |word| word.parse())?;
-    anyhow::ensure!(every > 0, "K is 0, and must be a positive number of poses");
+    anyhow::ensure!(every > 0, "K is 0, but must be a positive number of poses");
     let file = std::fs::File::open(input).with_context(|| format!("{input}: cannot be opened"))?;
     let graph = PoseGraph::read(input, std::io::BufReader::new(file))?;
     let rows = for_dimension!(graph.header.dimension, |G, DOF| follow::<G, DOF>(&graph, every))?;

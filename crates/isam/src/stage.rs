@@ -140,7 +140,7 @@ impl StageOptions {
 
     /// Follows a session and returns the graph with its last estimates.
     fn run(&self, input: &Source, context: &mut Context) -> anyhow::Result<PoseGraph> {
-        anyhow::ensure!(self.every != Some(0), "--every is 0, and must be a positive number of steps");
+        anyhow::ensure!(self.every != Some(0), "--every is 0, but must be a positive number of steps");
         let Some(path) = &self.estimates else { return self.dispatch(input, None, context) };
         context.check_further_output("--estimates", path)?;
         let mut graph = None;

@@ -34,7 +34,7 @@ impl GraphStage for Options {
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
         ensure!(
             self.minimum_score.is_finite(),
-            "--minimum-score is {}, and must be a finite number",
+            "--minimum-score is {}, but must be a finite number",
             self.minimum_score
         );
         let matches = matches(graph)?;

@@ -100,7 +100,7 @@ impl StageOptions {
         ] {
             anyhow::ensure!(
                 value >= 0.0 && value.is_finite(),
-                "{name} is {value}, and must be zero or a positive number"
+                "{name} is {value}, but must be zero or a positive number"
             );
         }
         let initialisation = match self.initialisation {

@@ -15,14 +15,14 @@ pub enum PcmError {
     },
     /// A probability outside (0, 1).
     #[error(
-        "a probability is {value}, and must be greater than 0 and less than 1; --help shows the options that take one with the value P"
+        "a probability is {value}, but must be greater than 0 and less than 1; --help shows the options that take one with the value P"
     )]
     Probability {
         /// The given value.
         value: f64,
     },
     /// A length, an angle, a scale or a limit that is not a positive number.
-    #[error("{option} is {value}, and must be a positive number")]
+    #[error("{option} is {value}, but must be a positive number")]
     NotPositive {
         /// The option.
         option: &'static str,

@@ -69,7 +69,7 @@ impl GraphStage for Options {
 
     fn check(&self) -> anyhow::Result<()> {
         if !(self.chance > 0.0 && self.chance.is_finite()) {
-            bail!("--chance is {}, and must be a positive number", self.chance);
+            bail!("--chance is {}, but must be a positive number", self.chance);
         }
         Ok(())
     }

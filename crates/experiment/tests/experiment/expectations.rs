@@ -180,7 +180,10 @@ fn another_choice_of_edges_is_told_by_its_ids_and_blamed_on_the_stage() {
         said.contains("made by: ./stage.sh pcm results/trial-simulated/one/1/graph.jsonl -- --gate 1"),
         "{said}"
     );
-    assert!(said.contains("differ too, perhaps only for that reason: evaluate 2, multicut 1, optimize 1."), "{said}");
+    assert!(
+        said.contains("differ too, perhaps only for that reason: evaluate 2, multicut 1, optimize 1."),
+        "{said}"
+    );
 }
 
 #[test]

@@ -99,7 +99,7 @@ impl CutOptions {
         if self.graph == CutGraph::Full {
             anyhow::ensure!(
                 self.odometry_cost.is_finite(),
-                "--odometry-cost is {}, and must be a finite number",
+                "--odometry-cost is {}, but must be a finite number",
                 self.odometry_cost
             );
             for (index, edge) in graph.edges.iter().enumerate() {

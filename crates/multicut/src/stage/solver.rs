@@ -30,7 +30,7 @@ impl SolverOptions {
     pub fn options(&self, certificate: bool) -> anyhow::Result<Options> {
         let time_limit = Duration::try_from_secs_f64(self.time_limit).map_err(|_| {
             anyhow::anyhow!(
-                "--time-limit is {}, and must be zero or a positive number of seconds",
+                "--time-limit is {}, but must be zero or a positive number of seconds",
                 self.time_limit
             )
         })?;

@@ -50,7 +50,10 @@ fn a_spoiled_wheel_is_refuted() {
         ("wheel 2 1 2 3 / 0 1 / 0 2 / ", "does not join"),
         ("wheel 2 1 2 3 / 0 1 / 0 2 / 0 1 3", "wrong sign"),
         ("wheel 2 1 2 3 1 2 3 / 0 1 / 0 2 / 0 3 / 0 1 / 0 2 / 0 3", "odd number"),
-        ("wheel 1 1 2 3 1 2 3 1 2 3 / 0 1 / 0 2 / 0 3 / 0 1 / 0 2 / 0 3 / 0 1 / 0 2 / 0 3", "more than its cost"),
+        (
+            "wheel 1 1 2 3 1 2 3 1 2 3 / 0 1 / 0 2 / 0 3 / 0 1 / 0 2 / 0 3 / 0 1 / 0 2 / 0 3",
+            "more than its cost",
+        ),
         ("wheel 2 1 2 / 0 1 / 0 2", "odd number"),
         ("wheel 2 1 2 2 3 / 0 1 / 0 2 / 0 3", "no edge"),
         ("wheel 2 1 2 9 / 0 1 / 0 2 / 0 9", "no edge"),

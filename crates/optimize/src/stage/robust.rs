@@ -89,12 +89,12 @@ impl RobustOptions {
         let width = self.gnc_width.unwrap_or(quantile);
         anyhow::ensure!(
             width > 0.0 && width.is_finite(),
-            "--gnc-width is {width}, and must be a positive number of standard deviations"
+            "--gnc-width is {width}, but must be a positive number of standard deviations"
         );
         if let Some(weight) = self.reject_below {
             anyhow::ensure!(
                 weight > 0.0 && weight <= 1.0,
-                "--reject-below is {weight}, and must be above 0 and at most 1"
+                "--reject-below is {weight}, but must be above 0 and at most 1"
             );
             anyhow::ensure!(
                 self.gnc.is_some() || self.kernels.kernel_landmark.is_some(),
