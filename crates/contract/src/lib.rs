@@ -24,6 +24,12 @@ pub fn program(name: &str) -> PathBuf {
     path
 }
 
+/// Whether to run the long forms of tests with many similar cases (`POSECUT_LONG_TESTS=1`). The short forms check the same, on a
+/// part of the cases.
+pub fn long_tests() -> bool {
+    std::env::var_os("POSECUT_LONG_TESTS").is_some_and(|value| value == "1")
+}
+
 /// Runs a program with standard input.
 ///
 /// # Panics

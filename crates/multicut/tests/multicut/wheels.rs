@@ -58,8 +58,8 @@ fn a_spoiled_wheel_is_refuted() {
         ("wheel 2 1 2 2 3 / 0 1 / 0 2 / 0 3", "no edge"),
         ("wheel 2 1 2 9 / 0 1 / 0 2 / 0 9", "no edge"),
         ("wheel 2", "odd number"),
-        ("wheel 2 1 2 x / 0 1 / 0 2 / 0 3", "no number"),
-        ("wheel", "no number"),
+        ("wheel 2 1 2 x / 0 1 / 0 2 / 0 3", "is not a number"),
+        ("wheel", "is not a number"),
     ] {
         let error = check(wheel).unwrap_err().to_string();
         assert!(error.contains(reason) && error.contains("line 7"), "{wheel}: {error}");
