@@ -205,7 +205,7 @@ impl Frames {
         let sessions: Vec<String> = graph.sessions().into_iter().map(str::to_owned).collect();
         let mut nodes: HashMap<i64, Vec<(usize, u64)>> = HashMap::new();
         for node in &graph.nodes {
-            let (Some(frame), Some(session)) = (node.frame, node.session.as_deref()) else { continue };
+            let Some((session, frame)) = node.session_frame() else { continue };
             let Some(session) = sessions.iter().position(|name| name == session) else { continue };
             nodes.entry(frame).or_default().push((session, node.id));
         }

@@ -169,6 +169,11 @@ impl Node {
         }
     }
 
+    /// Session and frame, by which stages that work with sequences find neighbours; `None` without both.
+    pub fn session_frame(&self) -> Option<(&str, i64)> {
+        Some((self.session.as_deref()?, self.frame?))
+    }
+
     /// The estimate; the identity of that dimension if there is none.
     pub fn pose_or_identity(&self, dimension: Dimension) -> Vec<f64> {
         self.pose.clone().unwrap_or_else(|| dimension.identity())

@@ -4,7 +4,7 @@
 //! [`for_dimension!`](crate::for_dimension) is the only code that turns a [`Dimension`] into a group.
 
 use nalgebra::SMatrix;
-use posecut_geometry::covariance::unpack_upper_triangle;
+use posecut_geometry::covariance::{PackingError, unpack_upper_triangle};
 use posecut_geometry::{LieGroup, SE2, SE3};
 
 use crate::{Dimension, Edge, PoseGraph};
@@ -89,14 +89,25 @@ impl PoseGraph {
         &self,
         edge: &Edge,
     ) -> Result<Option<(G, SMatrix<f64, DOF, DOF>)>, UnusableField> {
-        let (Some(components), Some(packed)) = (&edge.measurement, self.information(edge)) else {
-            return Ok(None);
-        };
         let refused = |field, reason| UnusableField { record: edge.name(), field, reason };
-        let motion = G::from_components(components).ok_or_else(|| refused("measurement", String::new()))?;
-        let information =
-            unpack_upper_triangle(packed).map_err(|error| refused("information", format!(": {error}")))?;
-        Ok(Some((motion, information)))
+        let Some(components) = &edge.measurement else { return Ok(None) };
+        let motion = G::from_components(components).ok_or_else(|| refused("measurement", String::new()));
+        match self.information_matrix(edge) {
+            None => Ok(None),
+            Some(information) => {
+                let information = information.map_err(|error| refused("information", format!(": {error}")));
+                Ok(Some((motion?, information?)))
+            }
+        }
+    }
+
+    /// The information matrix of an edge, its own or that of its noise model, in the order translation, rotation. `None` if it is
+    /// missing.
+    pub fn information_matrix<const DOF: usize>(
+        &self,
+        edge: &Edge,
+    ) -> Option<Result<SMatrix<f64, DOF, DOF>, PackingError>> {
+        self.information(edge).map(unpack_upper_triangle)
     }
 }
 

@@ -2,9 +2,7 @@
 
 use nalgebra::SMatrix;
 use posecut_geometry::LieGroup;
-use posecut_geometry::covariance::{
-    compose, covariance_from_information, information_from_covariance, unpack_upper_triangle,
-};
+use posecut_geometry::covariance::{compose, covariance_from_information, information_from_covariance};
 use posecut_graph::{EdgeKind, PoseGraph, for_dimension};
 use serde::Serialize;
 
@@ -72,7 +70,7 @@ fn steps<G: LieGroup<DOF>, const DOF: usize>(graph: &PoseGraph) -> Vec<Option<St
         let Some((from, to)) = graph.ends(edge) else { continue };
         let known = || {
             let motion = G::from_components(edge.measurement.as_deref()?)?;
-            let information = unpack_upper_triangle(graph.information(edge)?).ok()?;
+            let information = graph.information_matrix(edge)?.ok()?;
             Some((motion, covariance_from_information(&information).ok()?))
         };
         if to == from + 1 {

@@ -41,8 +41,8 @@ pub fn matches(graph: &PoseGraph) -> Result<Vec<Match>, FrameError> {
             .node_index(id)
             .map(|index| &graph.nodes[index])
             .and_then(|node| {
-                let name = node.session.as_deref()?;
-                Some((sessions.iter().position(|&session| session == name)?, node.frame?))
+                let (name, frame) = node.session_frame()?;
+                Some((sessions.iter().position(|&session| session == name)?, frame))
             })
             .ok_or_else(|| FrameError::NoFrame { edge: edge.name(), node: id })
     };

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, HashSet};
 
-use posecut_graph::{Edge, EdgeKind, PoseGraph};
+use posecut_graph::{Edge, EdgeKind, Node, PoseGraph};
 
 use super::delta::{Delta, spacings};
 
@@ -102,7 +102,7 @@ fn supporting(pairs: &HashSet<Ends<'_>>, (first, second): &Ends<'_>, delta: u32)
 fn ends<'a>(graph: &'a PoseGraph, edge: &Edge) -> Result<Ends<'a>, SupportError> {
     let end = |id: u64| {
         let node = graph.node_index(id).map(|index| &graph.nodes[index]);
-        node.and_then(|node| Some((node.session.as_deref()?, node.frame?)))
+        node.and_then(Node::session_frame)
             .ok_or_else(|| SupportError::NoFrame { edge: edge.name(), node: id })
     };
     let (from, to) = (end(edge.from)?, end(edge.to)?);

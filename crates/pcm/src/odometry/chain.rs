@@ -5,7 +5,7 @@
 use nalgebra::{SMatrix, SVector};
 use petgraph::unionfind::UnionFind;
 use posecut_geometry::LieGroup;
-use posecut_geometry::covariance::{CovarianceError, covariance_from_information, unpack_upper_triangle};
+use posecut_geometry::covariance::{CovarianceError, covariance_from_information};
 use posecut_graph::{Edge, EdgeKind, PoseGraph};
 
 use crate::PcmError;
@@ -147,9 +147,10 @@ pub fn covariance<const DOF: usize>(
         return Ok(SMatrix::zeros());
     }
     let refused = |reason: String| PcmError::Covariance { edge: edge.name(), reason };
-    let packed =
-        graph.information(edge).ok_or_else(|| refused("the edge has no information matrix".to_owned()))?;
-    let information = unpack_upper_triangle::<DOF>(packed).map_err(|error| refused(error.to_string()))?;
+    let information = graph
+        .information_matrix::<DOF>(edge)
+        .ok_or_else(|| refused("the edge has no information matrix".to_owned()))?
+        .map_err(|error| refused(error.to_string()))?;
     match covariance_from_information(&information) {
         Err(CovarianceError::Singular { .. }) if covariances == Covariances::Repaired => {
             covariance_from_information(&repaired(information)).map_err(|error| refused(error.to_string()))
