@@ -27,7 +27,7 @@ impl Table {
     ///
     /// Rows with NaN are left out and counted (NCLT's ground truth starts with some). So are rows whose time does not
     /// advance; if they are more than one in a hundred, that is an error. A row that is too short or has a field that
-    /// is not a number is an error that names its line. `parsed` is told the number of further bytes, each MiB.
+    /// is not a number is an error that names its line. `parsed` receives the number of further bytes, each MiB.
     pub fn parse(
         file: &str,
         bytes: &[u8],

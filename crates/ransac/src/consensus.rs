@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn the_limit_of_trials_is_told() {
+    fn the_limit_of_trials_is_reported() {
         let search = Search { most_trials: 3, ..SEARCH };
         let consensus = largest_consensus(100, &search, &mut random(1, "test"), |_, _| false);
         assert_eq!((consensus.trials, consensus.confident, consensus.members.len()), (3, false, 0));

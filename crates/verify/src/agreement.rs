@@ -11,7 +11,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
     fn odds_against(&self, hypothesis: &Hypothesis) -> f64 {
         let comparable =
             self.hypotheses.iter().filter(|other| other.evidence >= COMPARABLE * hypothesis.evidence);
-        let (held, others): (Vec<_>, Vec<_>) = comparable.partition(|other| self.holds(other));
+        let (held, others): (Vec<_>, Vec<_>) = comparable.partition(|other| self.has_half_of(other));
         ((others.len() + 1) as f64 / (held.len() + 1) as f64).max(1.0)
     }
 
@@ -22,12 +22,12 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             let span = self.model.span(hypothesis.members[0]);
             part[span.a] == part[span.b]
         };
-        let is_open = |hypothesis: &Hypothesis| within(hypothesis) && !self.holds(hypothesis);
+        let is_open = |hypothesis: &Hypothesis| within(hypothesis) && !self.has_half_of(hypothesis);
         (0..self.hypotheses.len()).filter(|&number| is_open(&self.hypotheses[number])).collect()
     }
 
     /// Whether the map holds at least half of a hypothesis.
-    fn holds(&self, hypothesis: &Hypothesis) -> bool {
+    fn has_half_of(&self, hypothesis: &Hypothesis) -> bool {
         let accepted = hypothesis.members.iter().filter(|&&member| self.accepted[member]).count();
         2 * accepted >= hypothesis.members.len()
     }

@@ -45,11 +45,11 @@ pub(crate) struct Judged {
 impl Judged {
     /// Strong hypotheses of which the map holds no member, the heaviest first: numbers 1, 2 and so on.
     pub(crate) fn others(&self) -> impl Iterator<Item = &Hypothesis> {
-        self.hypotheses.iter().filter(|hypothesis| hypothesis.is_strong() && !self.holds(hypothesis))
+        self.hypotheses.iter().filter(|hypothesis| hypothesis.is_strong() && !self.has_member_of(hypothesis))
     }
 
     /// Whether the map holds any member of it.
-    pub(crate) fn holds(&self, hypothesis: &Hypothesis) -> bool {
+    pub(crate) fn has_member_of(&self, hypothesis: &Hypothesis) -> bool {
         hypothesis.members.iter().any(|&member| self.accepted[member])
     }
 }

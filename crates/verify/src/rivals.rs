@@ -28,7 +28,7 @@ pub struct Rival {
 pub(crate) fn rivals<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, judged: &Judged) -> Vec<Rival> {
     let group = |hypothesis: &Hypothesis| model.closures[hypothesis.members[0]].group;
     let mut held = BTreeMap::new();
-    for hypothesis in judged.hypotheses.iter().filter(|hypothesis| judged.holds(hypothesis)) {
+    for hypothesis in judged.hypotheses.iter().filter(|hypothesis| judged.has_member_of(hypothesis)) {
         *held.entry(group(hypothesis)).or_insert(0.0) += hypothesis.evidence;
     }
     (1..)

@@ -30,7 +30,7 @@ fn modes_that_reject_by_weights_conform() {
 }
 
 #[test]
-fn the_oracle_is_told_to_look_at_the_truth() {
+fn the_oracle_is_reported_to_read_the_truth() {
     let output = run("conform", &["--format", "json", "--", program("oracle").to_str().unwrap()], b"");
     assert_eq!(output.status.code(), Some(1));
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();

@@ -37,7 +37,7 @@ fn a_robots_letter_names_its_session() {
 }
 
 #[test]
-fn what_is_wrong_is_told_with_its_line() {
+fn errors_name_their_line() {
     for (text, parts) in [
         ("", &["neither vertices nor edges"][..]),
         ("VERTEX_SE2 0 0 0", &["line 1", "expected 3 numbers", "found 2"]),

@@ -30,7 +30,7 @@ fn planar_terms_are_in_toros_order_and_turned_into_the_second_frame() {
 }
 
 #[test]
-fn what_is_wrong_is_told_with_its_line() {
+fn errors_name_their_line() {
     let right_angle = "EDGE3 0 1 0 0 0 0 1.5707963267948966 0 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n";
     for (text, parts) in [
         ("VERTEX_SE2 0 0 0 0", &["line 1", "VERTEX_SE2", "VERTEX2"][..]),

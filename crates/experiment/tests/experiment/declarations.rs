@@ -10,7 +10,7 @@ fn refused(experiment: &str, more: &[&str]) -> String {
 }
 
 #[test]
-fn mistakes_are_told_with_place_and_remedy() {
+fn mistakes_are_reported_with_place_and_remedy() {
     let cases: &[(&str, &str, &str)] = &[
         ("sessions", "sesions", "unknown field `sesions`"),
         (

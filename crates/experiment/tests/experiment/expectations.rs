@@ -159,7 +159,7 @@ fn a_number_off_within_its_tolerance_passes_and_beyond_it_fails() {
 }
 
 #[test]
-fn another_choice_of_edges_is_told_by_its_ids_and_blamed_on_the_stage() {
+fn another_choice_of_edges_is_reported_by_its_ids_and_blamed_on_the_stage() {
     let workshop = results();
     let flip = |value: &mut Value| {
         if value["id"] == 11 && value["kind"] == "landmark" {

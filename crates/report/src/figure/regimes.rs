@@ -32,8 +32,8 @@ pub fn heat_maps(map: &Map, session: &str, kind: &str, quantity: Quantity) -> (V
     let draw = |cell: &Cell| {
         let (position, text) = match quantity {
             Quantity::Rmse => (share(cell.mean), brief(cell.mean)),
-            Quantity::Precision => told(cell.precision)?,
-            Quantity::Recall => told(cell.recall)?,
+            Quantity::Precision => inverted(cell.precision)?,
+            Quantity::Recall => inverted(cell.recall)?,
         };
         let (colour, dark) = along(&VIRIDIS, position);
         Some(GridCell { colour, dark, text, dot: false })
@@ -200,7 +200,7 @@ fn brief_signed(value: f64) -> String {
     }
 }
 
-fn told(value: Option<f64>) -> Option<(f64, String)> {
+fn inverted(value: Option<f64>) -> Option<(f64, String)> {
     value.map(|value| (1.0 - value, format!("{value:.2}")))
 }
 

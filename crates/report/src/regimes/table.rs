@@ -65,7 +65,7 @@ fn section(text: &mut String, map: &Map, session: &str, kind: &str) {
             comparison.cells[index].map(|effect| {
                 let verdict = match effect.verdict {
                     Verdict::Neutral => String::new(),
-                    told => format!(" {}", told.name()),
+                    other => format!(" {}", other.name()),
                 };
                 format!("{}{verdict}", signed(effect.difference))
             })

@@ -137,7 +137,7 @@ fn numbers_in_the_page_are_those_of_the_results() {
 }
 
 #[test]
-fn the_same_inputs_give_the_same_bytes_in_any_order_and_no_path_is_told() {
+fn the_same_inputs_give_the_same_bytes_in_any_order_and_no_path_is_shown() {
     let folder = tempfile::tempdir().unwrap();
     let (one, two) = (folder.path().join("one"), folder.path().join("two"));
     fs::create_dir_all(&one).unwrap();
