@@ -36,7 +36,8 @@ pub struct Experiment {
     pub halves: Option<Halves>,
     /// The limit on CPU seconds of one task of a method. With a limit, a method that fails counts as a result.
     pub cpu_limit: Option<u64>,
-    /// Names of the sessions if sessions are simulated and other names apply then.
+    /// Names of sessions that may be simulated if no folder of real sessions is named. No other name is ever simulated, because it
+    /// may be that of a user's own data.
     pub simulated_sessions: Option<Vec<String>>,
     /// Seeds 1 to this number.
     pub seeds: u64,
@@ -224,7 +225,7 @@ impl Experiment {
 
     fn overlay(&mut self, file: File, stem: String) -> anyhow::Result<()> {
         self.name = file.name.unwrap_or(stem);
-        // A declaration that names `sessions` means them for simulation too, so it does not inherit `simulated_sessions`.
+        // A declaration that names `sessions` of its own does not inherit `simulated_sessions`: those are other sessions.
         let inherited = self.simulated_sessions.take().filter(|_| file.sessions.is_none());
         self.simulated_sessions = file.simulated_sessions.or(inherited);
         self.sessions = file.sessions.unwrap_or(std::mem::take(&mut self.sessions));
@@ -253,6 +254,12 @@ impl Experiment {
             self.grids = file.grid.iter().map(grid).collect::<anyhow::Result<_>>()?;
         }
         Ok(())
+    }
+
+    /// Whether the declaration allows to simulate a session of this name.
+    pub(crate) fn may_simulate(&self, session: &str) -> bool {
+        let mut listed = self.simulated_sessions.iter().flatten().flat_map(|name| name.split('+'));
+        self.source == Some(Origin::Simulated) || listed.any(|name| name == session)
     }
 
     /// Refuses contradictions, and names that would lead outside the folder of results.

@@ -150,6 +150,14 @@ fn add_sessions(
         }
         let parts: Vec<&str> = name.split('+').collect();
         parts.iter().try_for_each(|part| check("session", part))?;
+        if let Some(part) =
+            parts.iter().find(|part| source.simulates(experiment) && !experiment.may_simulate(part))
+        {
+            bail!(
+                "session \"{part}\" has no data, because no folder of sessions is named; name it with --nclt DIRECTORY, or list the \
+                 session under simulated_sessions in the declaration to have it simulated"
+            );
+        }
         let data: Option<Vec<(String, String)>> =
             parts.iter().map(|part| Some(((*part).to_owned(), source.session(experiment, part)?))).collect();
         let Some(data) = data else {

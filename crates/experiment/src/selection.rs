@@ -26,7 +26,7 @@ pub struct Selection {
     #[arg(long = "program", value_name = "STAGE=PROGRAM")]
     pub replacements: Vec<String>,
 
-    /// Read NCLT sessions from this folder, as DATE/ or DATE_sen.tar.gz [default: simulate sessions]
+    /// Read NCLT sessions from this folder, as DATE/ or DATE_sen.tar.gz [default: simulate the sessions that the declaration lists under `simulated_sessions`]
     #[arg(long, value_name = "DIRECTORY")]
     pub nclt: Option<PathBuf>,
 

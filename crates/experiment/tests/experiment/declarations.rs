@@ -84,7 +84,8 @@ fn a_declaration_builds_on_another() {
 
 #[test]
 fn real_and_simulated_sessions_and_exceptions_are_as_declared() {
-    let declared = EXPERIMENT.replace("seeds = 2", "seeds = 2\nsimulated_sessions = [\"two\", \"three\"]");
+    let declared = EXPERIMENT
+        .replace("simulated_sessions = [\"one\", \"two\"]", "simulated_sessions = [\"two\", \"three\"]");
     let workshop = Workshop::new(&declared);
     for name in ["one", "two"] {
         std::fs::create_dir_all(workshop.path("nclt").join(name)).unwrap();
@@ -96,13 +97,14 @@ fn real_and_simulated_sessions_and_exceptions_are_as_declared() {
     };
     assert_eq!(results(&[]), [0, 4, 4]);
     assert_eq!(results(&["--nclt", "nclt"]), [4, 4, 0]);
-    assert_eq!(results(&["--sessions", "one"]), [4, 0, 0], "the command line has the last word");
-    // A declaration that builds on this one and names sessions means these sessions for simulation too.
+    assert_eq!(results(&["--sessions", "two"]), [0, 4, 0], "the command line has the last word");
+    // A declaration that builds on this one inherits the sessions to simulate, unless it names sessions of its own.
     workshop.write("ground.toml", &declared);
     workshop.write("trial.toml", "base = \"ground.toml\"\nseeds = 1\n");
     assert_eq!(results(&[]), [0, 2, 2]);
     workshop.write("trial.toml", "base = \"ground.toml\"\nseeds = 1\nsessions = [\"one\"]\n");
-    assert_eq!(results(&[]), [2, 0, 0]);
+    assert_eq!(results(&["--nclt", "nclt"]), [2, 0, 0]);
+    refuses_to_simulate(&workshop, &[], "one");
     // A block of a grid may leave a session out.
     let workshop =
         Workshop::new(&GRID.replace("sessions = [\"one\"]\nseeds = 1", "except = [\"one\"]\nseeds = 1"));
@@ -110,6 +112,28 @@ fn real_and_simulated_sessions_and_exceptions_are_as_declared() {
     let grouped: Vec<&str> = text.lines().filter(|line| line.contains("kind=grouped")).collect();
     assert!(grouped.len() == 2 && grouped.iter().all(|line| line.contains("/two/")), "{text}");
     assert!(text.contains("/one/"));
+}
+
+/// Regression: a sweep over sessions of the user's own, without the folder of their data, simulated sessions of those names.
+#[test]
+fn sessions_are_simulated_only_under_names_that_the_declaration_allows() {
+    let workshop = Workshop::new(EXPERIMENT);
+    refuses_to_simulate(&workshop, &["--sessions", "mine"], "mine");
+    refuses_to_simulate(&workshop, &["--sessions", "one+mine"], "mine");
+    let workshop = Workshop::new(&EXPERIMENT.replace("simulated_sessions = [\"one\", \"two\"]\n", ""));
+    refuses_to_simulate(&workshop, &[], "one");
+    let workshop = Workshop::new(
+        &EXPERIMENT.replace("simulated_sessions = [\"one\", \"two\"]", "source = \"simulated\""),
+    );
+    assert!(workshop.call("plan", &["--sessions", "mine"]).status.success(), "the declaration asks for it");
+}
+
+fn refuses_to_simulate(workshop: &Workshop, more: &[&str], session: &str) {
+    let output = workshop.call("plan", more);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains(&format!("session \"{session}\" has no data")), "{said}");
+    assert!(said.contains("--nclt DIRECTORY") && said.contains("simulated_sessions"), "{said}");
 }
 
 #[test]

@@ -15,6 +15,7 @@ const COUNT: u64 = 150;
 /// A small valid declaration.
 const SOUND: &str = r#"
 sessions = ["one"]
+simulated_sessions = ["one"]
 seeds = 1
 methods = ["pcm"]
 

@@ -53,7 +53,7 @@ fn names_that_leave_the_folder_of_results_are_refused() {
             "grid, x: the value \"../x\"",
         ),
     ] {
-        let workshop = Workshop::new(&EXPERIMENT.replacen(from, to, 1));
+        let workshop = Workshop::new(&EXPERIMENT.replace(from, to));
         let said = refused(&workshop, "run", &[]);
         assert!(said.contains(part), "\"{part}\" is not in: {said}");
     }

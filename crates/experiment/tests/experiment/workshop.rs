@@ -58,6 +58,7 @@ argv = ["{program}", "evaluate", "{input}", "{reference}", "--", "{options}", "{
 
 pub(crate) const EXPERIMENT: &str = r#"
 sessions = ["one", "two"]
+simulated_sessions = ["one", "two"]
 seeds = 2
 methods = ["pcm", "pcm+gc"]
 
@@ -74,6 +75,7 @@ oracle = ["oracle"]
 pub(crate) const GRID: &str = r#"
 keep = "results"
 sessions = ["one", "two"]
+simulated_sessions = ["one", "two"]
 seeds = 2
 methods = ["none", "pcm+gc"]
 

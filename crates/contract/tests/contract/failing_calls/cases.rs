@@ -147,6 +147,7 @@ while [ "$1" != -o ]; do inputs="$inputs $1"; shift; done
 
 const EXPERIMENT: &str = r#"
 sessions = ["one"]
+simulated_sessions = ["one"]
 seeds = 1
 methods = ["pcm"]
 [method]
