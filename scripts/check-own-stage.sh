@@ -19,9 +19,9 @@ for stage in my-stage.py my-stage.sh; do
   tail -n 1 "$work/$stage.txt"
   make --silent table PCM="$work/$stage" PIPELINES=paper SESSIONS=2012-01-22 SEEDS=1 METHODS=pcm \
     RESULTS="$work/results" SIMULATED=target/ci/simulated >"$work/table.txt" || { cat "$work/table.txt"; exit 1; }
-  grep -E '^\| *(method|pcm) ' "$work/table.txt" | head -n 2 | tee "$work/rows.txt"
-  # The table needs a header and a row with a number, and the optimised graph needs the stage's own mark.
-  grep -qE '^\| *pcm +\| +[0-9]' "$work/rows.txt" || { echo "the table has no row for $stage"; exit 1; }
+  grep -E '^\| *(method|pcm \(pcm = .*\)) ' "$work/table.txt" | head -n 2 | tee "$work/rows.txt"
+  # The table needs a header and a row with a number that names the stage, and the optimised graph needs the stage's own mark.
+  grep -qE '^\| *pcm \(pcm = .*\) +\| +[0-9]' "$work/rows.txt" || { echo "the table has no row for $stage"; exit 1; }
   mark=${stage%.py}
   grep -rqF "\"rejected_by\":\"$mark\"" "$work/results" || { echo "$stage rejected nothing, or did not run"; exit 1; }
 done

@@ -335,7 +335,7 @@ impl Experiment {
 }
 
 /// Labels of results that are not parameters.
-const LABELS: &[&str] = &["pipeline", "family", "half", "cluster", "session", "seed", "method"];
+const LABELS: &[&str] = &["pipeline", "family", "half", "cluster", "session", "seed", "method", "replaced"];
 
 fn text(path: &Path) -> anyhow::Result<String> {
     let mut text = String::new();

@@ -147,13 +147,45 @@ impl Planner<'_> {
                     more_inputs: vec![reference.clone()],
                     statistics: all.then(|| format!("{method_folder}/{method}.evaluate.stats.json")),
                     names: &[("reference", reference.clone())],
-                    labels: &labels(run, &label, method),
+                    labels: &self.labels(run, &label, method)?,
                     chain,
                     ..Parts::default()
                 },
             )?;
         }
         Ok(())
+    }
+
+    /// The labels of a result.
+    fn labels(&self, run: &Run<'_>, pipeline: &str, method: &str) -> anyhow::Result<Vec<(String, String)>> {
+        let mut labels = vec![("pipeline", pipeline.to_owned())];
+        if let Some(family) = &run.experiment.family {
+            labels.push(("family", family.clone()));
+            labels.extend(run.half.map(|half| ("half", half.name().to_owned())));
+            labels.push(("cluster", run.item.cluster.clone()));
+        }
+        labels.push(("session", run.item.name.clone()));
+        labels.push(("seed", run.seed.to_string()));
+        labels.push(("method", method.to_owned()));
+        labels.extend(self.replaced(run, method)?.map(|replaced| ("replaced", replaced)));
+        let parameters = run.point.0.iter().map(|(name, value)| (name.clone(), value.clone()));
+        Ok(labels.into_iter().map(|(name, value)| (name.to_owned(), value)).chain(parameters).collect())
+    }
+
+    /// The programs that replace stages on the way to the result of a method, so that its row in a table names them.
+    fn replaced(&self, run: &Run<'_>, method: &str) -> anyhow::Result<Option<String>> {
+        let before: &[&str] = match run.item.kind {
+            Kind::Sessions(_) => &["simulate", "ingest", "construct"],
+            Kind::Graph(_) => &["convert", "label"],
+        };
+        let experiment = run.experiment;
+        let chain = experiment.chain(method)?;
+        let program = |step: &'_ String| {
+            experiment.stages.get(step).and_then(|step| step.program.clone()).unwrap_or_else(|| step.clone())
+        };
+        let of_chain: Vec<String> = chain.iter().map(program).collect();
+        let stages = of_chain.iter().map(String::as_str).chain(before.iter().copied());
+        Ok(self.programs.replaced(stages.chain(["optimize", "evaluate"])))
     }
 }
 
@@ -192,21 +224,6 @@ impl Placed {
 
 fn join(folder: &str, part: &str) -> String {
     if part.is_empty() { folder.to_owned() } else { format!("{folder}/{part}") }
-}
-
-/// The labels of a result.
-fn labels(run: &Run<'_>, pipeline: &str, method: &str) -> Vec<(String, String)> {
-    let mut labels = vec![("pipeline", pipeline.to_owned())];
-    if let Some(family) = &run.experiment.family {
-        labels.push(("family", family.clone()));
-        labels.extend(run.half.map(|half| ("half", half.name().to_owned())));
-        labels.push(("cluster", run.item.cluster.clone()));
-    }
-    labels.push(("session", run.item.name.clone()));
-    labels.push(("seed", run.seed.to_string()));
-    labels.push(("method", method.to_owned()));
-    let parameters = run.point.0.iter().map(|(name, value)| (name.clone(), value.clone()));
-    labels.into_iter().map(|(name, value)| (name.to_owned(), value)).chain(parameters).collect()
 }
 
 /// The folders for a method's files.

@@ -1,7 +1,7 @@
 //! The stage programs that `pipelines/stages.toml` lists.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -14,6 +14,8 @@ use serde::Deserialize;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Programs {
     listed: BTreeMap<String, Program>,
+    /// Programs from elsewhere that the command line put in the place of a stage's own.
+    replaced: BTreeMap<String, String>,
     /// Programs that the list leaves out.
     registry: Registry,
     /// The folder that is searched before the PATH for programs named without a path.
@@ -74,7 +76,7 @@ impl Programs {
             .with_context(|| format!("{place}: is not a list of stage programs"))?;
         let path = std::env::var_os("PATH").unwrap_or_default();
         let registry = Registry::of(folder, std::env::split_paths(&path));
-        let mut programs = Self { listed: BTreeMap::new(), registry, folder: folder.map(Path::to_owned) };
+        let mut programs = Self { registry, folder: folder.map(Path::to_owned), ..Self::default() };
         for (stage, section) in sections {
             let program = programs.found(section.program(&stage));
             programs.listed.insert(stage, program);
@@ -86,7 +88,18 @@ impl Programs {
     pub fn replace(&mut self, stage: &str, program: &str) -> anyhow::Result<()> {
         let known = self.get(stage).with_context(|| format!("--program {stage}={program}"))?.into_owned();
         self.listed.insert(stage.to_owned(), Program { path: program.to_owned(), ..known });
+        if !self.folder.as_deref().is_some_and(|folder| Path::new(program).starts_with(folder)) {
+            self.replaced.insert(stage.to_owned(), program.to_owned());
+        }
         Ok(())
+    }
+
+    /// Which of these stages are replaced, and by which programs, for tables: `pcm = ./my-stage`. `None` if none is.
+    pub(crate) fn replaced<'a>(&self, stages: impl Iterator<Item = &'a str>) -> Option<String> {
+        let stages: BTreeSet<&str> = stages.collect();
+        let named = self.replaced.iter().filter(|(stage, _)| stages.contains(stage.as_str()));
+        let listed: Vec<String> = named.map(|(stage, program)| format!("{stage} = {program}")).collect();
+        (!listed.is_empty()).then(|| listed.join(", "))
     }
 
     /// The program of a stage. If the list leaves the stage out, this is the program `posecut-STAGE`, if it exists; it is called

@@ -13,6 +13,8 @@ pub use latex::latex;
 pub(crate) use markdown::grid;
 pub use markdown::markdown;
 
+use std::collections::BTreeMap;
+
 use crate::results::RunResult;
 
 /// Mean and standard deviation of one method on one session over seeds.
@@ -102,25 +104,28 @@ fn table(pipeline: String, results: &[&RunResult], methods: &[String], missing: 
     sessions.extend(missing.iter().cloned());
     sessions.sort();
     sessions.dedup();
-    let found = distinct("method");
-    let mut ordered: Vec<String> = methods.iter().filter(|method| found.contains(method)).cloned().collect();
-    ordered.extend(found.into_iter().filter(|method| !methods.contains(method)));
-    let methods = ordered
+    // Rows in the requested order, then by name; runs with replaced stages have a row of their own.
+    let position = |method: &String| methods.iter().position(|other| other == method).unwrap_or(methods.len());
+    let mut rows: BTreeMap<(usize, String, String), Vec<&RunResult>> = BTreeMap::new();
+    for run in results {
+        let method = run.label("method");
+        rows.entry((position(&method), method, run.label("replaced"))).or_default().push(run);
+    }
+    let methods = rows
         .into_iter()
-        .map(|method| {
-            let cells = sessions
-                .iter()
-                .map(|session| {
-                    let runs = results
-                        .iter()
-                        .filter(|run| run.label("method") == method && run.label("session") == *session);
-                    cell(&runs.copied().collect::<Vec<_>>())
-                })
-                .collect();
-            Row { method, cells }
+        .map(|((_, method, replaced), runs)| {
+            let of_session = |session: &String| {
+                cell(&runs.iter().copied().filter(|run| run.label("session") == *session).collect::<Vec<_>>())
+            };
+            Row { method: row_name(method, &replaced), cells: sessions.iter().map(of_session).collect() }
         })
         .collect();
     Table { pipeline, sessions, methods }
+}
+
+/// The method, and which programs replaced its stages: `pcm (pcm = ./my-stage)`.
+fn row_name(method: String, replaced: &str) -> String {
+    if replaced.is_empty() { method } else { format!("{method} ({replaced})") }
 }
 
 fn cell(runs: &[&RunResult]) -> Option<Cell> {

@@ -63,13 +63,19 @@ fn a_swapped_stage_is_called_in_its_place() {
     let workshop = Workshop::new(EXPERIMENT);
     std::fs::copy(workshop.path("stage.sh"), workshop.path("mine.sh")).unwrap();
     let plan = String::from_utf8(workshop.call("plan", &["--program", "pcm=./mine.sh"]).stdout).unwrap();
-    let mine: Vec<&str> = plan.lines().filter(|line| line.contains("./mine.sh")).collect();
-    assert_eq!(mine.len(), 4);
+    let runs_mine = |line: &&str| line.contains("\"argv\":[\"./mine.sh\"");
+    let mine: Vec<&str> = plan.lines().filter(runs_mine).collect();
+    assert_eq!(mine.len(), 4, "{plan}");
     assert!(mine.iter().all(|line| line.contains("\"stage\":\"pcm\"") && !line.contains("--gate")));
+    // The results of the methods that use it name it.
+    for line in plan.lines().filter(|line| line.contains("\"stage\":\"evaluate\"")) {
+        let uses = line.contains("method=pcm");
+        assert_eq!(line.contains("\"replaced=pcm = ./mine.sh\""), uses, "{line}");
+    }
     // If options are given for the replacement, it gets those.
     let own = ["--program", "pcm=./mine.sh", "--set", "trial.pcm=--reach 3"];
     let plan = String::from_utf8(workshop.call("plan", &own).stdout).unwrap();
-    let mine: Vec<&str> = plan.lines().filter(|line| line.contains("./mine.sh")).collect();
+    let mine: Vec<&str> = plan.lines().filter(runs_mine).collect();
     assert!(mine.len() == 4 && mine.iter().all(|line| line.contains("\"--reach\",\"3\"")), "{plan}");
 }
 

@@ -75,6 +75,21 @@ fn means_spreads_and_published_figures_stand_where_they_belong() {
     assert_eq!(csv.lines().count(), 5);
 }
 
+/// Regression: a table of runs with another program in the place of PCM showed its figures in PCM's row without a word.
+#[test]
+fn a_replaced_stage_has_a_row_of_its_own_that_names_the_program() {
+    let folder = tempfile::tempdir().unwrap();
+    result(folder.path(), "pcm", "2012-01-22", 1, 3.0, 1);
+    let replaced = result(folder.path(), "pcm", "2012-01-22", 2, 5.0, 1);
+    let text = std::fs::read_to_string(&replaced).unwrap();
+    std::fs::write(&replaced, text.replace(r#""seed":2"#, r#""seed":2,"replaced":"pcm = ./my-stage""#)).unwrap();
+    let results = read_all(&[folder.path().to_owned()]).unwrap();
+    let tables = tables(&results, &["pcm".to_owned()], &[]);
+    let rows: Vec<(&str, Option<f64>)> =
+        tables[0].methods.iter().map(|row| (row.method.as_str(), row.mean())).collect();
+    assert_eq!(rows, [("pcm", Some(3.0)), ("pcm (pcm = ./my-stage)", Some(5.0))]);
+}
+
 #[test]
 fn what_is_no_result_is_refused_with_its_path() {
     let folder = tempfile::tempdir().unwrap();
