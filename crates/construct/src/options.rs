@@ -128,7 +128,7 @@ impl Options {
         correct_edges: None,
         no_correct_edges: false,
         odometry_gaps: 0,
-        incorrect_rate: 0.1,
+        incorrect_rate: 0.0,
         incorrect_kind: IncorrectKind::Uniform,
         group_length: 10,
         incorrect_distance: 10.0,

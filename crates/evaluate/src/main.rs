@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use posecut_evaluate::alignment::Freedom;
+use posecut_evaluate::edges::EdgeScores;
 use posecut_evaluate::result::AlignmentUsed;
 use posecut_evaluate::{Options, Scope, evaluate};
 use posecut_graph::StageDoubt;
@@ -53,6 +54,9 @@ fn main() -> ExitCode {
                 counted(result.poses, "pose"),
                 alignment(&result.alignment)
             );
+            if let Some(edges) = &result.edges {
+                info!("{}", scores(edges));
+            }
             let aligned = result.alignment.found.len();
             if result.alignment.scope == Scope::PerComponent && aligned > 1 {
                 context.doubt(
@@ -73,6 +77,21 @@ fn main() -> ExitCode {
             context.write_bytes(&bytes)?;
             Ok(Outcome::Done)
         },
+    )
+}
+
+/// Precision and recall of the landmark edges in words.
+fn scores(edges: &EdgeScores) -> String {
+    let share =
+        |share: Option<f64>| share.map_or_else(|| "undefined".to_owned(), |share| format!("{share:.4}"));
+    format!(
+        "precision {}, recall {}: {} of {} in use incorrect, {} of {} rejected",
+        share(edges.precision),
+        share(edges.recall),
+        edges.false_positive,
+        counted(edges.true_positive + edges.false_positive, "landmark edge"),
+        edges.false_negative,
+        counted(edges.true_positive + edges.false_negative, "correct edge"),
     )
 }
 

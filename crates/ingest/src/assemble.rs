@@ -5,9 +5,10 @@ use posecut_geometry::{LieGroup, SE3};
 use posecut_graph::{Dimension, Edge, EdgeKind, Header, Node, NodeTruth, NoiseModel, PoseGraph};
 
 use crate::clock::{ClockSource, keyframe_times};
+use crate::distance_factor::DistanceFactor;
 use crate::frozen::remove_frozen_ends;
 use crate::odometry::{self, Odometry, Reader, from_row};
-use crate::summary::{Origin, Summary};
+use crate::summary::{CovarianceSource, Origin, Summary};
 use crate::{Choice, Event, FileKind, IngestError, Options, SessionFiles, Table, Trajectory, Warning};
 
 /// The name of the noise model of all odometry edges, used if the options give the standard deviations.
@@ -54,11 +55,18 @@ pub fn ingest(
         odometry: &odometry,
         truth: truth.as_ref(),
         clock,
-        covariances_from_file: builder.covariances().is_some(),
+        covariance: builder.source(),
         dropped_rows: reader.dropped_rows,
         frozen_truth_rows: frozen,
     };
     let summary = Summary::of(&graph, &origin);
+    if let Some(found) = summary.distance_factor.filter(DistanceFactor::is_notable) {
+        reader.warn(Warning::WrongDistances {
+            session: session.clone(),
+            found,
+            wheel_scale: options.wheel_scale,
+        });
+    }
     Ok(Ingested { invented: builder.invented(), graph, summary })
 }
 
@@ -212,6 +220,14 @@ impl Builder<'_> {
     fn invented(&self) -> Option<(f64, f64)> {
         let given = self.options.sigma_translation.is_some() && self.options.sigma_rotation.is_some();
         (self.covariances().is_none() && !given).then(|| self.sigmas())
+    }
+
+    fn source(&self) -> CovarianceSource {
+        match (self.covariances(), self.invented()) {
+            (Some(_), _) => CovarianceSource::File,
+            (None, None) => CovarianceSource::Options,
+            (None, Some(_)) => CovarianceSource::Default,
+        }
     }
 
     fn noise_model(&self) -> NoiseModel {

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::distance_factor::DistanceFactor;
 use crate::{ClockSource, FileKind};
 
 /// A step of ingestion, for progress, history and messages.
@@ -82,6 +83,15 @@ pub enum Warning {
         /// A longer silence than this is a gap, seconds.
         longest_silence: f64,
     },
+    /// The distances of the odometry differ from those of the ground truth.
+    WrongDistances {
+        /// The session's name.
+        session: String,
+        /// The factor that the ground truth asks for.
+        found: DistanceFactor,
+        /// The factor that has been applied already.
+        wheel_scale: f64,
+    },
 }
 
 impl fmt::Display for Choice {
@@ -125,6 +135,18 @@ impl fmt::Display for Warning {
             Self::Gaps { session, gaps, longest_silence } => {
                 let gap = if *gaps == 1 { "gap" } else { "gaps" };
                 write!(formatter, "{session}: the odometry has {gaps} {gap} longer than {longest_silence} s")
+            }
+            Self::WrongDistances { session, found, wheel_scale } => {
+                let percent = 100.0 * (1.0 / found.median - 1.0);
+                write!(
+                    formatter,
+                    "{session}: the odometry reports distances {:.1} % too {} by the ground truth (median over {} stretches of 20 m); \
+                     --wheel-scale {:.3} corrects that",
+                    percent.abs(),
+                    if percent > 0.0 { "long" } else { "short" },
+                    found.stretches,
+                    wheel_scale * found.median
+                )
             }
         }
     }

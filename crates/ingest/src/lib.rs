@@ -11,6 +11,7 @@
 mod assemble;
 mod clock;
 mod covariance;
+mod distance_factor;
 mod error;
 mod event;
 mod frozen;
@@ -24,12 +25,13 @@ mod trajectory;
 
 pub use assemble::{Ingested, ingest};
 pub use clock::{ClockSource, keyframe_times};
+pub use distance_factor::DistanceFactor;
 pub use error::IngestError;
 pub use event::{Choice, Event, Warning};
 pub use nees::{Nees, WINDOWS, nees};
 pub use odometry::{HeadingSource, OdometrySource};
 pub use options::Options;
 pub use session::{FileKind, SessionFiles};
-pub use summary::{StepErrors, Summary};
+pub use summary::{CovarianceSource, StepErrors, Summary};
 pub use table::Table;
 pub use trajectory::Trajectory;

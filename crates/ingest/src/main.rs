@@ -92,7 +92,8 @@ fn note(summary: &Summary, statistics: &mut Statistics) {
     statistics.note("odometry_dropped_rows", summary.odometry_dropped_rows);
     statistics.note("gaps", summary.gaps);
     statistics.note("truth_gaps", summary.truth_gaps);
-    statistics.note("covariance", if summary.covariances_from_file { "file" } else { "options" });
+    statistics.note("covariance", summary.covariance.name());
+    statistics.note("true_distance_factor", summary.distance_factor.map(|factor| factor.median));
     statistics.note("step_error_forward_m", summary.step_errors.forward);
     statistics.note("step_error_sideways_m", summary.step_errors.sideways);
     statistics.note("step_error_heading_rad", summary.step_errors.heading);

@@ -4,6 +4,7 @@ use posecut_geometry::{LieGroup as _, SE3};
 use posecut_graph::PoseGraph;
 
 use crate::covariance::step_error;
+use crate::distance_factor::DistanceFactor;
 use crate::nees::nees;
 use crate::odometry::Odometry;
 use crate::{ClockSource, HeadingSource, Nees, OdometrySource, Trajectory};
@@ -29,8 +30,10 @@ pub struct Summary {
     pub heading: Option<HeadingSource>,
     /// The source of the keyframes' times.
     pub clock: ClockSource,
-    /// Whether the covariances are those of the session's files.
-    pub covariances_from_file: bool,
+    /// Where the covariances are from.
+    pub covariance: CovarianceSource,
+    /// The factor between the true distances and those of the odometry; `None` without enough ground truth.
+    pub distance_factor: Option<DistanceFactor>,
     /// Rows of all files that were left out.
     pub dropped_rows: usize,
     /// Those of the odometry's files.
@@ -45,6 +48,28 @@ pub struct Summary {
     pub step_errors: StepErrors,
     /// The same in units of the covariances.
     pub nees: Vec<Nees>,
+}
+
+/// Where the covariances of the odometry are from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CovarianceSource {
+    /// The session's files.
+    File,
+    /// Options give both standard deviations.
+    Options,
+    /// At least one standard deviation is a default, because neither the session nor an option gives it.
+    Default,
+}
+
+impl CovarianceSource {
+    /// The name in `--stats`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::File => "file",
+            Self::Options => "options",
+            Self::Default => "default",
+        }
+    }
 }
 
 /// Errors of steps between keyframes: for each axis the root mean square, and a robust standard deviation (1.4826 times
@@ -65,7 +90,7 @@ pub(crate) struct Origin<'a> {
     pub(crate) odometry: &'a Odometry,
     pub(crate) truth: Option<&'a Trajectory>,
     pub(crate) clock: ClockSource,
-    pub(crate) covariances_from_file: bool,
+    pub(crate) covariance: CovarianceSource,
     pub(crate) dropped_rows: usize,
     pub(crate) frozen_truth_rows: usize,
 }
@@ -84,7 +109,8 @@ impl Summary {
             odometry: odometry.source,
             heading: odometry.heading,
             clock: origin.clock,
-            covariances_from_file: origin.covariances_from_file,
+            covariance: origin.covariance,
+            distance_factor: DistanceFactor::of(&times, &odometry.trajectory, truth),
             dropped_rows: origin.dropped_rows,
             odometry_dropped_rows: odometry.dropped_rows,
             frozen_truth_rows: origin.frozen_truth_rows,

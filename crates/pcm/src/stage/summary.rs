@@ -36,7 +36,7 @@ impl Summary<'_> {
             "{kept} of {} kept{grown}{by_chance}, {}{}{}",
             counted(self.0.judged.candidates, "landmark edge"),
             counted(self.0.groups, "group"),
-            if optimal { ", proved largest" } else { "" },
+            if optimal && kept > 0 { ", proved largest" } else { "" },
             if exact { "" } else { ", by cells" }
         );
         self.doubt(exact, context);
