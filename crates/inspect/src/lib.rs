@@ -1,5 +1,5 @@
 //! Inspects pose graphs: summarises a graph ([`info`]), checks whether it is sound ([`validate`]), compares two
-//! ([`difference`]), and extracts a part of one ([`filter`]).
+//! ([`difference`]), lists the landmark edges ([`edges`]), and extracts a part of a graph ([`filter`]).
 //!
 //! ```
 //! use posecut_graph::PoseGraph;
@@ -13,6 +13,7 @@
 //! ```
 
 pub mod difference;
+pub mod edges;
 pub mod filter;
 pub mod info;
 pub mod parts;

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use anyhow::bail;
 use clap::{Parser, Subcommand};
 use posecut_inspect::difference::Difference;
+use posecut_inspect::edges::EdgeTable;
 use posecut_inspect::filter::{self, filter};
 use posecut_inspect::info::Info;
 use posecut_inspect::validate::{Severity, validate};
@@ -14,8 +15,12 @@ use posecut_stage::{
 
 #[derive(Parser)]
 struct Command {
+    /// Without a command: the pose graph to summarise (JSON Lines, may be compressed); `-` is standard input
+    #[arg(value_name = "INPUT")]
+    input: Option<Source>,
+
     #[command(subcommand)]
-    task: Task,
+    task: Option<Task>,
 
     #[command(flatten)]
     common: CommonArguments,
@@ -43,6 +48,16 @@ enum Task {
         /// List at most this many findings, and count the others
         #[arg(long, value_name = "N", default_value_t = 100)]
         most: usize,
+    },
+    /// List the landmark edges of a graph: verdict, probability, reason, witnesses, residual
+    Edges {
+        /// The pose graph to read (JSON Lines, may be compressed); `-` is standard input
+        #[arg(value_name = "INPUT", default_value = "-")]
+        input: Source,
+
+        /// Write all columns as CSV
+        #[arg(long)]
+        csv: bool,
     },
     /// List what changed between two graphs; exit status 1 if anything except the history changed
     Diff {
@@ -84,32 +99,43 @@ fn main() -> ExitCode {
         identity,
         |command| &command.common,
         |command, context| match &command.task {
-            Task::Info { input } => show(input, context),
-            Task::Validate { input, strict, most } => check(input, *strict, *most, context),
-            Task::Diff { before, after, tolerance } => compare(before, after, *tolerance, context),
-            Task::Filter { input, options, drop_rejected } => {
-                let mut graph = context.read_graph(input, "graph")?;
-                let left = filter(&mut graph, options);
-                if *drop_rejected {
-                    graph.drop_rejected();
-                }
-                info!(
-                    "kept {} and {}; removed {}, {} by the options for edges, and {} that lost a node",
-                    counted(graph.nodes.len(), "node"),
-                    counted(graph.edges.len(), "edge"),
-                    counted(left.nodes, "node"),
-                    counted(left.edges, "edge"),
-                    counted(left.edges_without_nodes, "edge")
-                );
-                context.statistics.note("nodes", graph.nodes.len());
-                context.statistics.note("edges", graph.edges.len());
-                context.statistics.note("left_out", left);
-                context.record_provenance(&mut graph, options, None)?;
-                context.write_graph(&graph)?;
-                Ok(Outcome::Done)
-            }
+            None => show(command.input.as_ref().unwrap_or(&Source::Standard), context),
+            Some(_) if let Some(input) = &command.input => bail!(
+                "{input}: comes before the command; write the command first, such as posecut-inspect validate {input}"
+            ),
+            Some(task) => run_task(task, context),
         },
     )
+}
+
+fn run_task(task: &Task, context: &mut Context) -> anyhow::Result<Outcome> {
+    match task {
+        Task::Info { input } => show(input, context),
+        Task::Validate { input, strict, most } => check(input, *strict, *most, context),
+        Task::Edges { input, csv } => list(input, *csv, context),
+        Task::Diff { before, after, tolerance } => compare(before, after, *tolerance, context),
+        Task::Filter { input, options, drop_rejected } => {
+            let mut graph = context.read_graph(input, "graph")?;
+            let left = filter(&mut graph, options);
+            if *drop_rejected {
+                graph.drop_rejected();
+            }
+            info!(
+                "kept {} and {}; removed {}, {} by the options for edges, and {} that lost a node",
+                counted(graph.nodes.len(), "node"),
+                counted(graph.edges.len(), "edge"),
+                counted(left.nodes, "node"),
+                counted(left.edges, "edge"),
+                counted(left.edges_without_nodes, "edge")
+            );
+            context.statistics.note("nodes", graph.nodes.len());
+            context.statistics.note("edges", graph.edges.len());
+            context.statistics.note("left_out", left);
+            context.record_provenance(&mut graph, options, None)?;
+            context.write_graph(&graph)?;
+            Ok(Outcome::Done)
+        }
+    }
 }
 
 fn show(input: &Source, context: &mut Context) -> anyhow::Result<Outcome> {
@@ -139,6 +165,19 @@ fn check(input: &Source, strict: bool, most: usize, context: &mut Context) -> an
     context.statistics.note("findings", &findings);
     context.write_bytes(text.as_bytes())?;
     Ok(if faults > 0 || (strict && warnings > 0) { Outcome::CheckFailed } else { Outcome::Done })
+}
+
+fn list(input: &Source, csv: bool, context: &mut Context) -> anyhow::Result<Outcome> {
+    let table = EdgeTable::of(&context.read_graph(input, "graph")?)?;
+    context.statistics.note("edges", &table.rows);
+    if csv {
+        let mut bytes = Vec::new();
+        table.write_csv(&mut bytes)?;
+        context.write_bytes(&bytes)?;
+    } else {
+        context.write_bytes(table.to_string().as_bytes())?;
+    }
+    Ok(Outcome::Done)
 }
 
 fn compare(

@@ -1,15 +1,21 @@
 //! Groups of poses that can be optimised: SE(2) and SE(3).
 //!
-//! Beyond [`LieGroup`], the two differ in the order of the blocks of the relaxation and of the certificate. Depends on
-//! [`initialisation`](crate::initialisation) and on `certificate`.
+//! Beyond [`LieGroup`], the two differ in the order of the blocks of the relaxation and of the certificate. The solver and the
+//! covariances are methods of the group too: so they are compiled here once for each group, and not again in every crate that
+//! calls the generic functions. Depends on [`initialisation`](crate::initialisation), `certificate`, `batch` and `covariance`.
 
-use posecut_cholesky::Factor;
+use posecut_cholesky::{Factor, Memory};
 use posecut_geometry::{LieGroup, SE2, SE3};
 
+use crate::batch::solution::Solution;
+use crate::batch::solve::optimize_and_keep;
 use crate::certificate::{self, Certificate};
+use crate::covariance::at_solution;
+use crate::covariance::marginals::{Joint, Marginals};
 use crate::initialisation::chordal;
-use crate::model::problem::Edge;
+use crate::model::problem::{Edge, Problem};
 use crate::normal_equations::Pattern;
+use crate::options::Options;
 
 /// A group of poses that can be optimised, with its chordal relaxation.
 pub trait PoseGroup<const DOF: usize>: LieGroup<DOF> {
@@ -25,6 +31,58 @@ pub trait PoseGroup<const DOF: usize>: LieGroup<DOF> {
     /// The certificate of a connected graph.
     #[doc(hidden)]
     fn certificate(edges: &[Edge<Self, DOF>], poses: &[Self]) -> Certificate;
+
+    /// The body of [`optimize`](crate::optimize).
+    #[doc(hidden)]
+    fn solve(problem: &Problem<Self, DOF>, options: &Options) -> Solution<Self>;
+
+    /// The body of [`optimize_with_marginals`](crate::optimize_with_marginals).
+    #[doc(hidden)]
+    fn solve_with_marginals(
+        problem: &Problem<Self, DOF>,
+        options: &Options,
+        memory: Vec<Memory>,
+    ) -> (Solution<Self>, Marginals<Self, DOF>);
+
+    /// The body of [`Marginals::new`].
+    #[doc(hidden)]
+    fn marginals(problem: &Problem<Self, DOF>, poses: &[Self], weights: &[f64]) -> Marginals<Self, DOF>;
+
+    /// The body of [`Marginals::joint`].
+    #[doc(hidden)]
+    fn joint(marginals: &mut Marginals<Self, DOF>, pairs: &[(usize, usize)]) -> Vec<Option<Joint<DOF>>>;
+}
+
+/// The methods whose bodies do not depend on the group.
+macro_rules! compile_here {
+    ($freedom:literal) => {
+        fn solve(problem: &Problem<Self, $freedom>, options: &Options) -> Solution<Self> {
+            optimize_and_keep(problem, options, Vec::new(), |_| ())
+        }
+
+        fn solve_with_marginals(
+            problem: &Problem<Self, $freedom>,
+            options: &Options,
+            memory: Vec<Memory>,
+        ) -> (Solution<Self>, Marginals<Self, $freedom>) {
+            at_solution::solve_with_marginals(problem, options, memory)
+        }
+
+        fn marginals(
+            problem: &Problem<Self, $freedom>,
+            poses: &[Self],
+            weights: &[f64],
+        ) -> Marginals<Self, $freedom> {
+            Marginals::of(problem, poses, weights, Vec::new())
+        }
+
+        fn joint(
+            marginals: &mut Marginals<Self, $freedom>,
+            pairs: &[(usize, usize)],
+        ) -> Vec<Option<Joint<$freedom>>> {
+            marginals.joint_here(pairs)
+        }
+    };
 }
 
 /// The parts of the normal equations that the relaxation uses: their pattern, and the memory of their factor.
@@ -48,6 +106,8 @@ impl PoseGroup<3> for SE2 {
     fn certificate(edges: &[Edge<Self, 3>], poses: &[Self]) -> Certificate {
         certificate::certify::<Self, 3, 2, 3>(edges, poses)
     }
+
+    compile_here!(3);
 }
 
 impl PoseGroup<6> for SE3 {
@@ -63,4 +123,6 @@ impl PoseGroup<6> for SE3 {
     fn certificate(edges: &[Edge<Self, 6>], poses: &[Self]) -> Certificate {
         certificate::certify::<Self, 6, 3, 4>(edges, poses)
     }
+
+    compile_here!(6);
 }

@@ -9,6 +9,7 @@ use anyhow::{Context as _, bail};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use posecut_graph::{InputDigest, PoseGraph, Provenance};
 use serde::Serialize;
+use tracing::subscriber::{NoSubscriber, with_default};
 
 use crate::given::{Given, overwrites, same_file};
 use crate::{CommonArguments, Doubt, Identity, Source, Statistics, input, output, threads};
@@ -25,6 +26,17 @@ const OUTPUT: &str = "--output";
 /// Writes the content of a file.
 type Content = Box<dyn FnOnce(&mut dyn Write) -> anyhow::Result<()> + Send>;
 
+/// What a stage that ran inside another program returned and reported.
+#[derive(Clone, Debug)]
+pub struct Inside<T> {
+    /// What it returned.
+    pub value: T,
+    /// Its figures for `--stats`.
+    pub statistics: Statistics,
+    /// Its doubts with their sentences.
+    pub doubts: Vec<(Doubt, String)>,
+}
+
 /// Inputs read so far, statistics, and the common arguments.
 pub struct Context {
     /// Figures for `--stats`.
@@ -32,6 +44,8 @@ pub struct Context {
     /// The digests of the files read, for the provenance.
     pub inputs: Vec<InputDigest>,
     pub(crate) doubts: BTreeSet<Doubt>,
+    /// The doubts raised so far with their sentences.
+    pub(crate) doubt_messages: Vec<(Doubt, String)>,
     identity: Identity,
     common: CommonArguments,
     started: Instant,
@@ -49,6 +63,7 @@ impl Context {
             statistics: Statistics::default(),
             inputs: Vec::new(),
             doubts: BTreeSet::new(),
+            doubt_messages: Vec::new(),
             identity,
             common,
             started: Instant::now(),
@@ -56,6 +71,17 @@ impl Context {
             opened: Vec::new(),
             further: BTreeMap::new(),
         }
+    }
+
+    /// Runs a stage inside this program. It prints nothing: its messages, statistics and doubts are returned, and this program
+    /// reports what it wants of them ([`Self::doubt`]).
+    pub fn run_inside<T>(
+        &self,
+        stage: impl FnOnce(&mut Self) -> anyhow::Result<T>,
+    ) -> anyhow::Result<Inside<T>> {
+        let mut inner = Self::new(self.identity, self.common.clone());
+        let value = with_default(NoSubscriber::default(), || stage(&mut inner))?;
+        Ok(Inside { value, statistics: inner.statistics, doubts: inner.doubt_messages })
     }
 
     /// Sets the files that the command line of the program names.
@@ -71,6 +97,11 @@ impl Context {
     /// The number of threads the user allows, at most one for each processor; 0 means all processors.
     pub fn threads(&self) -> usize {
         self.common.threads
+    }
+
+    /// The file of the result; `None` if it is standard output.
+    pub fn output_path(&self) -> Option<&Path> {
+        self.common.output.path()
     }
 
     /// Reads a pose graph. `role` is what the provenance calls it: never a path, so that a pipe and a file
@@ -139,6 +170,11 @@ impl Context {
     /// Writes the stage's graph to its output.
     pub fn write_graph(&self, graph: &PoseGraph) -> anyhow::Result<()> {
         output::write_output(&self.common.output, |writer| Ok(graph.write(writer)?))
+    }
+
+    /// Writes the stage's graph to its output in another format than JSON Lines. The output may replace the input.
+    pub fn write_graph_bytes(&self, bytes: &[u8]) -> anyhow::Result<()> {
+        output::write_output(&self.common.output, |writer| Ok(writer.write_all(bytes)?))
     }
 
     /// Writes the stage's output in any format. The output may not replace an input.

@@ -96,6 +96,7 @@ impl Context {
     /// to do; it is shown even with `--quiet`.
     pub fn doubt(&mut self, doubt: Doubt, message: impl fmt::Display) {
         warn!(target: TARGET, "{message}");
+        self.doubt_messages.push((doubt, message.to_string()));
         self.also_doubt(doubt);
     }
 

@@ -63,6 +63,16 @@ struct GraphCommand<S: GraphStage> {
     common: CommonArguments,
 }
 
+/// The options of a stage, as its command line would read them from these words: for programs that run the stage inside.
+///
+/// # Errors
+///
+/// The stage's command line would refuse the words.
+pub fn options<S: GraphStage>(words: &[String]) -> Result<S, clap::Error> {
+    let command = S::augment_args(clap::Command::new(S::NAME).no_binary_name(true));
+    S::from_arg_matches(&command.try_get_matches_from(words)?)
+}
+
 /// The `main` of a stage from graph to graph.
 pub fn run_graph_stage<S: GraphStage>(version: &'static str) -> ExitCode {
     let identity = Identity { name: S::NAME, version, about: S::ABOUT, place: S::PLACE };

@@ -33,10 +33,10 @@ mod words;
 
 pub use arguments::{CommonArguments, Source, Target};
 pub use closing::close;
-pub use context::Context;
+pub use context::{Context, Inside};
 pub use directory::write_directory;
 pub use doubt::Doubt;
-pub use graph_stage::{GraphStage, run_graph_stage};
+pub use graph_stage::{GraphStage, options, run_graph_stage};
 pub use input::{Input, digest, open, open_file};
 pub use lines::bounded_lines;
 pub use output::{write_atomically, write_output};

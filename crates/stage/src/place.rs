@@ -6,6 +6,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Phase {
+    /// The program does everything that most users want with a graph of their own.
+    Start,
     /// The program makes or converts graphs.
     Graphs,
     /// The program decides which landmark edges are wrong.
@@ -20,11 +22,13 @@ pub enum Phase {
 
 impl Phase {
     /// All phases, in order.
-    pub const ALL: [Self; 5] = [Self::Graphs, Self::Judgement, Self::Optimisation, Self::Results, Self::Runs];
+    pub const ALL: [Self; 6] =
+        [Self::Start, Self::Graphs, Self::Judgement, Self::Optimisation, Self::Results, Self::Runs];
 
     /// The heading above the programs of this phase.
     pub const fn heading(self) -> &'static str {
         match self {
+            Self::Start => "Start here with a graph of your own",
             Self::Graphs => "Make and convert graphs",
             Self::Judgement => "Find incorrect landmark edges",
             Self::Optimisation => "Estimate poses",

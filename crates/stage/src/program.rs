@@ -37,6 +37,8 @@ impl Identity {
 pub enum Outcome {
     /// Exit status 0; with `--strict` and doubts, 3.
     Done,
+    /// Exit status 0; with doubts 3, also without `--strict`.
+    DoneUnlessDoubtful,
     /// Exit status 1: the program worked, but its check failed.
     CheckFailed,
 }
@@ -82,8 +84,11 @@ pub fn run_with_doubts<A: CommandFactory + FromArgMatches>(
     let strict = common.strict;
     let mut context = Context::new(identity, common).with_files(given);
     match execute(&arguments, &mut context, body) {
-        Ok(Outcome::Done) if strict && !context.doubts.is_empty() => ExitCode::from(doubt::STATUS),
-        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(outcome @ (Outcome::Done | Outcome::DoneUnlessDoubtful)) => {
+            let counts = strict || outcome == Outcome::DoneUnlessDoubtful;
+            let doubtful = counts && !context.doubts.is_empty();
+            ExitCode::from(if doubtful { doubt::STATUS } else { 0 })
+        }
         Ok(Outcome::CheckFailed) => ExitCode::from(1),
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => fail(&identity.program(), &format!("{error:#}")),

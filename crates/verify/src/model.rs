@@ -1,7 +1,7 @@
 //! Chains, candidates and the loops that they close.
 
-use crate::ingredients::Ingredient;
 use nalgebra::{SMatrix, SVector};
+use posecut_geometry::{SE2, SE3};
 use posecut_graph::PoseGraph;
 use posecut_optimize::PoseGroup;
 use posecut_pcm::candidate::{Candidate, Group, group_with};
@@ -9,10 +9,28 @@ use posecut_pcm::chain::{Chain, Chains, Covariances};
 use posecut_pcm::{PcmError, Spatial};
 
 use crate::calibration::Calibration;
+use crate::ingredients::Ingredient;
+use crate::verification::{self, Verification};
 
 /// Groups of motions that can be judged: SE(2) and SE(3).
-pub trait Motion<const DOF: usize>: Spatial<DOF> + PoseGroup<DOF> {}
-impl<G: Spatial<DOF> + PoseGroup<DOF>, const DOF: usize> Motion<DOF> for G {}
+pub trait Motion<const DOF: usize>: Spatial<DOF> + PoseGroup<DOF> {
+    /// The body of [`verify_by`](crate::verify_by): compiled here once for each group, and not again in every crate that calls the
+    /// generic function.
+    #[doc(hidden)]
+    fn verify(graph: &PoseGraph, hypothesis: usize, without: &[Ingredient]) -> anyhow::Result<Verification>;
+}
+
+impl Motion<3> for SE2 {
+    fn verify(graph: &PoseGraph, hypothesis: usize, without: &[Ingredient]) -> anyhow::Result<Verification> {
+        verification::run::<Self, 3>(graph, hypothesis, without)
+    }
+}
+
+impl Motion<6> for SE3 {
+    fn verify(graph: &PoseGraph, hypothesis: usize, without: &[Ingredient]) -> anyhow::Result<Verification> {
+        verification::run::<Self, 6>(graph, hypothesis, without)
+    }
+}
 
 /// Pairs of positions sampled to estimate how far apart two positions of a chain are.
 const PLACES: usize = 500;

@@ -2,14 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::Context as _;
-use posecut_graph::{EdgeKind, PoseGraph, for_dimension};
+use posecut_graph::{PoseGraph, for_dimension};
 use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, counted, info, warn};
 use serde::Serialize;
 
 use crate::ingredients::Ingredient;
 use crate::model::Motion;
-use crate::verdict::{Finding, Verdict};
+use crate::verdict::Verdict;
 use crate::verification::{Verification, verify_by};
 
 /// What becomes of edges that nothing decides.
@@ -53,18 +52,23 @@ impl GraphStage for Options {
         &[Doubt::SearchLimit, Doubt::NothingKept, Doubt::CalibrationOnPrior, Doubt::PartsNotConnected];
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
-        for_dimension!(graph.header.dimension, |G, DOF| self.verify::<G, DOF>(graph, context))
+        self.judge(graph, context).map(drop)
     }
 }
 
 impl Options {
+    /// Does what the stage does, and returns the findings too.
+    pub fn judge(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<Verification> {
+        for_dimension!(graph.header.dimension, |G, DOF| self.verify::<G, DOF>(graph, context))
+    }
+
     fn verify<G: Motion<DOF>, const DOF: usize>(
         &self,
         graph: &mut PoseGraph,
         context: &mut Context,
-    ) -> anyhow::Result<()> {
+    ) -> anyhow::Result<Verification> {
         let verification = verify_by::<G, DOF>(graph, self.hypothesis, &self.without)?;
-        self.explain(graph, &verification.findings)?;
+        self.explain(graph, &verification)?;
         let mut rejected = 0;
         for finding in &verification.findings {
             rejected += usize::from(finding.mark(graph, Self::NAME, self.undecided == Undecided::Keep));
@@ -72,25 +76,12 @@ impl Options {
         report(&verification);
         doubt(&verification, context);
         note(&verification, graph, rejected, context);
-        Ok(())
+        Ok(verification)
     }
 
-    fn explain(&self, graph: &PoseGraph, findings: &[Finding]) -> anyhow::Result<()> {
+    fn explain(&self, graph: &PoseGraph, verification: &Verification) -> anyhow::Result<()> {
         let Some(id) = self.explain else { return Ok(()) };
-        let finding = findings.iter().find(|finding| graph.edges[finding.edge].id == id).with_context(|| {
-            match graph.edges.iter().find(|edge| edge.id == id) {
-                None => format!(
-                    "--explain {id}: the graph has no edge with this id; give the id of a landmark edge"
-                ),
-                Some(edge) if edge.kind == EdgeKind::Odometry => {
-                    format!("--explain {id}: this is an odometry edge; give the id of a landmark edge")
-                }
-                Some(_) => format!(
-                    "--explain {id}: this edge was not judged, because an earlier stage rejected it or it has no measurement; give the id of an edge in use"
-                ),
-            }
-        })?;
-        for line in finding.story(graph) {
+        for line in verification.story(graph, id)? {
             info!("{line}");
         }
         Ok(())

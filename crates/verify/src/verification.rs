@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use anyhow::{Context as _, ensure};
-use posecut_graph::PoseGraph;
+use posecut_graph::{EdgeKind, PoseGraph};
 
 use crate::calibration::Calibration;
 use crate::ingredients::Ingredient;
@@ -50,6 +50,28 @@ impl Verification {
     pub fn count(&self, verdict: Verdict) -> usize {
         self.findings.iter().filter(|finding| finding.verdict == verdict).count()
     }
+
+    /// The explanation of the verdict on the landmark edge with this id (`--explain`), one line a fact.
+    ///
+    /// # Errors
+    ///
+    /// The edge was not judged.
+    pub fn story(&self, graph: &PoseGraph, id: u64) -> anyhow::Result<Vec<String>> {
+        let finding = self.findings.iter().find(|finding| graph.edges[finding.edge].id == id).with_context(|| {
+            match graph.edges.iter().find(|edge| edge.id == id) {
+                None => format!(
+                    "--explain {id}: the graph has no edge with this id; give the id of a landmark edge"
+                ),
+                Some(edge) if edge.kind == EdgeKind::Odometry => {
+                    format!("--explain {id}: this is an odometry edge; give the id of a landmark edge")
+                }
+                Some(_) => format!(
+                    "--explain {id}: this edge was not judged, because an earlier stage rejected it or it has no measurement; give the id of an edge in use"
+                ),
+            }
+        })?;
+        Ok(finding.story(graph))
+    }
 }
 
 /// Judges every landmark edge in use, without the ground truth.
@@ -64,6 +86,15 @@ pub fn verify<G: Motion<DOF>, const DOF: usize>(graph: &PoseGraph) -> anyhow::Re
 ///
 /// The graph has no such hypothesis, or the hypothesis lies within one chain, whose odometry contradicts it.
 pub fn verify_by<G: Motion<DOF>, const DOF: usize>(
+    graph: &PoseGraph,
+    hypothesis: usize,
+    without: &[Ingredient],
+) -> anyhow::Result<Verification> {
+    G::verify(graph, hypothesis, without)
+}
+
+/// The body of [`verify_by`].
+pub(crate) fn run<G: Motion<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     hypothesis: usize,
     without: &[Ingredient],

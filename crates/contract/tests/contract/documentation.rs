@@ -1,7 +1,9 @@
 //! Tests that the documents about the programs equal their generated documentation.
 
+use std::collections::BTreeSet;
+
 use posecut_contract::registry::programs;
-use posecut_contract::{program, run};
+use posecut_contract::{program, run, samples, succeed, workspace};
 use posecut_graph::schema;
 use xtask::documentation::{generated, pages};
 
@@ -18,6 +20,39 @@ fn documents_are_current() {
         "out of date: {}; run `make documentation` and commit the result",
         stale.join(", ")
     );
+}
+
+/// Every field that a stage adds to the sample is on the page of fields.
+#[test]
+fn the_page_of_fields_has_the_fields_that_stages_add() {
+    let page = std::fs::read_to_string(workspace().join("docs/fields.md")).unwrap();
+    let sample = samples().bytes("graph.jsonl");
+    let input = posecut_graph::PoseGraph::read("sample", sample.as_slice()).unwrap();
+    let given: BTreeSet<String> = fields(&input);
+    let mut added = BTreeSet::new();
+    for (stage, arguments) in [
+        ("verify", &[][..]),
+        ("pcm", &["--chance", "3"]),
+        ("multicut", &[]),
+        ("optimize", &["--marginals", "all"]),
+        ("optimize", &["--gnc"]),
+    ] {
+        let output = succeed(stage, arguments, &sample);
+        added.extend(fields(&posecut_graph::PoseGraph::read(stage, output.as_slice()).unwrap()));
+    }
+    let marginals = samples().bytes("marginals.jsonl");
+    let readmitted = succeed("readmit", &[], &marginals);
+    added.extend(fields(&posecut_graph::PoseGraph::read("readmit", readmitted.as_slice()).unwrap()));
+    let added: Vec<&String> = added.difference(&given).collect();
+    assert!(added.len() > 10, "{added:?}");
+    let missing: Vec<&&String> = added.iter().filter(|field| !page.contains(&format!("| `{field}` |"))).collect();
+    assert!(missing.is_empty(), "docs/fields.md lacks {missing:?}");
+}
+
+/// The fields of the nodes and edges that the format does not define.
+fn fields(graph: &posecut_graph::PoseGraph) -> BTreeSet<String> {
+    let edges = graph.edges.iter().flat_map(|edge| edge.extra.keys());
+    graph.nodes.iter().flat_map(|node| node.extra.keys()).chain(edges).cloned().collect()
 }
 
 #[test]

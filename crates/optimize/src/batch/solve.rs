@@ -28,7 +28,7 @@ pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
     problem: &Problem<G, DOF>,
     options: &Options,
 ) -> Solution<G> {
-    optimize_and_keep(problem, options, Vec::new(), |_| ())
+    G::solve(problem, options)
 }
 
 /// [`optimize`] with the memory of earlier components. It also passes the system of each component, in their order, to `keep`:

@@ -18,6 +18,15 @@ pub fn optimize_with_marginals<G: PoseGroup<DOF>, const DOF: usize>(
     options: &Options,
     memory: Vec<Memory>,
 ) -> (Solution<G>, Marginals<G, DOF>) {
+    G::solve_with_marginals(problem, options, memory)
+}
+
+/// The body of [`optimize_with_marginals`].
+pub(crate) fn solve_with_marginals<G: PoseGroup<DOF>, const DOF: usize>(
+    problem: &Problem<G, DOF>,
+    options: &Options,
+    memory: Vec<Memory>,
+) -> (Solution<G>, Marginals<G, DOF>) {
     let mut systems = Vec::new();
     let solution = optimize_and_keep(problem, options, memory, |system| systems.push(system));
     // An edge of weight zero is not part of the covariances' pattern.

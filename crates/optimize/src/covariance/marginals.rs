@@ -1,7 +1,6 @@
 //! Covariances of poses and of pairs of poses at a solution.
 
 use nalgebra::SMatrix;
-use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::between_correlated;
 use rayon::prelude::*;
 
@@ -10,6 +9,7 @@ use super::part::{Block, Part, Place};
 use crate::model::gauge::put_held_first;
 use crate::model::problem::{Edge, Problem};
 use crate::normal_equations::{Pattern, System};
+use crate::pose_group::PoseGroup;
 use posecut_cholesky::{Memory, SelectedInverse};
 use posecut_graph::connectivity::connected_components;
 
@@ -53,13 +53,13 @@ impl<G, const DOF: usize> std::fmt::Debug for Marginals<G, DOF> {
     }
 }
 
-impl<G: LieGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
+impl<G: PoseGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
     /// Factorises the equations at `poses`, with the information of edge `k` multiplied by `weights[k]`. With the weights of
     /// a [`Solution`](crate::Solution): `Marginals::new(&problem, &solution.poses, &solution.weights)`. Kernels are ignored.
     /// Missing weights are one. Takes the time of one Gauss-Newton step. Where the poses come from [`optimize`](crate::optimize),
     /// [`optimize_with_marginals`](crate::optimize_with_marginals) saves the analysis of the pattern.
     pub fn new(problem: &Problem<G, DOF>, poses: &[G], weights: &[f64]) -> Self {
-        Self::of(problem, poses, weights, Vec::new())
+        G::marginals(problem, poses, weights)
     }
 
     /// The same with a system for each component of the problem's edges, if there are any systems. Only valid if all weights
@@ -135,6 +135,11 @@ impl<G: LieGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
     /// A request for many nodes costs about two factorisations, plus triangular solves along the elimination tree for the
     /// first node of each pair without a block in the factor. A request for few nodes costs only such solves.
     pub fn joint(&mut self, pairs: &[(usize, usize)]) -> Vec<Option<Joint<DOF>>> {
+        G::joint(self, pairs)
+    }
+
+    /// The body of [`Self::joint`].
+    pub(crate) fn joint_here(&mut self, pairs: &[(usize, usize)]) -> Vec<Option<Joint<DOF>>> {
         let places: Vec<_> = pairs.iter().map(|&pair| self.place(pair)).collect();
         self.invert_where_many(&places);
         let own = |place: &Place| {
