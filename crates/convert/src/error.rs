@@ -56,3 +56,14 @@ pub(crate) fn number(file: &str, line: u64, text: &str) -> Result<f64, ConvertEr
         Err(ConvertError::line(file, line, format!("\"{text}\" is not finite"), "correct or delete the line"))
     }
 }
+
+/// Refuses a standard deviation that an option sets, unless one over its square is finite and positive.
+pub(crate) fn check_sigma(option: &str, sigma: Option<f64>) -> Result<(), ConvertError> {
+    match sigma {
+        Some(sigma) if !(1e-50..=1e50).contains(&sigma) => Err(ConvertError::graph(
+            format!("{option} is {sigma}"),
+            "give a positive standard deviation, from 1e-50 to 1e50",
+        )),
+        _ => Ok(()),
+    }
+}

@@ -1,7 +1,7 @@
 //! g2o pose graphs.
 //!
 //! Among the edges between vertices with successive ids (n and n + 1), the first of each pair is odometry; all other
-//! edges are landmark edges. An id whose top byte is a letter is gtsam's symbol of a robot: the letter is the session's
+//! edges are landmark edges ([`Odometry`](crate::Odometry) has other rules). An id whose top byte is a letter is gtsam's symbol of a robot: the letter is the session's
 //! name and the rest is the frame. Other vertices belong to session `0`, or to the session that the caller names.
 //!
 //! If that rule would give an edge the wrong kind, as for a landmark edge between two successive vertices, the writer
@@ -12,19 +12,11 @@
 mod read;
 mod write;
 
-use std::collections::HashSet;
-
 use posecut_graph::EdgeKind;
 
 pub(crate) use read::{Dialect, read_dialect};
 pub use read::{ReadOptions, ReadSummary, read, read_several};
 pub use write::{WriteSummary, write};
-
-/// The kind of an edge by the ids of its vertices: the first edge between a vertex and its successor is odometry.
-pub(crate) fn inferred_kind(successive: &mut HashSet<u64>, from: u64, to: u64) -> EdgeKind {
-    let odometry = from.abs_diff(to) == 1 && successive.insert(from.min(to));
-    if odometry { EdgeKind::Odometry } else { EdgeKind::Landmark }
-}
 
 /// The comment that gives the kind of the next edge, which must join these vertices.
 pub(crate) fn comment_of_kind(from: u64, to: u64, kind: EdgeKind) -> String {

@@ -22,7 +22,7 @@ const LAYOUT: Layout =
     Layout { count: 8, described: "8 numbers (seconds x y z qx qy qz qw)", format: "TUM", comments: true };
 
 /// Seconds as microseconds; `None` if they do not fit into 64 bits.
-fn microseconds(seconds: f64) -> Option<i64> {
+pub(crate) fn microseconds(seconds: f64) -> Option<i64> {
     // 2^63, the first number that is too large.
     const END: f64 = 9_223_372_036_854_775_808.0;
     let time = (seconds * 1e6).round();

@@ -23,6 +23,7 @@
 //! ```
 
 pub mod connectivity;
+mod content;
 mod definiteness;
 mod dimension;
 mod error;
@@ -37,6 +38,7 @@ mod typed;
 mod validate;
 mod write;
 
+pub use content::Content;
 pub use definiteness::negative_eigenvalue;
 pub use dimension::Dimension;
 pub use error::{FormatProblem, ReadError, WriteError};

@@ -2,6 +2,7 @@
 
 use std::io::{BufRead, Read};
 
+use crate::content::foreign;
 use crate::error::{FormatProblem, Problem};
 use crate::parse::{check_unknown, kind_of, parse_edge, parse_header, parse_node};
 use crate::validate::Validator;
@@ -29,7 +30,12 @@ impl<R: BufRead> RecordReader<R> {
     pub fn new(source_name: &str, reader: R) -> Result<Self, ReadError> {
         let mut lines = Lines { reader, line: 0 };
         let mut buffer = Vec::new();
-        let found = lines.next_into(&mut buffer).map_err(|fault| fault.at(source_name, lines.line))?;
+        let found = lines.next_into(&mut buffer);
+        // For another tool's file the command that converts it helps most, whatever is wrong with the line as JSON Lines.
+        if let Some(problem) = foreign(&buffer, source_name) {
+            return Err(problem.at(source_name, lines.line));
+        }
+        let found = found.map_err(|fault| fault.at(source_name, lines.line))?;
         if !found {
             return Err(Problem::new("the file is empty", "a pose graph starts with a header line")
                 .at(source_name, 0));

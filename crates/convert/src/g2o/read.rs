@@ -6,11 +6,12 @@ use std::io::BufRead;
 use posecut_graph::{Dimension, Edge, EdgeKind, FIXED, Header, Node, PoseGraph, negative_eigenvalue};
 use serde_json::Value;
 
-use super::{inferred_kind, kind_of_comment};
+use super::kind_of_comment;
 use crate::ConvertError;
 use crate::error::number;
 use crate::information::{Repair, clamp};
 use crate::lines::lines;
+use crate::odometry::{NextIds, Odometry, session_and_frame, set_kinds};
 use crate::printed_digits::leave_singularity_open;
 use crate::toro;
 
@@ -32,11 +33,18 @@ pub struct ReadOptions {
     pub repair: Repair,
     /// Skip lines with an unknown tag instead of refusing them.
     pub skip_unknown: bool,
+    /// Which edges are odometry.
+    pub odometry: Odometry,
 }
 
 impl Default for ReadOptions {
     fn default() -> Self {
-        Self { session: "0".to_owned(), repair: Repair::Refuse, skip_unknown: false }
+        Self {
+            session: "0".to_owned(),
+            repair: Repair::Refuse,
+            skip_unknown: false,
+            odometry: Odometry::Auto,
+        }
     }
 }
 
@@ -53,6 +61,8 @@ pub struct ReadSummary {
     pub skipped: BTreeMap<String, usize>,
     /// Number of nodes that have no vertex line, only edges.
     pub without_vertex: usize,
+    /// Odometry that was found by the next id, of each robot without consecutive ids.
+    pub next_ids: Vec<NextIds>,
 }
 
 /// The vertices and edges of earlier files.
@@ -74,8 +84,8 @@ struct Reader<'a> {
     edges: Vec<Edge>,
     /// The kind that a comment gives to the next edge.
     kind: Option<(u64, u64, EdgeKind)>,
-    /// Vertices whose odometry edge to the next vertex has been read.
-    successive: HashSet<u64>,
+    /// Whether a comment gave the kind of each edge.
+    stated: Vec<bool>,
     /// Vertices fixed by `FIX`, with file and line.
     fixed: BTreeMap<u64, (String, u64)>,
     /// Vertices and edges of earlier files, so that a repeated one is read once.
@@ -116,7 +126,7 @@ pub(crate) fn read_dialect(
         vertices: BTreeMap::new(),
         edges: Vec::new(),
         kind: None,
-        successive: HashSet::new(),
+        stated: Vec::new(),
         fixed: BTreeMap::new(),
         earlier: Earlier::default(),
         summary: ReadSummary::default(),
@@ -267,6 +277,10 @@ impl Reader<'_> {
                 Ok(())
             }
             Some(known) if self.earlier.vertices.contains(&id) && *known == pose => Ok(()),
+            Some(_) if self.earlier.vertices.contains(&id) => Err(self.refuse(
+                format!("vertex {id} occurs twice: another file has it with other numbers"),
+                "use --renumber if the files are different robots or sessions, else keep one of the two",
+            )),
             Some(_) => Err(self.refuse(format!("vertex {id} occurs twice"), "keep one of the two")),
         }
     }
@@ -319,10 +333,18 @@ impl Reader<'_> {
             self.kind = None;
             return Ok(());
         }
-        let kind = match self.kind.take() {
-            Some((first, second, kind)) if (first, second) == (from, to) => kind,
-            _ => inferred_kind(&mut self.successive, from, to),
-        };
+        if from.abs_diff(to) == 1 && self.earlier.by_ends.contains_key(&(from, to)) {
+            return Err(self.refuse(
+                format!(
+                    "another file has an edge {from} {to} with other numbers, so their ids are not unique"
+                ),
+                "use --renumber if the files are different robots or sessions, else keep one of the two",
+            ));
+        }
+        let stated = self.kind.take().filter(|&(first, second, _)| (first, second) == (from, to));
+        // Without a comment the kind is set when all ids are known.
+        let kind = stated.map_or(EdgeKind::Landmark, |(_, _, kind)| kind);
+        self.stated.push(stated.is_some());
         let mut edge = Edge::new(kind, self.edges.len() as u64, from, to);
         edge.measurement = Some(measurement);
         edge.information = Some(information);
@@ -347,7 +369,7 @@ impl Reader<'_> {
             .collect();
         let mut graph = PoseGraph::new(Header::new(dimension));
         for id in &ids {
-            let (session, frame) = self.session_and_frame(*id);
+            let (session, frame) = session_and_frame(*id, &self.options.session);
             let pose = self.vertices.remove(id);
             self.summary.without_vertex += usize::from(pose.is_none());
             let mut node =
@@ -366,15 +388,7 @@ impl Reader<'_> {
             ));
         }
         graph.edges = self.edges;
+        self.summary.next_ids = set_kinds(self.options.odometry, &ids, &mut graph.edges, &self.stated);
         Ok((graph, self.summary))
-    }
-
-    fn session_and_frame(&self, id: u64) -> (String, i64) {
-        let letter = (id >> 56) as u8;
-        if letter.is_ascii_alphabetic() {
-            (char::from(letter).to_string(), (id & ((1 << 56) - 1)) as i64)
-        } else {
-            (self.options.session.clone(), i64::try_from(id).unwrap_or(i64::MAX))
-        }
     }
 }

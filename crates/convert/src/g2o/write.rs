@@ -2,9 +2,10 @@
 
 use std::collections::HashSet;
 
-use posecut_graph::{Dimension, EdgeKind, PoseGraph};
+use posecut_graph::{Dimension, Edge, EdgeKind, PoseGraph};
 
-use super::{comment_of_kind, inferred_kind};
+use super::comment_of_kind;
+use crate::odometry::{consecutive, find_missing};
 use crate::record::line;
 
 /// What the writer left out.
@@ -36,27 +37,48 @@ pub fn write(graph: &PoseGraph, keep_rejected: bool) -> (Vec<u8>, WriteSummary) 
     for node in graph.nodes.iter().filter(|node| node.is_fixed() == Ok(true)) {
         line(&mut text, "FIX", &[node.id], &[]);
     }
-    let mut successive = HashSet::new();
+    let mut edges = Vec::new();
+    let mut numbers = Vec::new();
     for edge in &graph.edges {
-        if !edge.in_use() && !keep_rejected {
-            summary.rejected += 1;
-            continue;
-        }
-        let (Some(measurement), Some(information)) = (&edge.measurement, graph.information(edge)) else {
-            summary.unmeasured += 1;
-            continue;
-        };
-        // The kind that the reader would infer. If it is wrong, a comment corrects it, and the reader does not apply
-        // its rule.
-        let inferred = inferred_kind(&mut successive, edge.from, edge.to);
-        if inferred != edge.kind {
-            line(&mut text, &comment_of_kind(edge.from, edge.to, edge.kind), &[], &[]);
-            if inferred == EdgeKind::Odometry {
-                successive.remove(&edge.from.min(edge.to));
+        match edge.measurement.as_ref().zip(graph.information(edge)) {
+            _ if !edge.in_use() && !keep_rejected => summary.rejected += 1,
+            Some(measured) => {
+                edges.push(edge);
+                numbers.push(measured);
             }
+            None => summary.unmeasured += 1,
+        }
+    }
+    let posed = graph.nodes.iter().filter(|node| node.pose.is_some()).map(|node| node.id);
+    let stated = kinds_to_state(posed.chain(edges.iter().flat_map(|edge| [edge.from, edge.to])), &edges);
+    for ((edge, (measurement, information)), stated) in edges.iter().zip(numbers).zip(stated) {
+        if stated {
+            line(&mut text, &comment_of_kind(edge.from, edge.to, edge.kind), &[], &[]);
         }
         let numbers: Vec<f64> = measurement.iter().chain(information).copied().collect();
         line(&mut text, edge_tag, &[edge.from, edge.to], &numbers);
     }
     (text.into_bytes(), summary)
+}
+
+/// For each edge, whether a comment must state its kind, because the reader would infer the other one.
+fn kinds_to_state(ids: impl Iterator<Item = u64> + Clone, edges: &[&Edge]) -> Vec<bool> {
+    let mut successive = HashSet::new();
+    let mut stated: Vec<bool> = edges
+        .iter()
+        .map(|edge| {
+            let inferred = consecutive(&mut successive, edge.from, edge.to);
+            let states = inferred != edge.kind;
+            if states && inferred == EdgeKind::Odometry {
+                // The reader does not apply its rule to an edge with a comment.
+                successive.remove(&edge.from.min(edge.to));
+            }
+            states
+        })
+        .collect();
+    // Where a robot has a comment, the reader does not search for missing odometry: no third pass is needed.
+    for missing in find_missing(ids, edges, &stated) {
+        missing.iter().for_each(|&index| stated[index] = true);
+    }
+    stated
 }
