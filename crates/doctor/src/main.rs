@@ -1,0 +1,5 @@
+//! `posecut-doctor`.
+
+fn main() -> std::process::ExitCode {
+    posecut_doctor::cli::main()
+}
