@@ -10,6 +10,7 @@
 //! - [`figure`]: figures as SVG, PDF and PNG.
 //! - [`page`]: all tables and figures in one HTML page.
 
+pub mod cli;
 pub mod consistency;
 pub mod figure;
 pub mod page;
@@ -18,4 +19,5 @@ pub mod regimes;
 pub mod results;
 pub mod splice;
 pub mod table;
+mod task;
 pub mod trust;

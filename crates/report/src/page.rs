@@ -3,15 +3,14 @@
 //!
 //! - [`collect`]: collects the page's data from results and from the graphs in the same folders.
 //! - [`view`]: the data in the form that the page's scripts read.
-//! - [`encode`]: encodes numbers as short text.
 //! - [`tables`], [`trust`], [`history`]: the parts of the page that are HTML.
 //! - [`document`]: assembles the page.
+//!
+//! What it shares with the page of one graph is in [`posecut_view`]: numbers as short text, escaping, scripts.
 
 pub mod collect;
 pub mod document;
-pub mod encode;
 pub mod history;
-pub mod markup;
 pub mod tables;
 pub mod trust;
 pub mod view;

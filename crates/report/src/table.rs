@@ -105,7 +105,8 @@ fn table(pipeline: String, results: &[&RunResult], methods: &[String], missing: 
     sessions.sort();
     sessions.dedup();
     // Rows in the requested order, then by name; runs with replaced stages have a row of their own.
-    let position = |method: &String| methods.iter().position(|other| other == method).unwrap_or(methods.len());
+    let position =
+        |method: &String| methods.iter().position(|other| other == method).unwrap_or(methods.len());
     let mut rows: BTreeMap<(usize, String, String), Vec<&RunResult>> = BTreeMap::new();
     for run in results {
         let method = run.label("method");

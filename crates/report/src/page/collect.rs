@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use posecut_evaluate::alignment::{Alignment, Freedom};
 use posecut_graph::{EdgeKind, PoseGraph};
 use posecut_stage::{Context, Source, info, warn};
+use posecut_view::encode;
 
-use super::encode;
 use super::view::{
     Consistency, ERROR_STEP, Edges, Experience, Experiment, Method, POSITION_STEP, Seed, Session, Spread,
     Track,

@@ -1,18 +1,21 @@
 //! Assembles the page: the template with its sections, styles, scripts and data.
 
-use super::encode::policy_digest;
-use super::markup::{escape, fill, json};
+use posecut_view::markup::{escape, fill, json};
+use posecut_view::script::{self, policy};
+
 use super::view::Page;
 
 const TEMPLATE: &str = include_str!("../../assets/page.html");
 const STYLE: &str = include_str!("../../assets/page.css");
 
-/// The scripts in the order in which they run. They are wrapped in one function, so that they define no global names.
-const SCRIPTS: [&str; 17] = [
-    include_str!("../../assets/script/decode.js"),
-    include_str!("../../assets/script/elements.js"),
+/// The scripts in the order in which they run.
+const SCRIPTS: [&str; 19] = [
+    "// Series of numbers as posecut-report writes them: base 64 of zigzag differences, 7 bits a byte, lowest first.\n",
+    script::SERIES,
+    include_str!("../../assets/script/places.js"),
+    script::ELEMENTS,
     include_str!("../../assets/script/theme.js"),
-    include_str!("../../assets/script/scale.js"),
+    script::SCALE,
     include_str!("../../assets/script/chart.js"),
     include_str!("../../assets/script/map.js"),
     include_str!("../../assets/script/state.js"),
@@ -59,14 +62,10 @@ pub struct Parts {
 
 /// Writes the page. Its content security policy forbids every connection, and every script but its own.
 pub fn document(page: &Page, parts: &Parts) -> anyhow::Result<String> {
-    let script = format!("\"use strict\";\n(() => {{\n{}}})();\n", SCRIPTS.join("\n"));
+    let script = script::wrapped(&SCRIPTS);
     let data = json(&serde_json::to_string(page)?);
     Ok(fill(TEMPLATE, |name| match name {
-        "policy" => Some(format!(
-            "default-src 'none'; style-src {}; script-src {}; base-uri 'none'; form-action 'none'",
-            policy_digest(STYLE),
-            policy_digest(&script)
-        )),
+        "policy" => Some(policy(STYLE, &script)),
         "style" => Some(STYLE.to_owned()),
         "script" => Some(script.clone()),
         "data" => Some(data.clone()),

@@ -6,9 +6,10 @@ use std::fmt::Write as _;
 
 use posecut_graph::InputDigest;
 use posecut_stage::digest;
+use posecut_view::arguments::said;
+use posecut_view::markup::escape;
 use serde_json::Value;
 
-use super::markup::escape;
 use crate::results::Located;
 
 /// The history of all results: stages by experiment, inputs by session, and digests of all files read.
@@ -79,28 +80,6 @@ fn stages(text: &mut String, experiment: &str, results: &[&Located]) {
         );
     }
     text.push_str("</tbody></table></div>\n");
-}
-
-/// Arguments as names and values for a reader. Arguments that were not given are left out. So is the seed, because the
-/// entry lists all seeds.
-fn said(arguments: &Value) -> String {
-    let mut shown = Vec::new();
-    list("", arguments, &mut shown);
-    shown.join(", ")
-}
-
-fn list(name: &str, value: &Value, shown: &mut Vec<String>) {
-    match value {
-        Value::Null => {}
-        Value::Object(fields) => {
-            for (field, value) in fields.iter().filter(|(field, _)| field.as_str() != "seed") {
-                let full = if name.is_empty() { field.clone() } else { format!("{name}.{field}") };
-                list(&full, value, shown);
-            }
-        }
-        Value::String(text) => shown.push(format!("{name} = {text}")),
-        other => shown.push(format!("{name} = {other}")),
-    }
 }
 
 /// The files that the first stage of each session read.

@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::markup::escape;
+use posecut_view::markup::escape;
+
 use crate::published::Published;
 use crate::table::{Cell, Table, is_silently_disconnected, listed, metres};
 

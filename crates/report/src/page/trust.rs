@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::markup::escape;
+use posecut_view::markup::escape;
+
 use crate::trust::tables::Table;
 
 /// The tables as HTML: the first open, the others folded.

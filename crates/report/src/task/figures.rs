@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
+use crate::consistency::matrix;
+use crate::figure::plotting::charts;
+use crate::figure::{self, Frame, components, error, graphs, trajectories};
 use anyhow::{Context as _, bail};
 use clap::Args;
 use posecut_graph::PoseGraph;
-use posecut_report::consistency::matrix;
-use posecut_report::figure::plotting::charts;
-use posecut_report::figure::{self, Frame, components, error, graphs, trajectories};
 use posecut_stage::{CommonArguments, Context, Source};
 
 /// Options of `trajectories`.

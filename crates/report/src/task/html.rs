@@ -2,21 +2,21 @@
 
 use std::path::PathBuf;
 
+use crate::figure::Frame;
+use crate::figure::regret::regrets;
+use crate::page::collect::{Selection, experiment};
+use crate::page::document::{Parts, document};
+use crate::page::trust::html;
+use crate::page::view::{ERROR_STEP, POSITION_STEP, Page};
+use crate::page::{history, tables as page_tables};
+use crate::published::Published;
+use crate::regimes::Map;
+use crate::results::{self, RunResult};
+use crate::table;
+use crate::trust::reliability::reliability;
+use crate::trust::{Benchmark, Half, tables::tables};
 use clap::Args;
 use posecut_graph::InputDigest;
-use posecut_report::figure::Frame;
-use posecut_report::figure::regret::regrets;
-use posecut_report::page::collect::{Selection, experiment};
-use posecut_report::page::document::{Parts, document};
-use posecut_report::page::trust::html;
-use posecut_report::page::view::{ERROR_STEP, POSITION_STEP, Page};
-use posecut_report::page::{history, tables as page_tables};
-use posecut_report::published::Published;
-use posecut_report::regimes::Map;
-use posecut_report::results::{self, RunResult};
-use posecut_report::table;
-use posecut_report::trust::reliability::reliability;
-use posecut_report::trust::{Benchmark, Half, tables::tables};
 use posecut_stage::{Context, counted, info};
 
 /// Options of `html`.

@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::figure::plotting::{charts, grids};
+use crate::figure::regimes::{Quantity, curves, differences, heat_maps, nearest};
+use crate::regimes::document::sections;
+use crate::regimes::{Map, table};
+use crate::results;
+use crate::splice::splice;
 use anyhow::{Context as _, bail};
 use clap::{Args, ValueEnum};
-use posecut_report::figure::plotting::{charts, grids};
-use posecut_report::figure::regimes::{Quantity, curves, differences, heat_maps, nearest};
-use posecut_report::regimes::document::sections;
-use posecut_report::regimes::{Map, table};
-use posecut_report::results;
-use posecut_report::splice::splice;
 use posecut_stage::{CommonArguments, write_atomically};
 
 use super::figures::extension;

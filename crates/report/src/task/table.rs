@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
+use crate::published::Published;
+use crate::{results, table};
 use clap::{Args, ValueEnum};
-use posecut_report::published::Published;
-use posecut_report::{results, table};
 
 /// Options of `table`.
 #[derive(Args)]

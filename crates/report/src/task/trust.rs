@@ -2,19 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::figure::plotting::{Drawing, charts, lanes};
+use crate::figure::regret::{figure, regrets};
+use crate::figure::reliability::figure as diagram;
+use crate::splice::splice;
+use crate::trust::comparison::brief;
+use crate::trust::document::sections;
+use crate::trust::recommendation::recommended;
+use crate::trust::records::{read_results, read_times};
+use crate::trust::reliability::reliability;
+use crate::trust::tables::{Table, tables};
+use crate::trust::{Benchmark, Half};
 use anyhow::{Context as _, ensure};
 use clap::Args;
-use posecut_report::figure::plotting::{Drawing, charts, lanes};
-use posecut_report::figure::regret::{figure, regrets};
-use posecut_report::figure::reliability::figure as diagram;
-use posecut_report::splice::splice;
-use posecut_report::trust::comparison::brief;
-use posecut_report::trust::document::sections;
-use posecut_report::trust::recommendation::recommended;
-use posecut_report::trust::records::{read_results, read_times};
-use posecut_report::trust::reliability::reliability;
-use posecut_report::trust::tables::{Table, tables};
-use posecut_report::trust::{Benchmark, Half};
 use posecut_stage::{Context, warn, write_atomically};
 
 /// Number of panels in a row of a figure.

@@ -7,7 +7,7 @@ use std::process::Command;
 
 use posecut_evaluate::{Options, evaluate};
 use posecut_graph::PoseGraph;
-use posecut_report::page::encode::decoded;
+use posecut_view::encode::decoded;
 use serde_json::Value;
 
 /// Runs the program, and returns its success and its standard error.

@@ -82,7 +82,8 @@ fn a_replaced_stage_has_a_row_of_its_own_that_names_the_program() {
     result(folder.path(), "pcm", "2012-01-22", 1, 3.0, 1);
     let replaced = result(folder.path(), "pcm", "2012-01-22", 2, 5.0, 1);
     let text = std::fs::read_to_string(&replaced).unwrap();
-    std::fs::write(&replaced, text.replace(r#""seed":2"#, r#""seed":2,"replaced":"pcm = ./my-stage""#)).unwrap();
+    std::fs::write(&replaced, text.replace(r#""seed":2"#, r#""seed":2,"replaced":"pcm = ./my-stage""#))
+        .unwrap();
     let results = read_all(&[folder.path().to_owned()]).unwrap();
     let tables = tables(&results, &["pcm".to_owned()], &[]);
     let rows: Vec<(&str, Option<f64>)> =

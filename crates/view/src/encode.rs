@@ -3,6 +3,7 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use serde::Serialize;
 
 /// Encodes values rounded to multiples of `step`. Rounding errors do not accumulate, because differences are taken
 /// between rounded values.
@@ -40,6 +41,32 @@ pub fn bits(values: impl IntoIterator<Item = bool>) -> String {
         }
     }
     STANDARD.encode(bytes)
+}
+
+/// Whole numbers of 64 bits. Scripts count exactly to 2^53 only, so larger numbers are marked.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Whole {
+    series: String,
+    /// Whether a script needs more than a double: `unsigned`, `signed`, or absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    wide: Option<&'static str>,
+}
+
+/// The largest whole number up to which a script counts exactly, 2^53.
+const EXACT: u64 = 1 << 53;
+
+impl Whole {
+    /// Encodes ids.
+    pub fn of(values: &[u64]) -> Self {
+        let wide = values.iter().any(|value| *value > EXACT).then_some("unsigned");
+        Self { series: differences(values.iter().map(|value| *value as i64)), wide }
+    }
+
+    /// Encodes numbers that may be negative.
+    pub fn of_signed(values: &[i64]) -> Self {
+        let wide = values.iter().any(|value| value.unsigned_abs() > EXACT).then_some("signed");
+        Self { series: differences(values.iter().copied()), wide }
+    }
 }
 
 /// The SHA-256 of a text in the notation of content security policies.

@@ -1,5 +1,3 @@
-// Series of numbers as posecut-report writes them: base 64 of zigzag differences, 7 bits a byte, lowest first.
-
 const decoded = new Map();
 
 function bytesOf(text) {
@@ -33,10 +31,3 @@ function bits(text) {
   const bytes = bytesOf(text);
   return (index) => ((bytes[index >> 3] >> (index & 7)) & 1) === 1;
 }
-
-/** Right and up coordinates of a track, metres; null without one. */
-function places(track) {
-  return track && { x: series(track.right, page.position_step), y: series(track.up, page.position_step) };
-}
-
-const page = JSON.parse(document.getElementById("data").textContent);

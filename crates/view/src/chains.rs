@@ -1,0 +1,54 @@
+//! The names of the chains that verification calibrates: its statistics list them by their node of lowest id.
+
+use posecut_graph::PoseGraph;
+use posecut_graph::connectivity::connected_components;
+
+use crate::columns::shortened;
+
+/// The names of `count` chains of odometry, without the edges that are `broken`. A chain is named by its sessions, or by its nodes
+/// if another chain has the same. If the graph has another number of chains, they are numbered.
+pub(crate) fn chains(graph: &PoseGraph, broken: impl Fn(u64) -> bool, count: usize) -> Vec<String> {
+    let edges: Vec<(usize, usize)> = graph
+        .edges_of(posecut_graph::EdgeKind::Odometry)
+        .filter(|edge| edge.in_use() && edge.measurement.is_some() && !broken(edge.id))
+        .filter_map(|edge| graph.ends(edge))
+        .collect();
+    let found = connected_components(graph.nodes.len(), edges.iter().copied());
+    if found.len() != count {
+        return (1..=count).map(|number| format!("chain {number}")).collect();
+    }
+    let sessions: Vec<String> = found.iter().map(|chain| sessions(graph, &chain.nodes)).collect();
+    let mut sorted: Vec<&String> = sessions.iter().collect();
+    sorted.sort();
+    let unique =
+        sorted.windows(2).all(|pair| pair[0] != pair[1]) && sorted.iter().all(|name| !name.is_empty());
+    found
+        .iter()
+        .zip(&sessions)
+        .map(|(chain, session)| {
+            let id = |index: Option<&usize>| index.map_or(0, |&index| graph.nodes[index].id);
+            let (first, last) = (id(chain.nodes.first()), id(chain.nodes.last()));
+            let nodes =
+                if first == last { format!("node {first}") } else { format!("nodes {first} to {last}") };
+            match (unique, session.is_empty()) {
+                (true, _) => session.clone(),
+                (false, true) => nodes,
+                (false, false) => format!("{session}, {nodes}"),
+            }
+        })
+        .collect()
+}
+
+/// The sessions of these nodes: one, or the first and how many others.
+fn sessions(graph: &PoseGraph, nodes: &[usize]) -> String {
+    let mut names: Vec<&str> =
+        nodes.iter().filter_map(|&node| graph.nodes[node].session.as_deref()).collect();
+    names.dedup();
+    names.sort_unstable();
+    names.dedup();
+    match names.as_slice() {
+        [] => String::new(),
+        [only] => shortened(only),
+        [first, others @ ..] => format!("{} and {} more", shortened(first), others.len()),
+    }
+}

@@ -1,0 +1,5 @@
+//! `posecut-view`.
+
+fn main() -> std::process::ExitCode {
+    posecut_view::cli::main()
+}

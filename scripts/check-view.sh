@@ -1,0 +1,27 @@
+#!/bin/sh
+# Opens pages of posecut-view in headless Chromium and checks that they work (scripts/view/ has the checks): the pages of
+# crates/view/examples/pages.rs, and any that are given. Skipped if Chromium or playwright-core is not available.
+# Usage: scripts/check-view.sh [PAGE.html…]        SHOTS=DIRECTORY keeps screenshots
+set -eu
+cd "$(dirname "$0")/.."
+environment=target/browser
+# Without pages, it only makes the browser ready, or says why it cannot.
+scripts/check-report.sh
+chromium=${CHROMIUM:-$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)}
+if [ -z "$chromium" ] || [ ! -d "$environment/node_modules/playwright-core" ]; then
+  echo 'skipped: check-view: there is no browser'
+  exit 0
+fi
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cargo run --quiet --release -p posecut-view --example pages -- "$folder"
+status=0
+for page in "$folder"/*.html "$@"; do
+  shots=
+  if [ -n "${SHOTS:-}" ]; then
+    shots=$SHOTS/$(basename "$page" .html)
+    mkdir -p "$shots"
+  fi
+  CHROMIUM=$chromium PLAYWRIGHT=$environment node scripts/view/check.mjs "$page" ${shots:+"$shots"} || status=1
+done
+exit $status
