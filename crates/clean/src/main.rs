@@ -1,0 +1,5 @@
+//! `posecut-clean`.
+
+fn main() -> std::process::ExitCode {
+    posecut_clean::command::main()
+}
