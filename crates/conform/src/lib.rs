@@ -6,6 +6,7 @@
 //! - [`report`]: the findings, as text and as JSON.
 
 pub mod checks;
+pub mod cli;
 pub mod program;
 pub mod report;
 pub mod sample;

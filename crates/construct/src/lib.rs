@@ -3,6 +3,8 @@
 //!
 //! This stage writes and reads `truth`; stages that estimate never read it.
 
+#[cfg(feature = "cli")]
+pub mod cli;
 mod correct;
 mod error;
 mod gaps;

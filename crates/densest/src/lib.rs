@@ -19,6 +19,8 @@
 
 pub mod affinity;
 pub mod ascent;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod clique;
 #[cfg(feature = "cli")]
 pub mod stage;

@@ -10,6 +10,8 @@
 
 pub mod alignment;
 pub mod calibration;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod edges;
 mod error;
 pub mod result;

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::check::{accept, check};
+use crate::{Expected, Plan, Programs, RunOptions, Selection, collect, junit, make_rules, run};
 use anyhow::{Context as _, bail};
 use clap::{Parser, Subcommand, ValueEnum};
-use posecut_experiment::check::{accept, check};
-use posecut_experiment::{Expected, Plan, Programs, RunOptions, Selection, collect, junit, make_rules, run};
 use posecut_stage::{CommonArguments, Context, Outcome, counted, info, write_atomically};
 
 #[derive(Parser)]

@@ -10,7 +10,9 @@
 mod append;
 mod call;
 pub mod check;
+pub mod cli;
 mod collect;
+mod command;
 mod declaration;
 mod digest;
 mod expected;

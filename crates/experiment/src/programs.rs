@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context as _, bail};
-use posecut::registry::Registry;
 use posecut_stage::Phase;
+use posecut_stage::registry::Registry;
 use serde::Deserialize;
 
 /// Stage programs by name.
@@ -149,7 +149,7 @@ impl Programs {
 }
 
 /// A program that is called like every stage from graph to graph.
-fn usual(found: &posecut::registry::Program) -> Program {
+fn usual(found: &posecut_stage::registry::Program) -> Program {
     let path = found.path.to_string_lossy().into_owned();
     Program { path, ..Section::default().program(&found.name) }
 }

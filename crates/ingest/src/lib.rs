@@ -9,6 +9,8 @@
 //! messages.
 
 mod assemble;
+#[cfg(feature = "cli")]
+pub mod cli;
 mod clock;
 mod covariance;
 mod distance_factor;

@@ -12,6 +12,7 @@
 //! assert_eq!((info.nodes, info.components.count), (2, 2));
 //! ```
 
+pub mod cli;
 pub mod difference;
 pub mod edges;
 pub mod filter;

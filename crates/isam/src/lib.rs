@@ -49,6 +49,8 @@
 //! # Ok::<(), posecut_isam::IncrementalError>(())
 //! ```
 
+#[cfg(feature = "cli")]
+pub mod cli;
 mod cliques;
 mod degrees;
 mod edges;

@@ -1,5 +1,5 @@
-//! `posecut-isam`: incremental pose-graph optimisation.
+//! `posecut-isam`.
 
 fn main() -> std::process::ExitCode {
-    posecut_isam::stage::main()
+    posecut_isam::cli::main()
 }

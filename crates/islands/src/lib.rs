@@ -8,6 +8,8 @@
 //! - [`cluster`]: landmark edges with neighbouring frames at both ends, joined into islands. Needs no measurement.
 //! - [`stage`]: which islands are long enough, on a pose graph.
 
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod cluster;
 #[cfg(feature = "cli")]
 pub mod stage;

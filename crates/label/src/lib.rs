@@ -7,6 +7,8 @@
 //!
 //! The library works on graphs and bytes; [`stage`], the program, reads the files.
 
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod ground_truth;
 pub mod pairs;
 #[cfg(feature = "cli")]

@@ -1,5 +1,5 @@
-//! `posecut-label`: writes which landmark edges of a graph are correct.
+//! `posecut-label`.
 
 fn main() -> std::process::ExitCode {
-    posecut_stage::run_graph_stage::<posecut_label::stage::Options>(env!("CARGO_PKG_VERSION"))
+    posecut_label::cli::main()
 }

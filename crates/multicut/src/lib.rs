@@ -35,6 +35,8 @@
 mod bound;
 mod budget;
 mod certificate;
+#[cfg(feature = "cli")]
+pub mod cli;
 mod costs;
 mod graph;
 mod heuristics;

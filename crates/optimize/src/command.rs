@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::ValueEnum as _;
-use posecut_stage::{GraphStage as _, run_graph_stage};
+use posecut_stage::{GraphStage as _, arguments, run_graph_stage};
 
 use crate::stage::{Graduation, StageOptions};
 
@@ -23,7 +23,7 @@ const OF_ISAM: [&str; 9] = [
 
 /// The program's `main`.
 pub fn main() -> ExitCode {
-    let words: Vec<String> = std::env::args_os()
+    let words: Vec<String> = arguments()
         .skip(1)
         .map(|word| word.to_string_lossy().into_owned())
         .take_while(|word| word != "--")

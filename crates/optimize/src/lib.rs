@@ -33,6 +33,8 @@
 mod batch;
 mod certificate;
 #[cfg(feature = "cli")]
+pub mod cli;
+#[cfg(feature = "cli")]
 pub mod command;
 mod covariance;
 mod descent;

@@ -1,5 +1,5 @@
-//! `posecut-optimize`: pose-graph optimisation.
+//! `posecut-optimize`.
 
 fn main() -> std::process::ExitCode {
-    posecut_optimize::command::main()
+    posecut_optimize::cli::main()
 }

@@ -3,6 +3,8 @@
 //!
 //! It is the only rejection stage that reads `truth`. Therefore it is a program of its own and not an option of another one.
 
+pub mod cli;
+
 use anyhow::bail;
 use posecut_graph::{EdgeKind, PoseGraph};
 use posecut_stage::{Context, GraphStage, Phase, Place, counted, info};

@@ -1,5 +1,5 @@
-//! `posecut-oracle`: rejects the landmark edges that the truth calls incorrect.
+//! `posecut-oracle`.
 
 fn main() -> std::process::ExitCode {
-    posecut_stage::run_graph_stage::<posecut_oracle::Options>(env!("CARGO_PKG_VERSION"))
+    posecut_oracle::cli::main()
 }

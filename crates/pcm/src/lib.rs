@@ -22,6 +22,8 @@
 mod budget;
 pub mod calibration;
 pub mod chance;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod clique;
 mod error;
 pub mod generate;

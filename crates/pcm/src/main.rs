@@ -1,5 +1,5 @@
-//! `posecut-pcm`: pairwise consistency maximisation on a pose graph.
+//! `posecut-pcm`.
 
 fn main() -> std::process::ExitCode {
-    posecut_stage::run_graph_stage::<posecut_pcm::stage::StageOptions>(env!("CARGO_PKG_VERSION"))
+    posecut_pcm::cli::main()
 }

@@ -5,10 +5,11 @@ use std::io::{self, Write as _};
 use std::process::{Command, ExitCode};
 
 use clap_complete::Shell;
-use posecut_stage::{answer, fail, hand_over_standard_output};
+use posecut_stage::registry::{Program, Registry};
+use posecut_stage::{answer, fail, hand_over_standard_output, set_arguments};
 
+use crate::built_in;
 use crate::listing::{help, versions};
-use crate::registry::{Program, Registry};
 
 /// The program's name in answers and errors.
 const NAME: &str = "posecut";
@@ -43,7 +44,13 @@ fn start(registry: &Registry, name: &OsStr, arguments: impl Iterator<Item = OsSt
             ),
         );
     };
-    become_program(&program, arguments)
+    match built_in::get(&name) {
+        Some(main) if program.built_in => {
+            set_arguments(std::iter::once(format!("posecut-{name}").into()).chain(arguments).collect());
+            main()
+        }
+        _ => become_program(&program, arguments),
+    }
 }
 
 #[cfg(unix)]

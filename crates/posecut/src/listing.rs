@@ -2,9 +2,8 @@
 
 use std::fmt::Write as _;
 
+use posecut_stage::registry::Registry;
 use posecut_stage::{Description, Phase};
-
-use crate::registry::Registry;
 
 /// The text above the list of programs.
 const ABOUT: &str = "posecut finds incorrect landmark edges (false loop closures) in pose graphs.

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::sync::LazyLock;
 
-use posecut::registry::Registry;
+use posecut_stage::registry::Registry;
 
 /// A folder with a copy of `posecut` and with scripts instead of its programs, and another folder for the PATH.
 struct Place {

@@ -6,6 +6,8 @@
 //! - [`stage`]: the search on the landmark edges of a pose graph, where agreement is PCM's chi-square test of the loop
 //!   through both edges and the odometry between them ([`posecut_pcm::consistency`]).
 
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod consensus;
 #[cfg(feature = "cli")]
 pub mod stage;

@@ -12,6 +12,7 @@
 //! [`posecut_pcm`] provides the covariances of measurements, the quantiles and the limit on false alarms.
 
 mod by_chance;
+pub mod cli;
 mod error;
 mod innovation;
 pub mod readmit;

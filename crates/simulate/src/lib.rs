@@ -12,6 +12,8 @@
 //! Frames are as in NCLT: x north, y east, z down; yaw clockwise from north.
 
 pub mod campus;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod drive;
 mod noise;
 mod options;

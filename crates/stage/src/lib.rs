@@ -11,6 +11,7 @@
 
 mod arguments;
 mod closing;
+mod command_line;
 mod context;
 mod directory;
 mod documentation;
@@ -24,6 +25,7 @@ mod logging;
 mod output;
 mod place;
 mod program;
+pub mod registry;
 mod selection;
 mod standard_output;
 mod statistics;
@@ -33,6 +35,7 @@ mod words;
 
 pub use arguments::{CommonArguments, Source, Target};
 pub use closing::close;
+pub use command_line::{arguments, set_arguments};
 pub use context::{Context, Inside};
 pub use directory::write_directory;
 pub use doubt::Doubt;

@@ -8,8 +8,8 @@ use clap::{CommandFactory, FromArgMatches};
 use crate::closing::close_standard_output;
 use crate::given::Given;
 use crate::{
-    CommonArguments, Context, Doubt, Place, documentation, doubt, interrupt, logging, standard_output,
-    threads, usage,
+    CommonArguments, Context, Doubt, Place, arguments, documentation, doubt, interrupt, logging,
+    standard_output, threads, usage,
 };
 
 /// The name and version of a program.
@@ -67,23 +67,23 @@ pub fn run_with_doubts<A: CommandFactory + FromArgMatches>(
         .about(identity.about)
         .long_about(None)
         .after_help(documentation::ending(doubts));
-    if let Some(what) = documentation::requested(std::env::args_os()) {
+    if let Some(what) = documentation::requested(arguments()) {
         return documentation::print(identity, command, doubts, &what);
     }
-    let read = command.try_get_matches_from_mut(std::env::args_os()).and_then(|matches| {
+    let read = command.try_get_matches_from_mut(arguments()).and_then(|matches| {
         let given = Given::of(&command, &matches);
         Ok((A::from_arg_matches(&matches)?, given))
     });
-    let (arguments, given) = match read {
+    let (parsed, given) = match read {
         Ok(read) => read,
         Err(error) => return usage::end(&identity.program(), &command, &error),
     };
-    let common = common(&arguments).clone();
+    let common = common(&parsed).clone();
     logging::install(identity.name, &common);
     interrupt::install();
     let strict = common.strict;
     let mut context = Context::new(identity, common).with_files(given);
-    match execute(&arguments, &mut context, body) {
+    match execute(&parsed, &mut context, body) {
         Ok(outcome @ (Outcome::Done | Outcome::DoneUnlessDoubtful)) => {
             let counts = strict || outcome == Outcome::DoneUnlessDoubtful;
             let doubtful = counts && !context.doubts.is_empty();

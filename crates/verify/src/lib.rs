@@ -19,6 +19,8 @@ mod agreement;
 mod breaks;
 mod bridges;
 mod calibration;
+#[cfg(feature = "cli")]
+pub mod cli;
 mod cut;
 mod evidence;
 mod first_pass;

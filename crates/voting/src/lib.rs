@@ -10,6 +10,8 @@
 //! Clusters come from [`posecut_islands`].
 
 mod chains;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod election;
 pub mod fit;
 pub mod forecast;

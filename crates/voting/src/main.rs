@@ -1,5 +1,5 @@
 //! `posecut-voting`.
 
 fn main() -> std::process::ExitCode {
-    posecut_stage::run_graph_stage::<posecut_voting::Options>(env!("CARGO_PKG_VERSION"))
+    posecut_voting::cli::main()
 }

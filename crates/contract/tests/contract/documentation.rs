@@ -45,7 +45,8 @@ fn the_page_of_fields_has_the_fields_that_stages_add() {
     added.extend(fields(&posecut_graph::PoseGraph::read("readmit", readmitted.as_slice()).unwrap()));
     let added: Vec<&String> = added.difference(&given).collect();
     assert!(added.len() > 10, "{added:?}");
-    let missing: Vec<&&String> = added.iter().filter(|field| !page.contains(&format!("| `{field}` |"))).collect();
+    let missing: Vec<&&String> =
+        added.iter().filter(|field| !page.contains(&format!("| `{field}` |"))).collect();
     assert!(missing.is_empty(), "docs/fields.md lacks {missing:?}");
 }
 
