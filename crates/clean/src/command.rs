@@ -35,6 +35,10 @@ pub struct Command {
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) edges: Option<PathBuf>,
 
+    /// Write a page to this HTML file: the map before and after, why each edge is kept or rejected, and what is doubtful in the input
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) page: Option<PathBuf>,
+
     #[command(flatten)]
     pub(crate) reading: ReadingOptions,
 
@@ -62,7 +66,9 @@ pub(crate) struct Judgement {
 impl Command {
     /// The files beside the result, each with its option.
     pub(crate) fn further_outputs(&self) -> impl Iterator<Item = (&'static str, &Path)> {
-        [("--edges", &self.edges)].into_iter().filter_map(|(option, path)| Some((option, path.as_deref()?)))
+        [("--edges", &self.edges), ("--page", &self.page)]
+            .into_iter()
+            .filter_map(|(option, path)| Some((option, path.as_deref()?)))
     }
 }
 

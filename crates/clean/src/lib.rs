@@ -6,8 +6,12 @@
 //! - [`summary`]: what was found, in ten lines.
 //! - [`movement`]: how far the poses moved.
 
+mod alternatives;
 pub mod command;
+mod files;
 pub mod method;
 pub mod movement;
+mod page;
+mod report;
 mod run;
 pub mod summary;

@@ -1,37 +1,49 @@
-//! The run: read, judge, optimise, write.
+//! The run: read, judge, optimise, examine, write.
 
-use std::io::IsTerminal as _;
 use std::time::Duration;
 
-use anyhow::{Context as _, bail, ensure};
+use anyhow::{bail, ensure};
 use posecut_convert::FileFormat;
 use posecut_convert::input::{Reading, read};
-use posecut_convert::output::{WritingOptions, write};
-use posecut_graph::{EdgeKind, PoseGraph};
-use posecut_inspect::edges::EdgeTable;
+use posecut_doctor::{Finding, examine_with};
+use posecut_graph::PoseGraph;
 use posecut_optimize::stage::StageOptions;
 use posecut_stage::registry::Registry;
-use posecut_stage::{
-    Context, Doubt, GraphStage as _, Inside, Statistics, counted, info, warn, write_atomically,
-};
-use posecut_verify::verdict::Verdict;
-use posecut_verify::{Options, Undecided, Verification};
+use posecut_stage::{Context, Doubt, GraphStage as _, Inside, Statistics, info};
+use posecut_verify::{Options, Verification};
 
+use crate::alternatives::alternatives;
 use crate::command::Command;
+use crate::files::write_files;
 use crate::method::{Method, Stage};
 use crate::movement::Movement;
-use crate::summary::{self, Input, line};
+use crate::report::report;
+use crate::summary::{Input, line};
 
 /// How often the progress bar is redrawn while a step runs.
 const REDRAW: Duration = Duration::from_millis(200);
 
-/// What judging and optimising a graph found.
-struct Cleaned {
-    verification: Option<Verification>,
-    optimization: Statistics,
-    movement: Option<Movement>,
+/// What judging, optimising and examining a graph found.
+pub(crate) struct Cleaned {
+    /// The graph as it was read.
+    pub(crate) before: PoseGraph,
+    /// The findings and the statistics of verification, if it is the method.
+    pub(crate) verification: Option<(Verification, Statistics)>,
+    pub(crate) optimization: Statistics,
+    pub(crate) movement: Option<Movement>,
+    /// What is wrong with the graph as it was read.
+    pub(crate) findings: Vec<Finding>,
+    /// The result under other hypotheses, for the page.
+    pub(crate) alternatives: Vec<(String, PoseGraph)>,
     /// Doubts of the stages within this program, with their sentences.
-    doubts: Vec<(Doubt, String)>,
+    pub(crate) doubts: Vec<(Doubt, String)>,
+}
+
+impl Cleaned {
+    /// What verification found.
+    pub(crate) fn verified(&self) -> Option<&Verification> {
+        self.verification.as_ref().map(|(found, _)| found)
+    }
 }
 
 /// Does everything that the command line asks for.
@@ -59,7 +71,7 @@ pub(crate) fn clean(command: &Command, context: &mut Context) -> anyhow::Result<
     let input = Input::of(&name, &graph);
     let cleaned = judge_and_optimize(command, &method, &mut graph, context)?;
     report(command, &input, &cleaned, &graph, context)?;
-    let written = output(command, &mut graph, format, context)?;
+    let written = write_files(command, &input, &cleaned, &mut graph, format, context)?;
     info!("{}", line("wrote", written));
     Ok(())
 }
@@ -71,17 +83,15 @@ fn judge_and_optimize(
     context: &mut Context,
 ) -> anyhow::Result<Cleaned> {
     let before = graph.clone();
-    let mut doubts = Vec::new();
-    let progress = context.progress(2, "judging edges");
+    let progress = context.progress(3, "judging edges");
     context.keep_drawing(&progress, REDRAW);
+    let mut doubts = Vec::new();
     let verification = match method {
         Method::Verify => {
-            let mut options: Options = posecut_stage::options(&[])?;
-            options.undecided = command.judgement.undecided;
-            options.hypothesis = command.judgement.hypothesis;
+            let options = verification_options(command, command.judgement.hypothesis)?;
             let inside = context.run_inside(|inner| options.judge(graph, inner))?;
             doubts.extend(inside.doubts);
-            Some(inside.value)
+            Some((inside.value, inside.statistics))
         }
         Method::Stages(stages) => {
             run_programs(stages, graph, context)?;
@@ -91,13 +101,32 @@ fn judge_and_optimize(
     progress.set_message("optimising poses");
     progress.set_position(1);
     let Inside { statistics: optimization, doubts: of_optimization, .. } =
-        context.run_inside(|inner| posecut_stage::options::<StageOptions>(&[])?.run(graph, inner))?;
-    progress.finish_and_clear();
+        context.run_inside(|inner| optimize(graph, inner))?;
     // Verification explains the same doubt better.
     let raised: Vec<Doubt> = doubts.iter().map(|(doubt, _)| *doubt).collect();
     doubts.extend(of_optimization.into_iter().filter(|(doubt, _)| !raised.contains(doubt)));
+    progress.set_message("examining the input");
+    progress.set_position(2);
+    let found = verification.as_ref().map(|(found, _)| found);
+    let findings = examine_with(&before, found);
+    let alternatives = match found.filter(|_| command.page.is_some()) {
+        Some(found) => alternatives(command, &before, found, context)?,
+        None => Vec::new(),
+    };
+    progress.finish_and_clear();
     let movement = Movement::between(&before, graph);
-    Ok(Cleaned { verification, optimization, movement, doubts })
+    Ok(Cleaned { before, verification, optimization, movement, findings, alternatives, doubts })
+}
+
+/// The options of verification that the command line gives, with a hypothesis.
+pub(crate) fn verification_options(command: &Command, hypothesis: usize) -> anyhow::Result<Options> {
+    let options: Options = posecut_stage::options(&[])?;
+    Ok(Options { undecided: command.judgement.undecided, hypothesis, ..options })
+}
+
+/// Optimises with the usual options.
+pub(crate) fn optimize(graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
+    posecut_stage::options::<StageOptions>(&[])?.run(graph, context)
 }
 
 /// Runs stages that are programs. They print their doubts themselves.
@@ -112,94 +141,4 @@ fn run_programs(stages: &[Stage], graph: &mut PoseGraph, context: &mut Context) 
         }
     }
     Ok(())
-}
-
-fn report(
-    command: &Command,
-    input: &Input,
-    cleaned: &Cleaned,
-    graph: &PoseGraph,
-    context: &mut Context,
-) -> anyhow::Result<()> {
-    let keep_undecided = command.judgement.undecided == Undecided::Keep;
-    info!("{}", input.line());
-    for text in summary::edges(graph, cleaned.verification.as_ref(), keep_undecided) {
-        info!("{text}");
-    }
-    info!("{}", summary::poses(cleaned.movement, &cleaned.optimization));
-    explain(command, cleaned.verification.as_ref(), graph)?;
-    if let Some(warning) = cleaned.verification.as_ref().and_then(|found| found.warning.as_ref()) {
-        warn!("{warning}");
-    }
-    for (doubt, sentence) in &cleaned.doubts {
-        context.doubt(*doubt, sentence);
-    }
-    note(cleaned, input, graph, context);
-    Ok(())
-}
-
-fn explain(command: &Command, verification: Option<&Verification>, graph: &PoseGraph) -> anyhow::Result<()> {
-    let (Some(id), Some(verification)) = (command.explain, verification) else { return Ok(()) };
-    for line in verification.story(graph, id)? {
-        info!("{line}");
-    }
-    Ok(())
-}
-
-fn note(cleaned: &Cleaned, input: &Input, graph: &PoseGraph, context: &mut Context) {
-    let in_use = graph.edges_of(EdgeKind::Landmark).filter(|edge| edge.in_use()).count();
-    let count = |verdict| cleaned.verification.as_ref().map(|found| found.count(verdict));
-    let optimized = |name: &str| cleaned.optimization.as_map().get(name).cloned();
-    let statistics = &mut context.statistics;
-    statistics.note("sessions", input.sessions);
-    statistics.note("nodes", input.poses);
-    statistics.note("landmark_edges", input.landmark);
-    statistics.note("in_use", in_use);
-    statistics.note("accepted", count(Verdict::Accepted));
-    statistics.note("rejected", count(Verdict::Rejected).unwrap_or(input.landmark - in_use));
-    statistics.note("undecided", count(Verdict::Undecided));
-    statistics.note("rivals", cleaned.verification.as_ref().map(|found| &found.rivals));
-    statistics.note("calibration", cleaned.verification.as_ref().map(|found| &found.calibration));
-    statistics.note("moved_median", cleaned.movement.map(|moved| moved.median));
-    statistics.note("moved_most", cleaned.movement.map(|moved| moved.most));
-    statistics.note("cost", optimized("cost"));
-    statistics.note("converged", optimized("converged"));
-}
-
-/// Writes the files, the graph last, and says which.
-fn output(
-    command: &Command,
-    graph: &mut PoseGraph,
-    format: FileFormat,
-    context: &mut Context,
-) -> anyhow::Result<String> {
-    context.statistics.note("format", format.to_string());
-    let mut written = Vec::new();
-    if let Some(path) = &command.edges {
-        let table = EdgeTable::of(graph)?;
-        write_atomically(path, |writer| Ok(table.write_csv(writer)?))?;
-        written.push(path.display().to_string());
-    }
-    let rejected = graph.edges_of(EdgeKind::Landmark).filter(|edge| !edge.in_use()).count();
-    context.record_provenance(graph, &command.judgement, None)?;
-    let marked = format == FileFormat::Jsonl && !command.drop_rejected;
-    if !marked {
-        graph.drop_rejected();
-    }
-    let bytes = write(graph, format, &WritingOptions::default(), context)?;
-    let rejected = counted(rejected, "rejected landmark edge");
-    let how = if marked { "with a mark on" } else { "without" };
-    match context.output_path() {
-        None if std::io::stdout().is_terminal() => {
-            written.push("no graph: name a file with -o, or redirect standard output".to_owned());
-        }
-        path => {
-            let name = path.map_or_else(|| "standard output".to_owned(), |path| path.display().to_string());
-            written.push(format!("{name} ({format}, {how} {rejected})"));
-            context
-                .write_graph_bytes(&bytes)
-                .with_context(|| format!("{name}: the graph cannot be written"))?;
-        }
-    }
-    Ok(written.join(", "))
 }

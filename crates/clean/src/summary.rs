@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use posecut_doctor::{Finding, Severity, Topic};
 use posecut_graph::{EdgeKind, PoseGraph};
 use posecut_stage::{Statistics, counted};
 use posecut_verify::Verification;
@@ -118,6 +119,27 @@ pub fn poses(movement: Option<Movement>, optimization: &Statistics) -> String {
         |moved| format!("moved by {:.2} m (median), {:.2} m (most)", moved.median, moved.most),
     );
     line("poses", format!("{moved}; cost {cost} after {}{ended}", counted(iterations, "iteration")))
+}
+
+/// What is wrong with the input: errors and warnings of posecut-doctor.
+pub fn problems(findings: &[Finding]) -> impl Iterator<Item = &Finding> {
+    findings.iter().filter(|found| found.severity < Severity::Note)
+}
+
+/// The lines about what is doubtful in the input: the worst problem, and how many others there are.
+pub fn doubtful(findings: &[Finding]) -> Vec<String> {
+    let mut found: Vec<&Finding> = problems(findings).collect();
+    // The spacing matters to the multicut alone.
+    found.sort_by_key(|found| (found.severity, found.topic == Topic::Spacing));
+    let titles: Vec<&str> = found.iter().map(|found| found.title.as_str()).collect();
+    let Some((first, others)) = titles.split_first() else { return Vec::new() };
+    let more = match others.len() {
+        0 => "posecut doctor says what to do".to_owned(),
+        count => format!("and {}; posecut doctor lists them, with remedies", counted(count, "other problem")),
+    };
+    // Names in the graph may contain control characters.
+    let first: String = first.chars().filter(|character| !character.is_control()).collect();
+    vec![line("doubtful", first), line("", more)]
 }
 
 /// A line of the summary.

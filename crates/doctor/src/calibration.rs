@@ -1,13 +1,10 @@
 //! Factors on covariances, as posecut-verify estimates them from loops, and broken odometry.
-//!
-//! [`chains`] names the chains that the factors are for.
-
-mod chains;
 
 use posecut_graph::{EdgeKind, for_dimension};
 use posecut_verify::{Calibration, Verification, verify};
 use serde::Serialize;
 
+use crate::chains;
 use crate::finding::{Finding, Severity, Topic};
 use crate::survey::Survey;
 use crate::words::{counted, figure, listed};

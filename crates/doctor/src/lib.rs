@@ -7,6 +7,7 @@
 //! - `measurements`, `information`, `duplicates`, `spacing`: edges.
 //! - `truth`, `calibration`: covariances compared with the truth, and with the loops.
 //! - `frames`: poses and axes.
+//! - [`chains`]: the chains that the factors of a calibration are for.
 //! - [`text`]: findings for people.
 //!
 //! ```
@@ -23,6 +24,7 @@
 //! ```
 
 mod calibration;
+pub mod chains;
 #[cfg(feature = "cli")]
 pub mod cli;
 mod duplicates;

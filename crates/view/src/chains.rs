@@ -1,23 +1,19 @@
-//! The names of the chains that verification calibrates: its statistics list them by their node of lowest id.
+//! The names of the chains that verification calibrates.
 
+use posecut_doctor::chains::in_order;
 use posecut_graph::PoseGraph;
-use posecut_graph::connectivity::connected_components;
 
 use crate::columns::shortened;
 
 /// The names of `count` chains of odometry, without the edges that are `broken`. A chain is named by its sessions, or by its nodes
 /// if another chain has the same. If the graph has another number of chains, they are numbered.
 pub(crate) fn chains(graph: &PoseGraph, broken: impl Fn(u64) -> bool, count: usize) -> Vec<String> {
-    let edges: Vec<(usize, usize)> = graph
-        .edges_of(posecut_graph::EdgeKind::Odometry)
-        .filter(|edge| edge.in_use() && edge.measurement.is_some() && !broken(edge.id))
-        .filter_map(|edge| graph.ends(edge))
-        .collect();
-    let found = connected_components(graph.nodes.len(), edges.iter().copied());
+    let broken: Vec<usize> = (0..graph.edges.len()).filter(|&index| broken(graph.edges[index].id)).collect();
+    let found = in_order(graph, &broken);
     if found.len() != count {
         return (1..=count).map(|number| format!("chain {number}")).collect();
     }
-    let sessions: Vec<String> = found.iter().map(|chain| sessions(graph, &chain.nodes)).collect();
+    let sessions: Vec<String> = found.iter().map(|chain| sessions(graph, chain)).collect();
     let mut sorted: Vec<&String> = sessions.iter().collect();
     sorted.sort();
     let unique =
@@ -27,7 +23,7 @@ pub(crate) fn chains(graph: &PoseGraph, broken: impl Fn(u64) -> bool, count: usi
         .zip(&sessions)
         .map(|(chain, session)| {
             let id = |index: Option<&usize>| index.map_or(0, |&index| graph.nodes[index].id);
-            let (first, last) = (id(chain.nodes.first()), id(chain.nodes.last()));
+            let (first, last) = (id(chain.first()), id(chain.last()));
             let nodes =
                 if first == last { format!("node {first}") } else { format!("nodes {first} to {last}") };
             match (unique, session.is_empty()) {

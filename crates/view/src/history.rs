@@ -55,5 +55,9 @@ fn stage(entry: &Value) -> Stage {
 /// Whether an optimiser made the poses of a graph.
 pub(crate) fn optimised(header: &Header) -> bool {
     let stage = |entry: &Value| entry.get("stage").and_then(Value::as_str).map(str::to_owned);
-    header.provenance.iter().filter_map(stage).any(|stage| stage == "optimize" || stage == "isam")
+    header
+        .provenance
+        .iter()
+        .filter_map(stage)
+        .any(|stage| ["optimize", "isam", "clean"].contains(&stage.as_str()))
 }

@@ -9,7 +9,7 @@ use crate::survey::length;
 ///
 /// Chains are sorted by first frame, number of nodes and distance travelled, then by session; a chain starts at the end from which
 /// most of its odometry edges point away. O(n log n).
-pub(super) fn in_order(graph: &PoseGraph, broken: &[usize]) -> Vec<Vec<usize>> {
+pub fn in_order(graph: &PoseGraph, broken: &[usize]) -> Vec<Vec<usize>> {
     let mut chains = paths(graph);
     let mut places = vec![(0, 0); graph.nodes.len()];
     for (number, chain) in chains.iter().enumerate() {
