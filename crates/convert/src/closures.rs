@@ -98,8 +98,8 @@ pub fn add(
         .has_headers(false)
         .from_reader(table);
     let mut records = reader.records().map(|record| {
-        let record = record.map_err(|error| unreadable(file, &error))?;
-        let line = record.position().map_or(0, csv::Position::line);
+        let record = record.map_err(|error| unreadable(file, table, &error))?;
+        let line = line_of(table, record.position());
         Ok::<_, ConvertError>((line, record))
     });
     let (line, header) = records.next().transpose()?.ok_or_else(|| {
@@ -142,8 +142,18 @@ pub fn add(
     Ok(added)
 }
 
-fn unreadable(file: &str, error: &csv::Error) -> ConvertError {
-    let line = error.position().map_or(0, csv::Position::line);
+/// The line of a record. The position that the CSV reader gives is that of the comments and blank lines before it.
+fn line_of(table: &[u8], position: Option<&csv::Position>) -> u64 {
+    let Some(position) = position else { return 0 };
+    let rest = table.get(position.byte() as usize..).unwrap_or_default();
+    let skipped = rest
+        .split(|&byte| byte == b'\n')
+        .take_while(|line| line.starts_with(b"#") || line.trim_ascii().is_empty());
+    position.line() + skipped.count() as u64
+}
+
+fn unreadable(file: &str, table: &[u8], error: &csv::Error) -> ConvertError {
+    let line = line_of(table, error.position());
     let problem = match error.kind() {
         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
             format!("the line has {len} fields, but the header names {expected_len} columns")

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use posecut_graph::PoseGraph;
-use posecut_stage::Source;
+use posecut_stage::{Source, counted};
 
 use crate::ConvertError;
 
@@ -65,7 +65,11 @@ pub(crate) fn names(files: &[Source], given: &[String]) -> Result<Vec<String>, C
     let names = if given.is_empty() { of_files(files) } else { given.to_vec() };
     if names.len() != files.len() {
         return Err(ConvertError::graph(
-            format!("--session names {} sessions, but there are {} files", names.len(), files.len()),
+            format!(
+                "--session names {}, but there are {}",
+                counted(names.len(), "session"),
+                counted(files.len(), "file")
+            ),
             "give --session once for each file, in their order, or leave it out to use the names of the files",
         ));
     }

@@ -51,7 +51,8 @@ pub(super) fn information(
     if inverse {
         matrix = inverted(row, &matrix, dimension)?;
     }
-    let packed: Vec<f64> = terms(dimension).into_iter().map(|place| matrix[place]).collect();
+    // Adding zero makes -0 a 0.
+    let packed: Vec<f64> = terms(dimension).into_iter().map(|place| matrix[place] + 0.0).collect();
     if let Some(eigenvalue) = negative_eigenvalue(dimension, &packed) {
         return Err(row.refuse(
             format!("the information matrix is not positive semidefinite: its smallest eigenvalue is {eigenvalue:e}"),

@@ -144,6 +144,8 @@ impl<'a> Writer<'a> {
         let (first, second) = (&self.keys.nodes[from], &self.keys.nodes[to]);
         let packed = self.graph.information(edge).unwrap_or_default();
         let covariance = covariance(dimension, packed).map_err(|problem| {
+            // Without the remedy that follows the problem: there is a better one here.
+            let problem = problem.split("; ").next().unwrap_or_default();
             ConvertError::graph(
                 format!("{}: the information matrix has no covariance: {problem}", edge.name()),
                 "JRL holds covariances; write g2o, which holds information matrices",
