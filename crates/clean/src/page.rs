@@ -38,7 +38,16 @@ fn remark(finding: &Finding) -> Remark {
             Severity::Note => posecut_view::Severity::Note,
         },
         title: finding.title.clone(),
-        text: finding.consequence.clone(),
+        text: sentence(&finding.consequence),
         remedy: finding.remedy.clone(),
     }
+}
+
+/// A part of a sentence as a sentence of its own. Names of programs stay as they are.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    if text.starts_with("posecut") {
+        return format!("{text}.");
+    }
+    letters.next().map_or_else(String::new, |first| format!("{}{}.", first.to_uppercase(), letters.as_str()))
 }

@@ -1,4 +1,5 @@
-//! Tests that `posecut` finds programs, runs them as if called by their own names, and lists them.
+//! Tests that `posecut` finds programs, runs them as if called by their own names, and lists them. `built_in` has the tests of one
+//! file alone.
 
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
@@ -9,6 +10,9 @@ use std::process::{Command, Output};
 use std::sync::LazyLock;
 
 use posecut_stage::registry::Registry;
+
+#[path = "entry/built_in.rs"]
+mod built_in;
 
 /// A folder with a copy of `posecut` and with scripts instead of its programs, and another folder for the PATH.
 struct Place {
@@ -39,6 +43,12 @@ static PLACE: LazyLock<Place> = LazyLock::new(|| {
         place.write(&format!("posecut-{name}"), &script);
     }
     place.write("elsewhere/posecut-mine", "#!/bin/sh\ntouch \"$0.was-run\"; echo mine\n");
+    // Programs that are built in too.
+    place.write(
+        "posecut-oracle",
+        &DESCRIBED.replace("NAME", "oracle").replace("PHASE", "judgement").replace("ORDER", "1"),
+    );
+    place.write("elsewhere/posecut-islands", "#!/bin/sh\necho another\n");
     place.write("elsewhere/posecut-first", "#!/bin/sh\necho another\n");
     place.write("elsewhere/posecut-closed", "#!/bin/sh\n[ -e /proc/self/fd/1 ] || exit 9\n");
     place.write("posecut-first.d", "made by cargo");
@@ -111,10 +121,12 @@ fn help_lists_programs_in_the_order_of_a_pipeline() {
     let place = &*PLACE;
     let help = text(&place.run(&["help"]).stdout);
     let at = |part: &str| help.find(part).unwrap_or_else(|| panic!("{part} is missing in {help}"));
-    assert!(at("first   Do first") < at("second  Do second") && at("second  ") < at("later   Do later"));
-    assert!(
-        at("later   Do later") < at("Other programs") && at("Other programs") < at("elsewhere/posecut-mine")
-    );
+    assert!(at("\n  first ") < at("\n  second ") && at("\n  second ") < at("\n  later "));
+    assert!(at("\n  later ") < at("Other programs") && at("Other programs") < at("elsewhere/posecut-mine"));
+    assert!(help.lines().any(|line| line.starts_with("  first ") && line.ends_with("  Do first")), "{help}");
+    // Of two programs of one name, the one that runs is listed, once.
+    assert_eq!(help.matches("\n  oracle ").count(), 1);
+    assert!(help.contains("Do oracle") && !help.contains("elsewhere/posecut-islands"), "{help}");
     for same in [&["--help"][..], &["-h"], &[]] {
         assert_eq!(text(&place.run(same).stdout), help);
     }
@@ -138,8 +150,12 @@ fn version_tells_those_of_all_programs() {
     let place = &*PLACE;
     let said = text(&place.run(&["version"]).stdout);
     let own = concat!("posecut ", env!("CARGO_PKG_VERSION"));
-    let beside = format!("{own}\nposecut-first 1.2\nposecut-later 1.2\nposecut-second 1.2\n");
-    assert!(said.starts_with(&beside) && said.contains("\nposecut-mine: /"), "{said}");
+    assert!(said.starts_with(&format!("{own}\n")) && said.contains("\nposecut-mine: /"), "{said}");
+    let verify = concat!("posecut-verify ", env!("CARGO_PKG_VERSION"));
+    for line in ["posecut-first 1.2", "posecut-later 1.2", "posecut-oracle 1.2", "posecut-second 1.2", verify]
+    {
+        assert!(said.lines().any(|found| found == line), "{line}: {said}");
+    }
     assert_eq!(text(&place.run(&["--version"]).stdout), format!("{own}\n"));
 }
 
@@ -173,7 +189,10 @@ fn completions_and_the_manual_page_have_the_programs_at_hand() {
     let place = &*PLACE;
     for what in ["man", "bash", "zsh", "fish"] {
         let said = text(&place.run(&["--generate", what]).stdout);
-        assert!(["first", "second", "later"].iter().all(|name| said.contains(name)), "{what}: {said}");
+        assert!(
+            ["first", "second", "later", "verify"].iter().all(|name| said.contains(name)),
+            "{what}: {said}"
+        );
     }
 }
 
@@ -182,6 +201,6 @@ fn what_is_no_program_is_not_listed() {
     let nowhere = std::iter::once(Path::new("/nonexistent").to_owned());
     let registry = Registry::of(Some(PLACE.folder.path()), nowhere);
     let names: Vec<String> = registry.beside().into_iter().map(|program| program.name).collect();
-    assert_eq!(names, ["first", "later", "second"]);
+    assert_eq!(names, ["first", "later", "oracle", "second"]);
     assert_eq!(registry.elsewhere().len(), 0);
 }

@@ -5,6 +5,7 @@
 mod bad_input;
 mod methods;
 mod outputs;
+mod page;
 
 use std::fmt::Write as _;
 use std::path::Path;
