@@ -14,7 +14,7 @@ export async function table(page, data) {
   check((await page.$$("tr[data-row]")).length <= 120, "the page has more rows than can be in sight");
   const names = await page.$$eval("table.grid th button", (found) => found.map((one) => one.dataset.column));
   for (const name of names) {
-    const button = page.locator(`table.grid [data-column="${name}"]`), head = page.locator("table.grid th").filter({ has: button });
+    const head = page.locator("table.grid th").filter({ has: page.locator(`[data-column="${name}"]`) }), button = head.locator("button");
     for (const direction of ["ascending", "descending"]) {
       await button.click();
       await settled(page);
