@@ -72,14 +72,14 @@ impl Command {
     }
 }
 
-/// The doubts that reading, verification and optimisation may raise.
+/// The doubts that reading, verification or `--method pcm+multicut`, and optimisation may raise.
 const DOUBTS: &[Doubt] = &[
     Doubt::NotConverged,
-    Doubt::NonFiniteCost,
     Doubt::Undetermined,
-    Doubt::NotCertified,
     Doubt::SearchLimit,
     Doubt::NothingKept,
+    Doubt::EverythingCut,
+    Doubt::NoSupportWithinDelta,
     Doubt::CalibrationOnPrior,
     Doubt::CovarianceInvented,
     Doubt::PartsNotConnected,
