@@ -12,6 +12,10 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 DATA = ROOT / "target" / "wheel" / "posecut.data"
 # What maintainers run.
 EXCLUDED = {"xtask"}
+# Build with the features of the whole workspace, so that the wheel shares its build with the tests and with make.
+SHARED = "POSECUT_SHARED_BUILD" in os.environ
+if SHARED:
+    os.environ["MATURIN_PEP517_ARGS"] = "--features shared-build " + os.environ.get("MATURIN_PEP517_ARGS", "")
 
 get_requires_for_build_wheel = maturin.get_requires_for_build_wheel
 get_requires_for_build_editable = maturin.get_requires_for_build_editable
@@ -40,8 +44,10 @@ def stage_programs():
         for target in package["targets"]
         if "bin" in target["kind"] and package["name"] not in EXCLUDED
     ]
-    arguments = [word for package, _ in packages for word in ("--package", package)]
     environment = {"CARGO_PROFILE_RELEASE_STRIP": "true"} if shutil.which("strip") is None else {}
+    # The module's package has no program, but its features are those with which maturin builds.
+    names = [*(package for package, _ in packages), "posecut-python"]
+    arguments = ["--workspace"] if SHARED else [word for name in names for word in ("--package", name)]
     output = cargo("build", "--release", "--bins", "--message-format", "json-render-diagnostics", *arguments, **environment)
     messages = [json.loads(line) for line in output.splitlines()]
     built = {message["target"]["name"]: message.get("executable") for message in messages if message["reason"] == "compiler-artifact"}
