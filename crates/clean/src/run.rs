@@ -62,6 +62,10 @@ pub(crate) fn clean(command: &Command, context: &mut Context) -> anyhow::Result<
         // Check again: only now all inputs are known.
         context.check_further_output(option, path)?;
     }
+    ensure!(
+        !graph.nodes.is_empty(),
+        "{name}: the graph has no poses and no edges, so there is nothing to clean; check the program that wrote it"
+    );
     let format = context.output_path().and_then(FileFormat::of_name).unwrap_or(format);
     if format.is_trajectory() || format == FileFormat::Evo {
         bail!(

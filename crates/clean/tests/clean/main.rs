@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod methods;
+mod newcomers;
 mod outputs;
 mod page;
 

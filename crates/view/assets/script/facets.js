@@ -74,8 +74,8 @@ byId("pair").addEventListener("change", (event) => change({ pair: event.target.v
 
 when(["map", "filters", "probability", "pair", "part", "rejected"], () => {
   byId("rejected-label").hidden = !mapShown().states.some((one) => one.kind === "rejected");
-  const usual = grouped.rejected > mostFaint ? "near the pointer" : "faint";
-  offer(byId("rejected"), [["automatic", `automatic: ${usual}`], ["faint", "faint, under the map"], ["near", "near the pointer"], ["full", "in full"], ["none", "hidden"]], state.rejected);
+  const usual = grouped.rejected > mostFaint ? "near pointer" : "faint";
+  offer(byId("rejected"), [["automatic", `automatic: ${usual}`], ["faint", "faint, under the map"], ["near", "near pointer"], ["full", "in full"], ["none", "hidden"]], state.rejected);
 });
 byId("rejected").addEventListener("change", (event) => change({ rejected: event.target.value }));
 
