@@ -16,7 +16,7 @@ use posecut_stage::{
 
 #[derive(Parser)]
 struct Command {
-    /// The file to read; `-` is standard input. Several g2o or TORO files (such as one per robot) become one graph
+    /// The file to read; `-` is standard input. Several files, such as one per robot or session, become one graph
     #[arg(value_name = "INPUT", default_value = "-")]
     inputs: Vec<Source>,
 

@@ -77,11 +77,10 @@ fn read_files(
     if let [_, second, ..] = files
         && !matches!(format, FileFormat::G2o | FileFormat::Toro)
     {
-        let remedy = match format {
-            FileFormat::Jsonl => "join graphs of JSON Lines with posecut-construct",
-            _ => "set --renumber to make a session of each file",
-        };
-        bail!("{}: several {format} files cannot be joined as they are; {remedy}", second.name);
+        bail!(
+            "{}: several {format} files cannot be joined as they are; set --renumber to make a session of each file",
+            second.name
+        );
     }
     Ok(match format {
         FileFormat::Jsonl => PoseGraph::read(&name, &mut files[0])?,

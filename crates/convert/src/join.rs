@@ -8,12 +8,13 @@ use posecut_stage::{Source, counted};
 
 use crate::ConvertError;
 
-/// Joins graphs without noise models. Nodes and edges get new ids, in the order of the graphs; frames stay. A graph of one session is
-/// renamed to the name beside it, and the sessions of another graph are put below that name, as in `name/a`.
+/// Joins graphs. Nodes and edges get new ids, in the order of the graphs; frames stay. A graph of one session is renamed to the name beside
+/// it, and the sessions of another graph are put below that name, as in `name/a`.
 pub(crate) fn join(graphs: Vec<(String, PoseGraph)>) -> Result<PoseGraph, ConvertError> {
     let mut joined: Option<PoseGraph> = None;
     for (name, mut graph) in graphs {
         rename(&mut graph, &name);
+        state_information(&mut graph);
         let Some(whole) = &mut joined else {
             joined = Some(renumbered(graph, 0, 0));
             continue;
@@ -30,6 +31,8 @@ pub(crate) fn join(graphs: Vec<(String, PoseGraph)>) -> Result<PoseGraph, Conver
         let graph = renumbered(graph, whole.nodes.len() as u64, whole.edges.len() as u64);
         whole.nodes.extend(graph.nodes);
         whole.edges.extend(graph.edges);
+        whole.unknown.extend(graph.unknown);
+        whole.header.provenance.extend(graph.header.provenance);
     }
     joined.ok_or_else(|| ConvertError::graph("there is no graph to join", "name one or several files"))
 }
@@ -42,6 +45,17 @@ fn rename(graph: &mut PoseGraph, name: &str) {
             _ => name.to_owned(),
         });
     }
+}
+
+/// Gives each edge its own information matrix, because graphs may call different noise models by one name.
+fn state_information(graph: &mut PoseGraph) {
+    let matrices: Vec<Option<Vec<f64>>> =
+        graph.edges.iter().map(|edge| graph.information(edge).map(<[f64]>::to_vec)).collect();
+    for (edge, information) in graph.edges.iter_mut().zip(matrices) {
+        edge.information = information;
+        edge.noise = None;
+    }
+    graph.header.noise_models.clear();
 }
 
 /// The graph with ids that count from these.

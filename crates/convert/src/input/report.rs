@@ -63,7 +63,7 @@ pub(super) fn dataset(name: &str, summary: &jrl::ReadSummary, context: &mut Cont
 fn next_ids(name: &str, found: &[NextIds]) {
     for found in found {
         info!(
-            "{name}: no edge joins ids n and n + 1, so {} between an id and the next larger one (first: {} {}) became odometry; --odometry consecutive reads them as landmark edges",
+            "{name}: no edge joins ids n and n + 1, so {} between an id and the next larger one (first: {} {}) became odometry; --odometry consecutive reads such edges as landmark edges",
             counted(found.edges, "edge"),
             found.first.0,
             found.first.1

@@ -87,3 +87,25 @@ fn formats_are_recognised_by_content() {
     let said = refused(folder.path(), &["result.jrl.cbor"]);
     assert!(said.contains("CBOR") && said.contains("cbor2.load"), "{said}");
 }
+
+/// Edges used to take the noise model of the same name from the first file.
+#[test]
+fn graphs_with_different_noise_models_are_joined() {
+    let graph = |weight: u32| {
+        format!(
+            "{{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":2,\"noise_models\":{{\"odometry\":{{\"information\":[{weight},0,0,{weight},0,{weight}]}}}}}}\n\
+             {{\"kind\":\"node\",\"id\":0,\"session\":\"s\",\"frame\":0}}\n{{\"kind\":\"node\",\"id\":1,\"session\":\"s\",\"frame\":1}}\n\
+             {{\"kind\":\"odometry\",\"id\":0,\"from\":0,\"to\":1,\"measurement\":[1,0,0],\"noise\":\"odometry\"}}\n"
+        )
+    };
+    let folder = folder(&[("a.jsonl", &graph(4)), ("b.jsonl", &graph(9))]);
+    let (graph, _) = converted(folder.path(), &["a.jsonl", "b.jsonl", "--renumber"]);
+    assert_eq!(graph.sessions(), ["a", "b"]);
+    let weights: Vec<f64> = graph.edges.iter().map(|edge| graph.information(edge).unwrap()[0]).collect();
+    assert_eq!(weights, [4.0, 9.0]);
+    let said = refused(folder.path(), &["a.jsonl", "b.jsonl"]);
+    assert!(
+        said.contains("b.jsonl: several JSON Lines files cannot be joined") && said.contains("--renumber"),
+        "{said}"
+    );
+}
