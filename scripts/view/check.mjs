@@ -12,6 +12,7 @@ import { filters } from "./filters.mjs";
 import { keyboard } from "./keyboard.mjs";
 import { hypotheses, planes, poses, zoom } from "./map.mjs";
 import { tap } from "./phone.mjs";
+import { speed } from "./speed.mjs";
 import { address, panels, table } from "./table.mjs";
 
 const { chromium } = createRequire(join(resolve(process.env.PLAYWRIGHT ?? "."), "x.js"))("playwright-core");
@@ -34,11 +35,15 @@ async function opened(options, requests = []) {
   return page;
 }
 
+let measured = "";
 try {
-  const requests = [];
+  const requests = [], start = performance.now();
   const page = await opened({}, requests);
+  const shown = Math.round(performance.now() - start);
   const data = await page.evaluate(() => JSON.parse(document.getElementById("data").textContent));
   await shot(page, "light", {});
+  const frame = await speed(page, data);
+  measured = `shown after ${shown} ms${frame === null ? "" : `, ${frame} ms a frame`}`;
   const words = await page.evaluate(() => document.body.innerText);
   if (!data.edges.label) check(!/correct/i.test(words), "the page calls edges correct or incorrect, although nobody labelled them");
   check((await page.getAttribute("#map", "aria-label")).includes(`${data.edges.count}`.slice(-3)), "the map has no description");
@@ -79,5 +84,5 @@ try {
   await browser.close();
 }
 for (const fault of faults) console.error(`check-view: ${fault}`);
-console.log(faults.length ? `${faults.length} faults in ${file}` : `${file}: the page works in Chromium`);
+console.log(faults.length ? `${faults.length} faults in ${file}` : `${file}: the page works in Chromium (${measured})`);
 process.exitCode = faults.length ? 1 : 0;
