@@ -5,8 +5,10 @@ use posecut_graph::PoseGraph;
 use serde_json::Value;
 
 /// Stages that decide something about edges or poses.
-const ESTIMATING: &[&str] =
-    &["densest", "isam", "islands", "multicut", "optimize", "pcm", "ransac", "readmit", "verify", "voting"];
+const ESTIMATING: &[&str] = &[
+    "clean", "densest", "isam", "islands", "multicut", "optimize", "pcm", "ransac", "readmit", "verify",
+    "voting",
+];
 
 /// All stages from graph to graph.
 fn stages() -> impl Iterator<Item = &'static str> {
