@@ -22,6 +22,7 @@ pub enum Odometry {
 }
 
 impl Odometry {
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it with a reference to the field")]
     pub(crate) fn is_auto(&self) -> bool {
         *self == Self::Auto
     }
@@ -81,9 +82,11 @@ pub(crate) fn set_kinds(
     if rule != Odometry::Auto {
         return Vec::new();
     }
-    let found = find_missing(ids.iter().copied(), edges, stated);
+    let found = find_missing(&ids.iter().copied(), edges, stated);
     let set = |missing: Vec<usize>| {
-        missing.iter().for_each(|&index| edges[index].kind = EdgeKind::Odometry);
+        for &index in &missing {
+            edges[index].kind = EdgeKind::Odometry;
+        }
         NextIds { edges: missing.len(), first: (edges[missing[0]].from, edges[missing[0]].to) }
     };
     found.into_iter().map(set).collect()
@@ -103,7 +106,7 @@ fn by_next_id(next: &BTreeMap<u64, u64>, seen: &mut HashSet<u64>, edge: &Edge) -
 /// The edges between neighbouring ids, for each robot without odometry and without stated kinds, if they join at least half of the
 /// neighbours. Fewer are more likely landmark edges of a file without odometry. `ids` may repeat and come in any order.
 pub(crate) fn find_missing(
-    ids: impl Iterator<Item = u64> + Clone,
+    ids: &(impl Iterator<Item = u64> + Clone),
     edges: &[impl Borrow<Edge>],
     stated: &[bool],
 ) -> Vec<Vec<usize>> {

@@ -50,7 +50,7 @@ pub fn write(graph: &PoseGraph, keep_rejected: bool) -> (Vec<u8>, WriteSummary) 
         }
     }
     let posed = graph.nodes.iter().filter(|node| node.pose.is_some()).map(|node| node.id);
-    let stated = kinds_to_state(posed.chain(edges.iter().flat_map(|edge| [edge.from, edge.to])), &edges);
+    let stated = kinds_to_state(&posed.chain(edges.iter().flat_map(|edge| [edge.from, edge.to])), &edges);
     for ((edge, (measurement, information)), stated) in edges.iter().zip(numbers).zip(stated) {
         if stated {
             line(&mut text, &comment_of_kind(edge.from, edge.to, edge.kind), &[], &[]);
@@ -62,7 +62,7 @@ pub fn write(graph: &PoseGraph, keep_rejected: bool) -> (Vec<u8>, WriteSummary) 
 }
 
 /// For each edge, whether a comment must state its kind, because the reader would infer the other one.
-fn kinds_to_state(ids: impl Iterator<Item = u64> + Clone, edges: &[&Edge]) -> Vec<bool> {
+fn kinds_to_state(ids: &(impl Iterator<Item = u64> + Clone), edges: &[&Edge]) -> Vec<bool> {
     let mut successive = HashSet::new();
     let mut stated: Vec<bool> = edges
         .iter()
@@ -78,7 +78,9 @@ fn kinds_to_state(ids: impl Iterator<Item = u64> + Clone, edges: &[&Edge]) -> Ve
         .collect();
     // Where a robot has a comment, the reader does not search for missing odometry: no third pass is needed.
     for missing in find_missing(ids, edges, &stated) {
-        missing.iter().for_each(|&index| stated[index] = true);
+        for index in missing {
+            stated[index] = true;
+        }
     }
     stated
 }

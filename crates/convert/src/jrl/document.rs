@@ -88,9 +88,12 @@ pub(super) struct ByRobot<T>(pub(super) Vec<(String, T)>);
 #[derive(Default)]
 pub(super) struct Values(pub(super) Vec<(u64, Value)>);
 
+/// A list of factors: the index of the entry and the index in it.
+type FactorList = Nullable<Vec<(usize, usize)>>;
+
 /// Factors by the index of their entry and their index in it.
 pub(super) enum Factors {
-    ByRobot(Vec<(String, Nullable<Vec<(usize, usize)>>)>),
+    ByRobot(Vec<(String, FactorList)>),
     /// As the document has it, without robots.
     List(Vec<(usize, usize)>),
 }

@@ -18,7 +18,7 @@ pub(super) struct Unit {
 
 impl Unit {
     /// The unit in which all stamps are times between the years 2000 and 2100; `None` if there is none.
-    pub(super) fn of(stamps: impl Iterator<Item = u64> + Clone) -> Option<Self> {
+    pub(super) fn of(stamps: &(impl Iterator<Item = u64> + Clone)) -> Option<Self> {
         stamps.clone().next()?;
         [1, 1_000, 1_000_000, 1_000_000_000]
             .into_iter()
@@ -75,7 +75,7 @@ impl Stamps {
             }
         }
         let all = || stamps.values().copied();
-        let unit = Unit::of(all());
+        let unit = Unit::of(&all());
         // Stamps that are all equal, or count frames, say nothing.
         let first = all().next();
         let idle = all().all(|stamp| Some(stamp) == first)
@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn the_size_of_stamps_shows_their_unit() {
-        let of = |stamps: &[u64]| Unit::of(stamps.iter().copied());
+        let of = |stamps: &[u64]| Unit::of(&stamps.iter().copied());
         for unit in [1, 1_000, 1_000_000, 1_000_000_000] {
             let stamps = [1_327_194_947 * unit, 1_327_194_948 * unit];
             let found = of(&stamps).unwrap();

@@ -173,7 +173,7 @@ fn a_dataset_comes_back() {
     assert_eq!(summary.labelled, 3);
     // Edges are numbered in the order of the file, which is that of their entries.
     for graph in [&mut graph, &mut again] {
-        graph.edges.sort_by(|a, b| (a.from, a.to).cmp(&(b.from, b.to)));
+        graph.edges.sort_by_key(|edge| (edge.from, edge.to));
         (0..).zip(&mut graph.edges).for_each(|(id, edge)| edge.id = id);
     }
     assert_eq!(again, graph);

@@ -20,14 +20,14 @@ fn tum(height: f64) -> String {
 
 /// The same drive as KITTI has it: z forward, x right, y down.
 fn kitti() -> String {
-    (0..4)
-        .map(|step| {
-            let angle = 0.1 * f64::from(step);
-            let (forward, left) = (10.0 * angle.sin(), 10.0 * (1.0 - angle.cos()));
-            let (sin, cos) = angle.sin_cos();
-            format!("{cos} 0 {} {} 0 1 0 0 {sin} 0 {cos} {forward}\n", -sin, -left)
-        })
-        .collect()
+    let mut text = String::new();
+    for step in 0..4 {
+        let angle = 0.1 * f64::from(step);
+        let (forward, left) = (10.0 * angle.sin(), 10.0 * (1.0 - angle.cos()));
+        let (sin, cos) = angle.sin_cos();
+        writeln!(text, "{cos} 0 {} {} 0 1 0 0 {sin} 0 {cos} {forward}", -sin, -left).unwrap();
+    }
+    text
 }
 
 const ODOMETRY: [&str; 5] =
