@@ -1,12 +1,11 @@
 #!/bin/sh
 # Builds the wheel of the Python package, installs it into a fresh environment, runs its tests and mypy there, and compares the output
-# of the example in docs/python.md with the page (--write puts the output there).
+# of the examples in docs/python.md and docs/other-tools.md with these pages (--write puts the output there).
 # Skipped if Python is missing or its packages cannot be installed. Without gtsam or evo, their tests are skipped.
 # Usage: scripts/check-python.sh [--write]
 set -eu
 cd "$(dirname "$0")/.."
 root=$PWD
-page=docs/python.md
 write=
 [ "${1:-}" != --write ] || write=yes
 command -v python3 >/dev/null || { echo 'skipped: there is no python3'; exit 0; }
@@ -20,7 +19,8 @@ for package in gtsam evo; do
   "$python" -m pip install --quiet "$package" || echo "skipped: $package cannot be installed here"
 done
 
-"$python" -m pip wheel --quiet --no-deps --wheel-dir "$work" .
+# Shares its build with the tests and with make, which compile the same crates.
+POSECUT_SHARED_BUILD=1 "$python" -m pip wheel --quiet --no-deps --wheel-dir "$work" .
 wheel=$(find "$work" -maxdepth 1 -name 'posecut-*.whl')
 echo "$(basename "$wheel"): $(($(wc -c <"$wheel") / 1000000)) MB"
 "$python" -m pip install --quiet "$wheel"
@@ -40,20 +40,29 @@ done
 "$python" -m pytest -q -p no:cacheprovider "$root/crates/python/tests"
 "$python" -m mypy --config-file "$root/pyproject.toml" --cache-dir "$work/mypy" -p posecut
 
-"$root/scripts/extract.sh" "$root/$page" example.py >recipe
+# PAGE NAME: runs the program NAME.py of a document, and compares its output with NAME.output there.
+example() {
+  "$root/scripts/extract.sh" "$root/$1" "$2.py" >"$2.py"
+  "$python" "$2.py" >"$2.output"
+  if [ "$write" ]; then
+    awk -v output="$2.output" '
+      skip && !/^```$/ { next }
+      { print; skip = 0 }
+      $0 == "<!-- file: " output " -->" { found = 1 }
+      found && /^```/ { while ((getline line < output) > 0) print line; found = 0; skip = 1 }
+    ' "$root/$1" >replaced
+    cp replaced "$root/$1"
+  elif ! "$root/scripts/extract.sh" "$root/$1" "$2.output" | diff -u - "$2.output"; then
+    echo "$1 shows another output; scripts/check-python.sh --write puts this one there"
+    exit 1
+  fi
+}
 mkdir testdata
 cp "$root/testdata/graph.jsonl" testdata/
-"$python" recipe >example.output
+example docs/python.md example
 "$work/environment/bin/posecut-convert" -q clean.g2o -o clean.jsonl
-if [ "$write" ]; then
-  awk -v output=example.output '
-    skip && !/^```$/ { next }
-    { print; skip = 0 }
-    $0 == "<!-- file: example.output -->" { found = 1 }
-    found && /^```/ { while ((getline line < output) > 0) print line; found = 0; skip = 1 }
-  ' "$root/$page" >replaced
-  cp replaced "$root/$page"
-elif ! "$root/scripts/extract.sh" "$root/$page" example.output | diff -u - example.output; then
-  echo "$page shows another output; scripts/check-python.sh --write puts this one there"
-  exit 1
+if "$python" -c 'import gtsam' 2>/dev/null; then
+  example docs/other-tools.md incremental
+else
+  echo 'skipped: without gtsam, the example of docs/other-tools.md'
 fi
