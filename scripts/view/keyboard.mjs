@@ -15,6 +15,9 @@ async function mapKeys(page) {
 }
 
 async function tableKeys(page, data) {
+  // Only rows in sight are in the page.
+  await page.$eval("#body", (body) => body.scrollTo(0, 0));
+  await settled(page);
   await page.focus("tr[data-row='0']");
   await page.keyboard.press("ArrowDown");
   const focused = () => page.evaluate(() => document.activeElement.dataset.row);

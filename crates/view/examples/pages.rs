@@ -63,6 +63,10 @@ fn main() {
     }
     for edge in &mut hostile.edges {
         (edge.id, edge.from, edge.to) = (edge.id + (1 << 60), edge.from + (1 << 60), edge.to + (1 << 60));
+        let witnesses = edge.extra.get_mut("verify_witness").and_then(|list| list.as_array_mut());
+        for witness in witnesses.into_iter().flatten() {
+            *witness = (witness.as_u64().unwrap() + (1 << 60)).into();
+        }
     }
     write("hostile", &View { title: name, ..View::of(&hostile) });
     write("empty", &View { title: "Empty", ..View::of(&PoseGraph::new(main.header.clone())) });
