@@ -5,6 +5,7 @@
 //! - [`summary`]: the usual statistics of SLAM: rmse, mean, median, std, min, max, sse.
 //! - [`trajectory`]: absolute and relative trajectory errors (Sturm et al., IROS 2012).
 //! - [`edges`]: precision and recall of the landmark edges in use.
+//! - [`ground_truth`]: how far the estimate and its reference are from the truth.
 //! - [`calibration`]: how often the edges of each `verify_probability` are correct.
 //! - [`result`]: all of these in one JSON document that names its alignment.
 
@@ -14,6 +15,7 @@ pub mod calibration;
 pub mod cli;
 pub mod edges;
 mod error;
+pub mod ground_truth;
 pub mod result;
 pub mod summary;
 pub mod trajectory;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use posecut_graph::{Dimension, PoseGraph, StageDoubt};
+use posecut_graph::{Dimension, Node, PoseGraph, StageDoubt};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -10,6 +10,7 @@ use crate::EvaluateError;
 use crate::alignment::{Alignment, Freedom};
 use crate::calibration::{Calibration, calibration};
 use crate::edges::{EdgeScores, score};
+use crate::ground_truth::GroundTruth;
 use crate::summary::Summary;
 use crate::trajectory::{AbsoluteError, Match, RelativeError, align, errors, relative_error};
 
@@ -87,6 +88,9 @@ pub struct EvaluationResult {
     pub poses: usize,
     /// Nodes of the estimate without counterpart.
     pub poses_unmatched: usize,
+    /// Distances of the estimate and of the reference from the ground truth; absent without a reference or a ground truth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground_truth: Option<GroundTruth>,
     /// Absolute trajectory error.
     pub ate: AbsoluteError,
     /// Relative pose error.
@@ -182,6 +186,8 @@ pub fn evaluate(
         components: components(estimate),
         poses: matches.len(),
         poses_unmatched: estimate.nodes.len() - matches.len(),
+        ground_truth: reference
+            .and_then(|reference| GroundTruth::of(estimate, reference, freedom, options.scope)),
         ate: AbsoluteError { translation_m, rotation_rad: Summary::of(&angles) },
         rpe: relative_error(&matches, options.rpe_delta as usize),
         sessions: by_session
@@ -219,22 +225,34 @@ fn labels(pairs: &[String]) -> Result<BTreeMap<String, Value>, EvaluateError> {
 
 /// Nodes that both graphs have, matched by session and frame.
 fn matches(estimate: &PoseGraph, reference: Option<&PoseGraph>) -> Vec<Match> {
+    pairs(estimate, reference.unwrap_or(estimate), |node| {
+        let known = match reference {
+            Some(reference) => reference.nodes.get(reference.node_index(node.id)?)?.pose.as_deref()?,
+            None => node.truth.as_ref()?.pose.as_deref()?,
+        };
+        Some([node.pose.as_deref()?, known])
+    })
+}
+
+/// A match for each node of the estimate for which there are two poses to compare. `components` is the graph whose components
+/// matter.
+pub(crate) fn pairs<'a>(
+    estimate: &'a PoseGraph,
+    components: &PoseGraph,
+    poses: impl Fn(&'a Node) -> Option<[&'a [f64]; 2]>,
+) -> Vec<Match> {
     let dimension = estimate.header.dimension;
-    let graph = reference.unwrap_or(estimate);
-    let first = first_of_component(graph);
+    let first = first_of_component(components);
     let mut matches: Vec<Match> = estimate
         .nodes
         .iter()
         .filter_map(|node| {
-            let known = match reference {
-                Some(reference) => reference.nodes.get(reference.node_index(node.id)?)?.pose.as_deref()?,
-                None => node.truth.as_ref()?.pose.as_deref()?,
-            };
+            let [own, known] = poses(node)?;
             Some(Match {
                 session: node.session.clone().unwrap_or_default(),
                 frame: node.frame.unwrap_or(i64::try_from(node.id).unwrap_or(i64::MAX)),
-                component: graph.nodes[first[graph.node_index(node.id)?]].id,
-                estimate: dimension.spatial(node.pose.as_deref()?)?,
+                component: components.nodes[first[components.node_index(node.id)?]].id,
+                estimate: dimension.spatial(own)?,
                 reference: dimension.spatial(known)?,
             })
         })
@@ -243,7 +261,7 @@ fn matches(estimate: &PoseGraph, reference: Option<&PoseGraph>) -> Vec<Match> {
     matches
 }
 
-fn groups(matches: &[Match], scope: Scope) -> BTreeMap<String, Vec<&Match>> {
+pub(crate) fn groups(matches: &[Match], scope: Scope) -> BTreeMap<String, Vec<&Match>> {
     let mut groups: BTreeMap<String, Vec<&Match>> = BTreeMap::new();
     for found in matches {
         let name = match scope {

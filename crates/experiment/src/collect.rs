@@ -19,6 +19,7 @@ const KEPT: &[&str] = &[
     "components",
     "poses",
     "poses_unmatched",
+    "ground_truth",
     "edges",
     "calibration",
     "doubts",

@@ -31,4 +31,6 @@ pub enum Ingredient {
     Breaks,
     /// Groups of edges that the map contradicts, if a map with them agrees with other groups
     Trials,
+    /// The score that a front end gives a candidate, with a weight learnt from the graph
+    Score,
 }

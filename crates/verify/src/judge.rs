@@ -15,6 +15,7 @@ use crate::map::Drawing;
 use crate::model::{Model, Motion};
 use crate::partners::Partners;
 use crate::rounds::Rounds;
+use crate::scores::Scores;
 
 /// The normal quantile of 99 %, the share of correct closures whose error counts as usual.
 const USUAL: f64 = 2.326;
@@ -98,6 +99,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         begun,
         seams: Seams { open: between, confirmed: Vec::new() },
         model,
+        scores: Scores::of(graph, model),
         partners,
         drawing: Drawing::of(graph, model)?,
         random: factors.random.clone(),
@@ -116,8 +118,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         poses: None,
     };
     let (number, breaks) = settle(graph, &mut rounds, &within)?;
-    let prior = rounds.prior();
-    let odds = rounds.most.iter().map(|most| prior.odds(*most)).collect();
+    let odds = rounds.odds();
     let Rounds { accepted, ratio, local, hypotheses, random, .. } = rounds;
     let local = local.iter().map(|ratio| ratio.map_or(0.0, |ratio| random.wrong(ratio))).collect();
     let joinable = joined(model, |_| true).1;

@@ -9,6 +9,7 @@
 //! - `partners`, `cut`: the pairs that are compared, and the multicut of the graph of evidence.
 //! - `judge`, `islands`, `rounds`, `map`: hypotheses, and rounds of optimisation and verdicts.
 //! - `prior`: the share of correct candidates where the map is uncertain.
+//! - `scores`: scores of a front end, with weights learnt from the graph.
 //! - `usual`, `bridges`: the usual motion of a robot, where odometry is missing.
 //! - `breaks`: broken odometry, which correct edges contradict.
 //! - `ingredients`: the ingredients that can be left out, to measure their worth.
@@ -38,6 +39,7 @@ mod prior;
 mod renumber;
 mod rivals;
 mod rounds;
+mod scores;
 #[cfg(feature = "cli")]
 pub mod stage;
 mod trials;

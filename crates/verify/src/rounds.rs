@@ -14,6 +14,7 @@ use crate::map::Drawing;
 use crate::model::{Model, Motion, second_moment};
 use crate::partners::Partners;
 use crate::prior::{Prior, odds_among};
+use crate::scores::Scores;
 
 /// Most rounds that do not mainly add closures.
 const ROUNDS: usize = 12;
@@ -38,6 +39,7 @@ pub(crate) fn is_vague(wrong: f64) -> bool {
 /// Everything that rounds need.
 pub(crate) struct Rounds<'a, G, const DOF: usize> {
     pub(crate) model: &'a Model<G, DOF>,
+    pub(crate) scores: Scores,
     pub(crate) partners: Partners,
     pub(crate) drawing: Drawing<G, DOF>,
     /// Calibration without coherent terms, because the optimiser does not model them.
@@ -329,13 +331,10 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
     /// posterior probability must be high, and higher still if their error is larger than usual. All of them together are
     /// expected to contain less than a third of a wrong one.
     fn likely(&self, next: &[bool]) -> Vec<usize> {
-        let prior = self.prior();
+        let odds = self.odds();
         let mut doubts: Vec<(f64, usize)> = (0..next.len())
             .filter(|&closure| !next[closure] && self.precise(closure))
-            .filter_map(|closure| {
-                let odds = prior.odds(self.most[closure]);
-                Some((1.0 / (1.0 + odds * self.ratio[closure]?.exp()), closure))
-            })
+            .filter_map(|closure| Some((1.0 / (1.0 + odds[closure] * self.ratio[closure]?.exp()), closure)))
             .filter(|&(doubt, closure)| doubt < if self.fits[closure] { DOUBT } else { UNUSUAL_DOUBT })
             .collect();
         doubts.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -350,10 +349,13 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             .collect()
     }
 
-    /// The share of correct candidates, by the evidence that the map could give at most.
-    pub(crate) fn prior(&self) -> Prior {
+    /// The prior odds of each candidate: those of candidates about which the map could say as much at most, times what the
+    /// candidate's score is worth.
+    pub(crate) fn odds(&self) -> Vec<f64> {
         let most: &[Option<f64>] = if self.model.without(Ingredient::Prior) { &[] } else { &self.most };
-        Prior::of(&self.ratio, most, self.random.odds())
+        let prior = Prior::of(&self.ratio, most, self.random.odds());
+        let scores = self.scores.ratios(&self.ratio, self.random.odds());
+        self.most.iter().zip(scores).map(|(most, score)| prior.odds(*most) * score.exp()).collect()
     }
 
     /// Joins components by the hypotheses of most evidence, each component at most once a round, so that the next round

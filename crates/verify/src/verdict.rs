@@ -12,6 +12,9 @@ use crate::rounds::{CONTRADICTED, is_vague};
 
 /// Most edges that are named as witnesses.
 const WITNESSES: usize = 3;
+/// Odds that an undecided candidate is correct, over those of the mixture. Pairs that share odometry count it several times, so
+/// the mixture is too sure of candidates that little supports. Chosen on the tuning half (docs/trust.md, calibration).
+const UNDECIDED_ODDS: f64 = 1.0 / 7.0;
 
 /// The decision on an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,7 +53,7 @@ pub struct Finding {
     pub verdict: Verdict,
     /// The reason.
     pub reason: Reason,
-    /// Probability that the edge is correct, by the model; it is not calibrated on data.
+    /// Probability that the edge is correct.
     pub probability: f64,
     /// Log-likelihood ratio of correct against chance, where there is one; nats.
     pub ratio: Option<f64>,
@@ -96,7 +99,7 @@ pub(crate) fn findings<G: Motion<DOF>, const DOF: usize>(
                 edge: model.closures[closure].candidate.edge,
                 verdict,
                 reason,
-                probability: probability(closure, judged, alone / (1.0 + opposed[closure])),
+                probability: probability(closure, verdict, judged, alone / (1.0 + opposed[closure])),
                 ratio,
                 witnesses: witnesses[closure].iter().map(id).collect(),
                 hypothesis: if accepted { Some(0) } else { rival[closure] },
@@ -106,15 +109,17 @@ pub(crate) fn findings<G: Motion<DOF>, const DOF: usize>(
 }
 
 /// The posterior probability of a mixture. The prior odds are those of candidates about which the map is equally informative,
-/// or `alone` where there is no evidence.
-fn probability(closure: usize, judged: &Judged, alone: f64) -> f64 {
+/// or `alone` where there is no evidence. The odds of undecided candidates are calibrated.
+fn probability(closure: usize, verdict: Verdict, judged: &Judged, alone: f64) -> f64 {
     let odds = match judged.ratio[closure] {
         Some(ratio) => ratio.clamp(-CLIP, CLIP).exp() * judged.odds[closure],
         // It was accepted with a hypothesis, and nothing else supports it.
         None if judged.accepted[closure] => CLIP.exp() * judged.factors.loops.odds(),
         None => alone,
     };
-    1.0 / (1.0 + 1.0 / odds + judged.local[closure])
+    let against = 1.0 / odds + judged.local[closure];
+    let calibrated = if verdict == Verdict::Undecided { against / UNDECIDED_ODDS } else { against };
+    1.0 / (1.0 + calibrated)
 }
 
 /// For each candidate, how many others contradict it. At most one of two that contradict each other can be correct.
@@ -193,7 +198,7 @@ impl Finding {
             format!("reason: {}", self.reason.sentence()),
             ratio,
             witnesses,
-            format!("probability that it is correct, by the model: {:.3}", self.probability),
+            format!("probability that it is correct: {:.3}", self.probability),
         ]
     }
 }

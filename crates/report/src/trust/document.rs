@@ -2,6 +2,7 @@
 
 use super::benchmark::Benchmark;
 use super::comparison::comparison;
+use super::misses::misses;
 use super::recommendation::{answer, recommended};
 use super::records::Half;
 use super::reliability::{reliability, sentence};
@@ -17,6 +18,7 @@ pub fn sections(benchmark: &Benchmark) -> anyhow::Result<Vec<(&'static str, Stri
     Ok(vec![
         ("answer", answer(benchmark)?),
         ("comparison", joined(vec![comparison(benchmark, half, recommended(benchmark)?)])),
+        ("misses", joined(vec![misses(benchmark, half, recommended(benchmark)?)])),
         ("overall", joined(vec![tables::overall(benchmark, half), tables::matrix(benchmark, half)])),
         ("counts", joined(vec![tables::counts(benchmark)])),
         ("families", joined(tables::families(benchmark, half))),
@@ -42,6 +44,9 @@ pub fn sections(benchmark: &Benchmark) -> anyhow::Result<Vec<(&'static str, Stri
 fn calibration(benchmark: &Benchmark, half: Half) -> String {
     let found = reliability(benchmark, half);
     let mut text = sentence(found.as_ref(), half);
+    if let Some(tuning) = reliability(benchmark, Half::Tuning) {
+        text += &format!(" {}", sentence(Some(&tuning), Half::Tuning));
+    }
     if let Some(found) = &found {
         text.push_str("\n\n![Share of correct edges over their probability, by family](results/trust-reliability.svg)\n\n");
         for table in tables::calibration(found) {

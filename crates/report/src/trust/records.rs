@@ -40,6 +40,13 @@ impl RunKey {
     pub fn pipeline(&self) -> &str {
         self.0.get("pipeline").map_or("", String::as_str)
     }
+
+    /// The session, then the values of all other labels except the experiment, in the order of their names.
+    pub fn short(&self) -> String {
+        let session = self.0.get("session").map_or("", String::as_str);
+        let others = self.0.iter().filter(|(name, _)| !["pipeline", "session"].contains(&name.as_str()));
+        others.fold(session.to_owned(), |text, (name, value)| format!("{text}, {name} {value}"))
+    }
 }
 
 impl fmt::Display for RunKey {
@@ -64,6 +71,17 @@ pub struct Outcome {
     pub correct_kept: usize,
     /// Correct edges rejected.
     pub correct_lost: usize,
+    /// Distances from the ground truth, where the graph has one.
+    pub truth: Option<TruthDistance>,
+}
+
+/// How far a map and the optimum of the correct edges are from the ground truth, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TruthDistance {
+    /// RMSE of the method's map.
+    pub own: f64,
+    /// RMSE of the optimum of the correct edges.
+    pub reference: f64,
 }
 
 /// Bins of `verify_probability`, each 0.1 wide.
@@ -237,7 +255,20 @@ fn outcome(object: &Map<String, Value>) -> anyhow::Result<Result<Outcome, String
         false_kept: edge("false_positive")?,
         correct_kept: edge("true_positive")?,
         correct_lost: edge("false_negative")?,
+        truth: truth(object)?,
     }))
+}
+
+fn truth(object: &Map<String, Value>) -> anyhow::Result<Option<TruthDistance>> {
+    let own = match object.get("ground_truth") {
+        None | Some(Value::Null) => return Ok(None),
+        Some(Value::Object(own)) => own,
+        Some(other) => bail!("field `ground_truth`: found {other}, expected an object"),
+    };
+    let read = || -> anyhow::Result<TruthDistance> {
+        Ok(TruthDistance { own: number(own, "rmse")?, reference: number(own, "reference_rmse")? })
+    };
+    read().context("in field `ground_truth`").map(Some)
 }
 
 fn bins(object: &Map<String, Value>) -> anyhow::Result<Option<Bins>> {

@@ -34,6 +34,49 @@ impl Bins {
             self.correct.iter().zip(&self.probability).map(|(&correct, sum)| (correct as f64 - sum).abs());
         (self.total() > 0).then(|| distances.sum::<f64>() / self.total() as f64)
     }
+
+    /// The factor on the odds of every bin's mean probability that makes the expected number of correct edges the counted one,
+    /// by bisection of its logarithm.
+    fn odds(&self) -> Option<f64> {
+        let correct = self.correct.iter().sum::<u64>();
+        let expected = |factor: f64| -> f64 {
+            let of_bin = |(&edges, &sum): (&u64, &f64)| match edges as f64 {
+                0.0 => 0.0,
+                edges => edges / (1.0 + (edges - sum) / (sum * factor)),
+            };
+            self.edges.iter().zip(&self.probability).map(of_bin).sum()
+        };
+        let (mut low, mut high) = (-20.0_f64, 20.0_f64);
+        for _ in 0..60 {
+            let middle = f64::midpoint(low, high);
+            if expected(middle.exp()) < correct as f64 { low = middle } else { high = middle }
+        }
+        (correct > 0 && correct < self.total()).then(|| low.exp())
+    }
+}
+
+/// The edges in doubt: those with a probability of 0.1 to 0.9. The error over all edges says little of them, because nearly all
+/// edges are near 0 or 1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Doubtful {
+    /// Number of edges.
+    pub edges: u64,
+    /// Their expected calibration error.
+    pub error: f64,
+    /// The factor on the odds of every bin's mean probability with which as many edges are expected to be correct as are; `None`
+    /// if all or none are.
+    pub odds: Option<f64>,
+}
+
+impl Doubtful {
+    /// `None` without such edges.
+    fn of(bins: &Bins) -> Option<Self> {
+        let mut own = *bins;
+        for bin in [0, BINS - 1] {
+            (own.edges[bin], own.probability[bin], own.correct[bin]) = (0, 0.0, 0);
+        }
+        Some(Self { edges: own.total(), error: own.error()?, odds: own.odds() })
+    }
 }
 
 /// How well probabilities are calibrated. Tables, figure and page share this data.
@@ -71,6 +114,8 @@ pub struct Curve {
     pub correct: f64,
     /// Expected calibration error.
     pub error: f64,
+    /// The edges in doubt, if there are any.
+    pub doubtful: Option<Doubtful>,
     /// The bins that have edges.
     pub points: Vec<Point>,
 }
@@ -141,6 +186,7 @@ fn curve(benchmark: &Benchmark, half: Half, family: Option<&str>, method: usize)
         probability: bins.probability.iter().sum::<f64>() / edges as f64,
         correct: bins.correct.iter().sum::<u64>() as f64 / edges as f64,
         error,
+        doubtful: Doubtful::of(&bins),
         points: (0..BINS).filter_map(point).collect(),
     })
 }
@@ -153,13 +199,26 @@ pub fn sentence(found: Option<&Reliability>, half: Half) -> String {
         );
     };
     let says = |own: &Curve| {
-        format!(
+        let edges = |count| counted(usize::try_from(count).unwrap_or(usize::MAX), "edge");
+        let mut text = format!(
             "The expected calibration error of `{}` on the {half} half is {:.4}, over {} of {}.",
             own.method,
             own.error,
-            counted(usize::try_from(own.edges).unwrap_or(usize::MAX), "edge"),
+            edges(own.edges),
             counted(own.runs, "run"),
-        )
+        );
+        if let Some(doubtful) = own.doubtful {
+            text += &format!(
+                " Over the {} in doubt, with a probability of 0.1 to 0.9, it is {:.3}",
+                edges(doubtful.edges),
+                doubtful.error
+            );
+            text += &doubtful.odds.map_or_else(
+                || ".".to_owned(),
+                |odds| format!("; their odds are {odds:.2} times what the probabilities say."),
+            );
+        }
+        text
     };
     found.groups[0].curves.iter().map(says).collect::<Vec<_>>().join(" ")
 }

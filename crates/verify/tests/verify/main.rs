@@ -12,5 +12,6 @@ mod clean;
 mod extremes;
 mod interruptions;
 mod invariance;
+mod scores;
 mod trials;
 mod verdicts;

@@ -259,7 +259,8 @@ fn every_ingredient_can_be_left_out() {
             | Ingredient::Prior
             | Ingredient::Bridges
             | Ingredient::Breaks
-            | Ingredient::Trials => {}
+            | Ingredient::Trials
+            | Ingredient::Score => {}
         }
     }
 }

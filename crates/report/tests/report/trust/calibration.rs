@@ -40,8 +40,13 @@ fn the_calibration_error_of_an_example_by_hand() {
     let said = sentence(Some(&found), Half::Test);
     assert_eq!(
         said,
-        "The expected calibration error of `judge` on the test half is 0.0330, over 200 edges of 3 runs."
+        "The expected calibration error of `judge` on the test half is 0.0330, over 200 edges of 3 runs. Over the 20 edges in doubt, with a probability of 0.1 to 0.9, it is 0.030; their odds are 0.82 times what the probabilities say."
     );
+    // 16 of 20 are correct, odds 4; a mean probability of 0.83 has odds 0.83 / 0.17.
+    let doubtful = all.doubtful.unwrap();
+    assert_eq!(doubtful.edges, 20);
+    close(doubtful.error, 0.03);
+    assert!((doubtful.odds.unwrap() - 4.0 * 0.17 / 0.83).abs() < 1e-9, "{doubtful:?}");
     let panels = diagram(&found);
     assert_eq!(panels.len(), 3);
     assert_eq!(panels[0].lines[1].points.len(), 2);

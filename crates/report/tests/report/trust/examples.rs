@@ -6,6 +6,7 @@ use posecut_report::splice::splice;
 use posecut_report::trust::Half;
 use posecut_report::trust::comparison::{brief, comparison};
 use posecut_report::trust::document::sections;
+use posecut_report::trust::misses::misses;
 use posecut_report::trust::recommendation::{answer, recommended};
 use posecut_report::trust::summary::summary;
 use posecut_report::trust::tables::{Table, failures, overall, tables};
@@ -133,4 +134,24 @@ fn the_document_of_the_repository_has_every_marker() {
         assert!(document.contains(section.trim()), "{name}");
     }
     assert!(document.find("**Use `").unwrap() < 200, "the answer comes first");
+}
+
+/// `one` is beyond the bound on two runs: it failed one, and on the other it is closer to the truth than the reference is.
+#[test]
+fn missed_runs_are_listed_beside_the_truth() {
+    let with_truth = |own: f64, reference: f64| {
+        let line = done(("test", "f", "a", 2), "one", 5.0, [5, 5, 3]);
+        let truth =
+            format!(r#""ground_truth":{{"poses":9,"rmse":{own},"reference_rmse":{reference}}},"edges":"#);
+        sample("test").replace(&line, &line.replace(r#""edges":"#, &truth))
+    };
+    let text = misses(&read(&with_truth(7.0, 7.5)).unwrap(), Half::Test, 0).markdown();
+    assert_eq!(text.lines().filter(|line| line.starts_with("| ")).count(), 3, "{text}");
+    for part in ["On 1 of 1 of these runs", "f a, seed 2", "5 of 10", "7.00", "7.50", "two"] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+    let farther = misses(&read(&with_truth(7.6, 7.5)).unwrap(), Half::Test, 0).markdown();
+    assert!(farther.contains("On 0 of 1 of these runs"), "{farther}");
+    let said = format!("{:#}", read(&with_truth(-1.0, 7.5)).unwrap_err());
+    assert!(said.contains("in field `ground_truth`: field `rmse`: found -1,"), "{said}");
 }
