@@ -1,6 +1,9 @@
 //! Tests that the documents about the programs equal their generated documentation.
 
 use std::collections::BTreeSet;
+use std::io::ErrorKind;
+use std::path::Path;
+use std::process::Command;
 
 use posecut_contract::registry::programs;
 use posecut_contract::{program, run, samples, succeed, workspace};
@@ -68,6 +71,67 @@ fn every_program_has_a_manual_page_and_completions_that_know_its_options() {
                 "{name}: {shell}"
             );
         }
+    }
+}
+
+/// Each shell loads the completions of every program and says what it would complete. A script that only looks right would pass the
+/// test above.
+#[test]
+fn shells_load_the_completions() {
+    let folder = tempfile::tempdir().unwrap();
+    for (shell, script) in [
+        // Bash and zsh say which function completes; bash also runs it, as after `posecut-pcm --stat` and a tab.
+        (
+            "bash",
+            "source \"$1\" && registered=$(complete -p \"$2\") && function=${registered#*-F } && COMP_WORDS=(\"$2\" --stat) COMP_CWORD=1 && \
+             ${function%% *} \"$2\" --stat \"$2\" && printf '%s\\n' \"${COMPREPLY[@]}\"",
+        ),
+        (
+            "zsh",
+            "autoload -Uz compinit && compinit -D -u && source \"$1\" && [[ -n ${_comps[$2]} ]] && which \"${_comps[$2]}\"",
+        ),
+        ("fish", "source $argv[1]; and complete -C \"$argv[2] --stat\""),
+    ] {
+        if let Err(error) = Command::new(shell).arg("--version").output()
+            && error.kind() == ErrorKind::NotFound
+        {
+            println!("skipped: {shell} is not installed: its completions");
+            continue;
+        }
+        for name in programs() {
+            let file = folder.path().join(format!("{name}.{shell}"));
+            std::fs::write(&file, generated(&program(&name), shell).unwrap()).unwrap();
+            let (status, said) = loaded(shell, script, &file, &format!("posecut-{name}"));
+            assert!(status && said.contains("--stats"), "{shell} does not complete posecut-{name}: {said}");
+        }
+    }
+}
+
+/// Whether a shell without the user's settings runs a script with these two arguments, and what it prints.
+fn loaded(shell: &str, script: &str, file: &Path, program: &str) -> (bool, String) {
+    let (settings, name) = match shell {
+        "bash" => (&["--noprofile", "--norc"][..], Some("bash")),
+        "zsh" => (&["-f"][..], Some("zsh")),
+        _ => (&["--no-config"][..], None),
+    };
+    // Bash and zsh take the first argument after the script as their own name.
+    let output = Command::new(shell)
+        .args(settings)
+        .args(["-c", script])
+        .args(name)
+        .arg(file)
+        .arg(program)
+        .output()
+        .unwrap();
+    let said = [output.stdout, output.stderr].concat();
+    (output.status.success(), String::from_utf8_lossy(&said).into_owned())
+}
+
+#[test]
+fn manual_pages_list_the_values_of_options() {
+    let manual = generated(&program("convert"), "man").unwrap();
+    for value in ["g2o", "jrl", "consecutive", "next\\-id"] {
+        assert!(manual.contains(&format!("\n{value}: ")), "{value}: {manual}");
     }
 }
 
