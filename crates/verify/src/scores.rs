@@ -59,13 +59,18 @@ impl Scores {
             classes[class].0 += 1.0 / (1.0 + (-ratio.clamp(-CLIP, CLIP)).exp() / odds);
             classes[class].1 += 1.0;
         }
-        let (correct, all) = classes.iter().fold((0.5, 1.0), |sum, own| (sum.0 + own.0, sum.1 + own.1));
+        let (correct, all) = classes.iter().fold((0.0, 0.0), |sum, own| (sum.0 + own.0, sum.1 + own.1));
         let average = correct / all;
         let shares =
             classes.iter().map(|(correct, all)| (correct + UNSEEN * average, all + UNSEEN)).collect();
+        let shares = rising(shares);
+        // Scores that do not separate the classes have no weight at all, not one of rounding errors.
+        if shares.first() == shares.last() {
+            return vec![0.0; evidence.len()];
+        }
         let logit = |share: f64| (share / (1.0 - share)).ln();
         let ratio = |share: f64| (logit(share) - logit(average)).clamp(-MOST, MOST);
-        let learnt: Vec<f64> = rising(shares).into_iter().map(ratio).collect();
+        let learnt: Vec<f64> = shares.into_iter().map(ratio).collect();
         self.class.iter().map(|class| class.map_or(0.0, |class| learnt[class])).collect()
     }
 }

@@ -1,13 +1,27 @@
 //! Scores of a front end.
 
-use posecut_geometry::SE2;
+use posecut_geometry::{LieGroup as _, SE2};
 use posecut_graph::{EdgeKind, PoseGraph};
 use posecut_pcm::generate::{Falsehood, Scenario};
 use posecut_verify::verdict::{Finding, Verdict};
 use posecut_verify::{Ingredient, verify, verify_by};
+use rand::RngExt as _;
 
 fn drawn() -> PoseGraph {
-    Scenario { candidates: 200, outliers: 0.5, falsehood: Falsehood::Uniform, seed: 3 }.draw::<SE2, 3>()
+    let mut graph =
+        Scenario { candidates: 200, outliers: 0.5, falsehood: Falsehood::Uniform, seed: 3 }.draw::<SE2, 3>();
+    // Odometry that is poor beyond the first nodes leaves many edges there undecided.
+    let sigma = [0.5, 0.5, 0.06];
+    let mut random = posecut_stage::random(3, "poor odometry");
+    for edge in graph.edges.iter_mut().filter(|edge| edge.kind == EdgeKind::Odometry && edge.from % 200 >= 60)
+    {
+        let motion = SE2::from_components(edge.measurement.as_ref().unwrap()).unwrap();
+        let noise = sigma.map(|sigma: f64| sigma * 3.0_f64.sqrt() * random.random_range(-1.0..1.0));
+        edge.measurement = Some(motion.compose(&SE2::exp(&noise.into())).components());
+        let [x, y, heading] = sigma.map(|sigma| sigma.powi(-2));
+        edge.information = Some(vec![x, 0.0, 0.0, y, 0.0, heading]);
+    }
+    graph
 }
 
 /// The graph with scores by number and truth.
