@@ -144,7 +144,7 @@ impl Header<'_> {
             )),
             (Dimension::Three, true, _) => Err(self.refuse(
                 "the measurements are planar, but the graph is spatial",
-                "give x,y,z,qx,qy,qz,qw; a rotation by theta about z is 0,0,sin(theta/2),cos(theta/2)",
+                "project a trajectory with --dimension 2, or give x,y,z,qx,qy,qz,qw; a rotation by theta about z is 0,0,sin(theta/2),cos(theta/2)",
             )),
             (Dimension::Two, ..) => self.list(PLANAR),
             (Dimension::Three, ..) => self.list(SPATIAL),

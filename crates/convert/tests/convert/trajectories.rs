@@ -94,6 +94,7 @@ fn closures_join_a_trajectory_by_its_times() {
     // The table is planar, the trajectory is not.
     let said = refused(folder.path(), &["drive.tum", "--closures", "closures.csv"]);
     assert!(said.contains("closures.csv, line 1: the measurements are planar"), "{said}");
+    assert!(said.contains("project a trajectory with --dimension 2"), "{said}");
 }
 
 #[test]
