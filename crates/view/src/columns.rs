@@ -77,15 +77,15 @@ pub(crate) fn fields(edges: &[&Edge]) -> (Vec<String>, usize) {
 
 /// The column of a field; `None` if no edge has it.
 pub(crate) fn column(name: &str, edges: &[Option<&Edge>]) -> Option<Column> {
-    let value = |edge: &Option<&Edge>| {
-        let edge = (*edge)?;
+    let value = |edge: Option<&Edge>| {
+        let edge = edge?;
         match name {
             "score" => edge.score.map(Value::from),
             "cost" => edge.cost.map(Value::from),
             _ => edge.extra.get(name).filter(|value| !value.is_null()).cloned(),
         }
     };
-    let values: Vec<Option<Value>> = edges.iter().map(value).collect();
+    let values: Vec<Option<Value>> = edges.iter().copied().map(value).collect();
     let mut present = values.iter().flatten().peekable();
     present.peek()?;
     let values = if present.all(Value::is_number) {

@@ -63,15 +63,16 @@ pub(crate) struct Plane {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 struct Axis {
     /// 0, 1, 2: x, y, z.
-    axis: usize,
+    #[serde(rename = "axis")]
+    coordinate: usize,
     /// 1, or -1 if the coordinate grows to the left or downwards.
     sign: i8,
     name: &'static str,
 }
 
 impl Axis {
-    fn of((axis, sign, name): (usize, i8, &'static str)) -> Self {
-        Self { axis, sign, name }
+    fn of((coordinate, sign, name): (usize, i8, &'static str)) -> Self {
+        Self { coordinate, sign, name }
     }
 }
 

@@ -1,16 +1,14 @@
 //! Graphs and arguments that allow no good result.
 
-use crate::{clean, laps, stderr};
+use crate::{clean, laps, only, stderr};
 
 #[test]
 fn a_graph_whose_edges_are_all_rejected_ends_with_status_3_and_is_written() {
     let folder = tempfile::tempdir().unwrap();
     // Without the correct edges, whose reports are the lines after the odometry.
-    let only_wrong: String = laps(&[(3, 18), (25, 95), (60, 7)])
-        .lines()
-        .filter(|line| !line.ends_with("10000") || line.contains(" 0.1 0.1 0 "))
-        .map(|line| format!("{line}\n"))
-        .collect();
+    let only_wrong = only(&laps(&[(3, 18), (25, 95), (60, 7)]), |line| {
+        !line.ends_with("10000") || line.contains(" 0.1 0.1 0 ")
+    });
     std::fs::write(folder.path().join("map.g2o"), only_wrong).unwrap();
     let output = clean(folder.path(), &["map.g2o", "-o", "out.g2o"]);
     let said = stderr(&output);
@@ -22,8 +20,7 @@ fn a_graph_whose_edges_are_all_rejected_ends_with_status_3_and_is_written() {
 #[test]
 fn a_graph_without_landmark_edges_is_only_optimised() {
     let folder = tempfile::tempdir().unwrap();
-    let odometry: String =
-        laps(&[]).lines().filter(|line| !line.ends_with("10000")).map(|line| format!("{line}\n")).collect();
+    let odometry = only(&laps(&[]), |line| !line.ends_with("10000"));
     std::fs::write(folder.path().join("map.g2o"), odometry).unwrap();
     let output = clean(folder.path(), &["map.g2o", "-o", "out.g2o"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));

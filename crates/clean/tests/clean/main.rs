@@ -1,6 +1,7 @@
 //! The program as a user calls it, on graphs in g2o files.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::print_stdout, reason = "a test without its data says so")]
 
 mod bad_input;
 mod methods;
@@ -67,6 +68,11 @@ fn on_square(node: usize) -> (f64, f64, f64) {
         }
     }
     (x, y, heading)
+}
+
+/// The lines of a text that a condition keeps.
+pub(crate) fn only(text: &str, keeps: impl Fn(&str) -> bool) -> String {
+    text.split_inclusive('\n').filter(|line| keeps(line.trim_end())).collect()
 }
 
 /// Edges of a g2o file that are no odometry.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
-use crate::{clean, laps, stderr};
+use crate::{clean, laps, only, stderr};
 
 /// A file of the shared data.
 fn shared(file: &str) -> Option<PathBuf> {
@@ -41,8 +41,7 @@ fn real_graphs_give_a_map_an_answer_and_a_page() {
 #[test]
 fn a_graph_without_vertices_gets_the_poses_of_all_its_edges() {
     let folder = tempfile::tempdir().unwrap();
-    let edges: String =
-        laps(&[]).lines().filter(|line| line.starts_with("EDGE")).map(|line| format!("{line}\n")).collect();
+    let edges = only(&laps(&[]), |line| line.starts_with("EDGE"));
     std::fs::write(folder.path().join("map.g2o"), edges).unwrap();
     let output = clean(folder.path(), &["map.g2o", "-o", "out.g2o"]);
     let said = stderr(&output);

@@ -1,6 +1,6 @@
 //! What is written, and when.
 
-use crate::{LAP, clean, landmark_edges, laps, stderr};
+use crate::{LAP, clean, landmark_edges, laps, only, stderr};
 
 const WRONG: [(usize, usize); 3] = [(3, 18), (25, 95), (60, 7)];
 
@@ -76,17 +76,14 @@ fn an_edge_can_be_explained() {
 fn undecided_edges_can_stay_in_use() {
     let folder = tempfile::tempdir().unwrap();
     // One closure of a path with loose odometry: nothing supports it, and nothing contradicts it.
-    let alone: String = laps(&[])
-        .lines()
-        .filter(|line| {
-            !line.starts_with("EDGE") || {
-                let mut words = line.split(' ').skip(1).map(|word| word.parse::<usize>().unwrap());
-                let (from, to) = (words.next().unwrap(), words.next().unwrap());
-                to == from + 1 || to == 58
-            }
-        })
-        .map(|line| format!("{}\n", line.replace(" 1000 0 0 1000 0 40000", " 0.1 0 0 0.1 0 1")))
-        .collect();
+    let alone = only(&laps(&[]), |line| {
+        !line.starts_with("EDGE") || {
+            let mut words = line.split(' ').skip(1).map(|word| word.parse::<usize>().unwrap());
+            let (from, to) = (words.next().unwrap(), words.next().unwrap());
+            to == from + 1 || to == 58
+        }
+    })
+    .replace(" 1000 0 0 1000 0 40000", " 0.1 0 0 0.1 0 1");
     std::fs::write(folder.path().join("map.g2o"), alone).unwrap();
     for (choice, edges) in [("reject", 0), ("keep", 1)] {
         let output = clean(folder.path(), &["map.g2o", "--undecided", choice]);

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::{clean, laps, stderr};
+use crate::{clean, laps, only, stderr};
 
 const WRONG: [(usize, usize); 3] = [(3, 18), (25, 95), (60, 7)];
 
@@ -88,11 +88,7 @@ fn without_labels_a_page_is_made_and_calls_no_edge_correct() {
 #[test]
 fn without_poses_the_map_before_is_dead_reckoning() {
     let folder = tempfile::tempdir().unwrap();
-    let edges: String = laps(&WRONG)
-        .lines()
-        .filter(|line| line.starts_with("EDGE"))
-        .map(|line| format!("{line}\n"))
-        .collect();
+    let edges = only(&laps(&WRONG), |line| line.starts_with("EDGE"));
     let (_, data) = page(folder.path(), &edges, &[]);
     assert_eq!(data["before"]["reckoned"], true);
     assert!(data["maps"][0]["positions"].is_object());
