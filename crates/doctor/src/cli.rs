@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use posecut_convert::input::{Reading, ReadingOptions, read};
-use posecut_stage::{CommonArguments, Context, Identity, Outcome, Phase, Place, Source, run};
+use posecut_stage::{CommonArguments, Context, Examples, Identity, Outcome, Phase, Place, Source, run};
 
 use crate::{Effort, Finding, Severity, Topic, examine_by, text};
 
@@ -27,6 +27,11 @@ struct Command {
     common: CommonArguments,
 }
 
+const EXAMPLES: Examples = Examples(&[
+    ("Check a graph before you trust its map", "posecut doctor graph.g2o"),
+    ("Check two files as one graph with two sessions", "posecut doctor first.g2o second.g2o --renumber"),
+]);
+
 /// The `main` of the program.
 pub fn main() -> ExitCode {
     let identity = Identity {
@@ -34,6 +39,7 @@ pub fn main() -> ExitCode {
         version: env!("CARGO_PKG_VERSION"),
         about: "Say what is wrong with a graph in any format, with numbers, consequences and remedies",
         place: Place(Phase::Start, 10),
+        examples: EXAMPLES,
     };
     run::<Command>(
         identity,
@@ -49,9 +55,7 @@ pub fn main() -> ExitCode {
 
 fn examined(command: &Command, context: &mut Context) -> anyhow::Result<Vec<Finding>> {
     let inside = context.run_inside(|inner| read(&command.inputs, &command.reading, inner))?;
-    let Reading { graph, name, .. } = inside.value;
-    let others = command.inputs.len().saturating_sub(1);
-    let name = if others > 0 { format!("{name} and {others} more") } else { name };
+    let Reading { graph, .. } = inside.value;
     let effort = if command.thorough { Effort::Thorough } else { Effort::Usual };
     let mut findings: Vec<Finding> = Vec::new();
     for (doubt, sentence) in &inside.doubts {
@@ -70,6 +74,6 @@ fn examined(command: &Command, context: &mut Context) -> anyhow::Result<Vec<Find
     statistics.note("warnings", text::count(&findings, Severity::Warning));
     statistics.note("notes", text::count(&findings, Severity::Note));
     statistics.note("findings", &findings);
-    context.write_bytes(text::report(&name, &graph, &findings).as_bytes())?;
+    context.write_bytes(text::report(&graph, &findings).as_bytes())?;
     Ok(findings)
 }

@@ -13,11 +13,11 @@ pub fn count(findings: &[Finding], severity: Severity) -> usize {
     findings.iter().filter(|finding| finding.severity == severity).count()
 }
 
-/// The whole report: what was read, errors and warnings with consequence and remedy, notes in a line each, and the counts. Control
-/// characters of the graph's own names are left out.
-pub fn report(name: &str, graph: &PoseGraph, findings: &[Finding]) -> String {
+/// The whole report: the size of the graph, errors and warnings with consequence and remedy, notes in a line each, and the counts. Control
+/// characters of the graph's own names are left out. The name of the file is not in it, so that a file and a pipe give the same bytes.
+pub fn report(graph: &PoseGraph, findings: &[Finding]) -> String {
     let mut text = format!(
-        "{name}: {}, {}, {}, in {}\n",
+        "{}, {}, {}, in {}\n",
         counted(graph.nodes.len(), "node"),
         counted(graph.edges_of(EdgeKind::Odometry).count(), "odometry edge"),
         counted(graph.edges_of(EdgeKind::Landmark).count(), "landmark edge"),

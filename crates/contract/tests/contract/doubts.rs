@@ -28,7 +28,7 @@ const CASES: &[Case] = &[
     case("clean", "covariance-invented", &["{bad.g2o}", "--repair-information"]),
     case("clean", "everything-cut", &["{right.jsonl}", "--method", "multicut"]),
     case("clean", "no-support-within-delta", &["{right.jsonl}", "--method", "multicut"]),
-    case("clean", "not-converged", &["{tangle.jsonl}", "--method", "none"]),
+    case("clean", "not-converged", &["{graph.jsonl}", "--method", "optimize --max-iterations 1"]),
     case("clean", "nothing-kept", &["{wrong.jsonl}"]),
     case("clean", "parts-not-connected", &["{wrong-apart.jsonl}"]),
     case("clean", "search-limit", &["{cliques.jsonl}"]),
@@ -117,8 +117,11 @@ impl Case {
 
     /// Whether a line is a warning of the program, or of a stage that it runs.
     fn is_warning(&self, line: &str) -> bool {
-        let stage =
-            self.arguments.iter().position(|word| *word == "--method").map(|at| self.arguments[at + 1]);
+        let stage = self
+            .arguments
+            .iter()
+            .position(|word| *word == "--method")
+            .and_then(|at| self.arguments[at + 1].split(' ').next());
         let of = |program: &str| line.starts_with(&format!("posecut-{program}: warning: "));
         of(self.program) || stage.is_some_and(of)
     }
@@ -236,7 +239,8 @@ fn the_page_of_doubts_names_the_programs_of_each() {
 
 #[test]
 fn a_good_result_raises_no_doubt() {
-    for row in streams() {
+    // With --strict, doctor judges the graph and not its own result.
+    for row in streams().filter(|row| row.name != "doctor") {
         let output = row.run(&["--strict"]);
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(0), "{}: {said}", row.name);

@@ -34,7 +34,7 @@ fn a_simulated_graph_has_no_problems_and_a_short_report() {
     let findings = examine(&graph);
     let problems: Vec<_> = findings.iter().filter(|finding| finding.severity != Severity::Note).collect();
     assert!(problems.is_empty(), "{problems:#?}");
-    let report = text::report("graph.jsonl", &graph, &findings);
+    let report = text::report(&graph, &findings);
     assert!(report.lines().count() <= 25, "{report}");
 }
 
