@@ -156,9 +156,8 @@ fn verdict(edge: &Edge) -> String {
     match edge.extra.get("verify_verdict").and_then(Value::as_str) {
         // A later stage may have rejected an accepted edge, or re-admitted another.
         Some("accepted") if !edge.in_use() => "rejected".to_owned(),
-        Some("rejected") if edge.in_use() => "in use".to_owned(),
+        Some("rejected") | None if edge.in_use() => "in use".to_owned(),
         Some(verdict) => verdict.to_owned(),
-        None if edge.in_use() => "in use".to_owned(),
         None => "rejected".to_owned(),
     }
 }
