@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use posecut_convert::input::ReadingOptions;
 use posecut_stage::{
-    CommonArguments, Context, Doubt, Identity, Outcome, Phase, Place, Source, run_with_doubts,
+    CommonArguments, Context, Doubt, Examples, Identity, Outcome, Phase, Place, Source, run_with_doubts,
 };
 use posecut_verify::Undecided;
 use serde::Serialize;
@@ -85,6 +85,18 @@ const DOUBTS: &[Doubt] = &[
     Doubt::PartsNotConnected,
 ];
 
+const EXAMPLES: Examples = Examples(&[
+    (
+        "Write a graph without its wrong edges, and a page that shows why",
+        "posecut clean graph.g2o -o cleaned.g2o --page graph.html",
+    ),
+    ("Explain the verdict on landmark edge 17", "posecut clean graph.g2o --explain 17 -o cleaned.g2o"),
+    (
+        "Find wrong edges by the paper's method",
+        "posecut clean graph.g2o --method pcm+multicut -o cleaned.g2o",
+    ),
+]);
+
 /// The program's `main`.
 pub fn main() -> ExitCode {
     let identity = Identity {
@@ -92,6 +104,7 @@ pub fn main() -> ExitCode {
         version: env!("CARGO_PKG_VERSION"),
         about: "Find the wrong landmark edges of a graph in any format, optimise the others, and write the graph back",
         place: Place(Phase::Start, 0),
+        examples: EXAMPLES,
     };
     run_with_doubts::<Command>(
         identity,

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use crate::{Program, check};
 use clap::Parser;
-use posecut_stage::{CommonArguments, Identity, Outcome, Phase, Place, run};
+use posecut_stage::{CommonArguments, Examples, Identity, Outcome, Phase, Place, run};
 
 /// The format of the report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -37,6 +37,11 @@ struct Command {
     common: CommonArguments,
 }
 
+const EXAMPLES: Examples = Examples(&[
+    ("Check a stage with its options", "posecut conform -- ./my-stage --my-option 3"),
+    ("Write the report as JSON", "posecut conform -o report.json -- ./my-stage"),
+]);
+
 /// The `main` of the program.
 pub fn main() -> ExitCode {
     let identity = Identity {
@@ -44,6 +49,7 @@ pub fn main() -> ExitCode {
         version: env!("CARGO_PKG_VERSION"),
         about: "Check a program against the contract of posecut's stages",
         place: Place(Phase::Runs, 20),
+        examples: EXAMPLES,
     };
     run::<Command>(
         identity,

@@ -5,7 +5,8 @@ use std::process::ExitCode;
 use crate::{Construction, Landmarks, MatchMeasurement, Options, construct, read_matches};
 use clap::Parser;
 use posecut_stage::{
-    CommonArguments, Context, Doubt, Identity, Outcome, Phase, Place, Source, counted, info, run_with_doubts,
+    CommonArguments, Context, Doubt, Examples, Identity, Outcome, Phase, Place, Source, counted, info,
+    run_with_doubts,
 };
 
 #[derive(Parser)]
@@ -25,6 +26,18 @@ struct Command {
     common: CommonArguments,
 }
 
+const EXAMPLES: Examples = Examples(&[
+    (
+        "Split a session into two experiences, and add 10 % incorrect edges",
+        "posecut ingest 2012-01-22/ |\n    posecut construct --incorrect-rate 0.1 -o graph.jsonl",
+    ),
+    ("Join two sessions", "posecut construct 2012-01-22.jsonl 2012-03-31.jsonl -o graph.jsonl"),
+    (
+        "Take landmark edges from a place recogniser",
+        "posecut construct session.jsonl --matches matches.csv -o graph.jsonl",
+    ),
+]);
+
 /// The `main` of the program.
 pub fn main() -> ExitCode {
     let identity = Identity {
@@ -32,6 +45,7 @@ pub fn main() -> ExitCode {
         version: env!("CARGO_PKG_VERSION"),
         about: "Build a multi-session pose graph with correct and incorrect landmark edges",
         place: Place(Phase::Graphs, 30),
+        examples: EXAMPLES,
     };
     run_with_doubts::<Command>(
         identity,

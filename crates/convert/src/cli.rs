@@ -11,7 +11,7 @@ use clap::Parser;
 use posecut_evaluate::alignment::Freedom;
 use posecut_graph::PoseGraph;
 use posecut_stage::{
-    CommonArguments, Context, Doubt, Identity, Outcome, Phase, Place, Source, info, run_with_doubts,
+    CommonArguments, Context, Doubt, Examples, Identity, Outcome, Phase, Place, Source, info, run_with_doubts,
 };
 
 #[derive(Parser)]
@@ -42,6 +42,15 @@ struct Command {
     common: CommonArguments,
 }
 
+const EXAMPLES: Examples = Examples(&[
+    ("Convert a g2o file", "posecut convert graph.g2o -o graph.jsonl"),
+    ("Join the files of two robots", "posecut convert first.g2o second.g2o --renumber -o graph.jsonl"),
+    (
+        "Add the landmark edges of a table to a trajectory in the plane",
+        "posecut convert poses.tum --dimension 2 --odometry-from-poses \\\n    --sigma-translation 0.05 --sigma-rotation 0.01 --closures closures.csv \\\n    -o graph.jsonl",
+    ),
+]);
+
 /// The `main` of the program.
 pub fn main() -> ExitCode {
     let identity = Identity {
@@ -49,6 +58,7 @@ pub fn main() -> ExitCode {
         version: env!("CARGO_PKG_VERSION"),
         about: "Convert g2o, TORO, JRL, TUM and KITTI files to pose-graph JSON Lines and back",
         place: Place(Phase::Graphs, 40),
+        examples: EXAMPLES,
     };
     run_with_doubts::<Command>(
         identity,

@@ -7,7 +7,7 @@ use posecut_pcm::candidate::{Group, group};
 use posecut_pcm::chain::Chains;
 use posecut_pcm::consistency::squared_distance;
 use posecut_pcm::{Gate, Test};
-use posecut_stage::{Context, GraphStage, Phase, Place, Selection, counted, info, random, warn};
+use posecut_stage::{Context, Examples, GraphStage, Phase, Place, Selection, counted, info, random, warn};
 use serde::Serialize;
 
 use crate::{Affinity, densest_clique};
@@ -66,6 +66,16 @@ impl GraphStage for Options {
     const NAME: &'static str = "densest";
     const ABOUT: &'static str = "Reject landmark edges outside the pairwise consistent set that agrees best, in the manner of CLIPPER";
     const PLACE: Place = Place(Phase::Judgement, 50);
+    const EXAMPLES: Examples = Examples(&[
+        (
+            "Reject edges, and optimise the poses",
+            "posecut densest graph.jsonl | posecut optimize -o map.jsonl",
+        ),
+        (
+            "Keep only the edges that agree best",
+            "posecut densest graph.jsonl --select rounded -o densest.jsonl",
+        ),
+    ]);
 
     fn seed(&self) -> Option<u64> {
         Some(self.seed)

@@ -9,7 +9,7 @@ use crate::{Options, Scope, evaluate};
 use clap::Parser;
 use posecut_graph::StageDoubt;
 use posecut_stage::{
-    CommonArguments, Doubt, Identity, Outcome, Phase, Place, Source, counted, info, run_with_doubts,
+    CommonArguments, Doubt, Examples, Identity, Outcome, Phase, Place, Source, counted, info, run_with_doubts,
 };
 
 #[derive(Parser)]
@@ -29,6 +29,14 @@ struct Command {
     common: CommonArguments,
 }
 
+const EXAMPLES: Examples = Examples(&[
+    ("Compare with the ground truth in the graph", "posecut evaluate map.jsonl -o map.result.json"),
+    (
+        "Compare with another graph, and label the result for tables",
+        "posecut evaluate map.jsonl --reference reference.jsonl \\\n    --label method=pcm --label session=2012-01-22 -o map.result.json",
+    ),
+]);
+
 /// The `main` of the program.
 pub fn main() -> ExitCode {
     let identity = Identity {
@@ -36,6 +44,7 @@ pub fn main() -> ExitCode {
         version: env!("CARGO_PKG_VERSION"),
         about: "Compare an estimate with a reference: RMSE, ATE, RPE, and precision and recall of landmark edges",
         place: Place(Phase::Results, 10),
+        examples: EXAMPLES,
     };
     run_with_doubts::<Command>(
         identity,

@@ -7,7 +7,8 @@ use crate::{Event, Options, SessionFiles, Summary, ingest};
 use clap::Parser;
 use posecut_graph::InputDigest;
 use posecut_stage::{
-    CommonArguments, Doubt, Identity, Outcome, Phase, Place, Statistics, digest, info, run_with_doubts, warn,
+    CommonArguments, Doubt, Examples, Identity, Outcome, Phase, Place, Statistics, digest, info,
+    run_with_doubts, warn,
 };
 
 #[derive(Parser)]
@@ -31,6 +32,14 @@ struct Command {
     common: CommonArguments,
 }
 
+const EXAMPLES: Examples = Examples(&[
+    ("Read a session", "posecut ingest 2012-01-22/ -o session.jsonl"),
+    (
+        "Correct wheels that over-read by 7 %",
+        "posecut ingest 2012-01-22/ --wheel-scale 0.93 -o session.jsonl",
+    ),
+]);
+
 /// The `main` of the program.
 pub fn main() -> ExitCode {
     let identity = Identity {
@@ -38,6 +47,7 @@ pub fn main() -> ExitCode {
         version: env!("CARGO_PKG_VERSION"),
         about: "Read an NCLT session and write its pose graph: keyframes, odometry, ground truth",
         place: Place(Phase::Graphs, 20),
+        examples: EXAMPLES,
     };
     run_with_doubts::<Command>(
         identity,

@@ -10,7 +10,7 @@ use crate::validate::{Severity, validate};
 use anyhow::bail;
 use clap::{Parser, Subcommand};
 use posecut_stage::{
-    CommonArguments, Context, Identity, Outcome, Phase, Place, Source, counted, info, open, run,
+    CommonArguments, Context, Examples, Identity, Outcome, Phase, Place, Source, counted, info, open, run,
 };
 
 #[derive(Parser)]
@@ -88,6 +88,18 @@ enum Task {
     },
 }
 
+const EXAMPLES: Examples = Examples(&[
+    ("Summarise a graph", "posecut inspect graph.jsonl"),
+    (
+        "Write a table of the verdicts on all landmark edges",
+        "posecut verify graph.jsonl | posecut inspect edges --csv -o edges.csv",
+    ),
+    (
+        "Extract one session without its ground truth",
+        "posecut inspect filter graph.jsonl --session 2012-01-22 --strip-truth \\\n    -o session.jsonl",
+    ),
+]);
+
 /// The `main` of the program.
 pub fn main() -> ExitCode {
     let identity = Identity {
@@ -95,6 +107,7 @@ pub fn main() -> ExitCode {
         version: env!("CARGO_PKG_VERSION"),
         about: "Summarise, validate, compare and extract pose graphs",
         place: Place(Phase::Results, 30),
+        examples: EXAMPLES,
     };
     run::<Command>(
         identity,

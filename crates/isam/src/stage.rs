@@ -14,7 +14,7 @@ use posecut_graph::{InputDigest, PoseGraph, RecordReader, for_dimension};
 use posecut_optimize::PoseGroup;
 use posecut_optimize::stage::{KernelOptions, doubt_disconnected, significant, warn_of_unmeasured};
 use posecut_stage::{
-    CommonArguments, Context, Doubt, Identity, Outcome, Phase, Place, Source, counted, info, open,
+    CommonArguments, Context, Doubt, Examples, Identity, Outcome, Phase, Place, Source, counted, info, open,
     run_with_doubts, warn, write_atomically,
 };
 use serde::Serialize;
@@ -28,6 +28,13 @@ const IDENTITY: Identity = Identity {
     version: env!("CARGO_PKG_VERSION"),
     about: "Optimise the poses of a pose graph incrementally, pose by pose, and retract edges on request",
     place: Place(Phase::Optimisation, 20),
+    examples: Examples(&[
+        ("Optimise the poses incrementally", "posecut isam graph.jsonl -o map.jsonl"),
+        (
+            "Write the estimates after every 100 poses too",
+            "posecut isam graph.jsonl --every 100 --estimates estimates.jsonl \\\n    -o map.jsonl",
+        ),
+    ]),
 };
 
 const DOUBTS: &[Doubt] = &[Doubt::NotConverged, Doubt::PartsNotConnected];

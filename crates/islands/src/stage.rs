@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use anyhow::ensure;
 use posecut_graph::PoseGraph;
-use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, counted, info};
+use posecut_stage::{Context, Doubt, Examples, GraphStage, Phase, Place, counted, info};
 use serde::Serialize;
 
 use crate::{Match, clusters, matches};
@@ -30,6 +30,16 @@ impl GraphStage for Options {
     const ABOUT: &'static str = "Reject landmark edges that do not come in runs of consecutive frames";
     const PLACE: Place = Place(Phase::Judgement, 30);
     const DOUBTS: &'static [Doubt] = &[Doubt::NothingKept];
+    const EXAMPLES: Examples = Examples(&[
+        (
+            "Reject edges, and optimise the poses",
+            "posecut islands graph.jsonl | posecut optimize -o map.jsonl",
+        ),
+        (
+            "Keep only runs of at least 10 frames",
+            "posecut islands graph.jsonl --minimum-frames 10 -o islands.jsonl",
+        ),
+    ]);
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
         ensure!(

@@ -2,7 +2,7 @@
 
 use anyhow::Context as _;
 use posecut_graph::{EdgeKind, PoseGraph};
-use posecut_stage::{Context, GraphStage, Phase, Place, Source, info};
+use posecut_stage::{Context, Examples, GraphStage, Phase, Place, Source, info};
 use serde::Serialize;
 
 use crate::ground_truth::{self, Comparison, GroundTruth};
@@ -64,6 +64,16 @@ impl GraphStage for Options {
     const NAME: &'static str = "label";
     const ABOUT: &'static str = "Write which landmark edges of a graph are correct";
     const PLACE: Place = Place(Phase::Graphs, 50);
+    const EXAMPLES: Examples = Examples(&[
+        (
+            "Read the labels from a table with the columns i, j and inlier",
+            "posecut label graph.jsonl --labels labels.csv -o labelled.jsonl",
+        ),
+        (
+            "Call edges within 1 m and 10 degrees of the ground truth correct",
+            "posecut label graph.jsonl --ground-truth truth.jsonl \\\n    --tolerance-translation 1 --tolerance-rotation 10 -o labelled.jsonl",
+        ),
+    ]);
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
         self.comparison.check()?;

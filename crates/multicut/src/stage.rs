@@ -11,7 +11,7 @@ pub mod solver;
 use std::path::{Path, PathBuf};
 
 use posecut_graph::PoseGraph;
-use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, counted, info};
+use posecut_stage::{Context, Doubt, Examples, GraphStage, Phase, Place, counted, info};
 use serde::Serialize;
 
 use crate::costs::delta::Delta;
@@ -135,6 +135,20 @@ impl GraphStage for StageOptions {
         "Reject the landmark edges that a minimum-cost multicut cuts, and label the landmarks";
     const PLACE: Place = Place(Phase::Judgement, 20);
     const DOUBTS: &'static [Doubt] = &[Doubt::SearchLimit, Doubt::EverythingCut, Doubt::NoSupportWithinDelta];
+    const EXAMPLES: Examples = Examples(&[
+        (
+            "Apply the paper's method: PCM, then the multicut",
+            "posecut pcm graph.jsonl | posecut multicut | posecut optimize -o map.jsonl",
+        ),
+        (
+            "Measure the spacing of the edges, which sets what supports them",
+            "posecut multicut graph.jsonl --delta auto -o multicut.jsonl",
+        ),
+        (
+            "Prove the optimum, and check the proof",
+            "posecut multicut graph.jsonl --certificate proof.json -o multicut.jsonl\nposecut partition verify proof.json graph.jsonl",
+        ),
+    ]);
 
     fn check(&self) -> anyhow::Result<()> {
         self.moved.check()?;

@@ -13,7 +13,7 @@ mod unusable;
 use std::time::Instant;
 
 use posecut_graph::{PoseGraph, for_dimension};
-use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, counted, info, warn};
+use posecut_stage::{Context, Doubt, Examples, GraphStage, Phase, Place, counted, info, warn};
 use serde::Serialize;
 
 pub use doubts::doubt_disconnected;
@@ -138,6 +138,17 @@ impl GraphStage for StageOptions {
         Doubt::NothingKept,
         Doubt::PartsNotConnected,
     ];
+    const EXAMPLES: Examples = Examples(&[
+        ("Optimise a g2o file", "posecut convert graph.g2o | posecut optimize | posecut convert -o map.g2o"),
+        (
+            "Reject landmark edges by graduated non-convexity",
+            "posecut optimize graph.jsonl --gnc --reject-below 0.5 -o map.jsonl",
+        ),
+        (
+            "Write the marginal covariances of the poses",
+            "posecut optimize graph.jsonl --marginals poses -o map.jsonl",
+        ),
+    ]);
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
         for_dimension!(graph.header.dimension, |G, DOF| run::<G, DOF>(self, graph, context))

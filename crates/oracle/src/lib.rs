@@ -7,7 +7,7 @@ pub mod cli;
 
 use anyhow::bail;
 use posecut_graph::{EdgeKind, PoseGraph};
-use posecut_stage::{Context, GraphStage, Phase, Place, counted, info};
+use posecut_stage::{Context, Examples, GraphStage, Phase, Place, counted, info};
 use serde::Serialize;
 
 /// The oracle has no options.
@@ -18,6 +18,10 @@ impl GraphStage for Options {
     const NAME: &'static str = "oracle";
     const ABOUT: &'static str = "Reject the landmark edges that the truth calls incorrect";
     const PLACE: Place = Place(Phase::Judgement, 90);
+    const EXAMPLES: Examples = Examples(&[(
+        "Make the reference map of a graph with labels",
+        "posecut oracle graph.jsonl | posecut optimize -o reference.jsonl",
+    )]);
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
         let (rejected, unknown) = reject_incorrect(graph);

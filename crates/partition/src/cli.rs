@@ -6,7 +6,7 @@ mod verify;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use posecut_stage::{CommonArguments, Doubt, Identity, Phase, Place, run_with_doubts};
+use posecut_stage::{CommonArguments, Doubt, Examples, Identity, Phase, Place, run_with_doubts};
 
 #[derive(Parser)]
 struct Command {
@@ -25,6 +25,14 @@ enum Task {
     Verify(verify::Arguments),
 }
 
+const EXAMPLES: Examples = Examples(&[
+    (
+        "Partition a signed graph, and prove the optimum",
+        "posecut partition solve signed.txt --certificate proof.json -o labels.txt",
+    ),
+    ("Check the proof", "posecut partition verify proof.json signed.txt"),
+]);
+
 /// The `main` of the program.
 pub fn main() -> ExitCode {
     let identity = Identity {
@@ -32,6 +40,7 @@ pub fn main() -> ExitCode {
         version: env!("CARGO_PKG_VERSION"),
         about: "Partition a signed graph by a minimum-cost multicut, or check a certificate of a multicut",
         place: Place(Phase::Judgement, 25),
+        examples: EXAMPLES,
     };
     run_with_doubts::<Command>(
         identity,

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use posecut_graph::PoseGraph;
-use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, warn};
+use posecut_stage::{Context, Doubt, Examples, GraphStage, Phase, Place, warn};
 use serde::Serialize;
 
 use crate::clique::dimacs::write_dimacs;
@@ -48,6 +48,17 @@ impl GraphStage for StageOptions {
         "Reject landmark edges outside the largest set that is pairwise consistent with the odometry";
     const PLACE: Place = Place(Phase::Judgement, 10);
     const DOUBTS: &'static [Doubt] = &[Doubt::SearchLimit, Doubt::NothingKept, Doubt::CalibrationOnPrior];
+    const EXAMPLES: Examples = Examples(&[
+        ("Reject edges, and optimise the poses", "posecut pcm graph.jsonl | posecut optimize -o map.jsonl"),
+        (
+            "Estimate the covariance scales, and reject edges that agree by chance",
+            "posecut pcm graph.jsonl --scale auto --chance 3 -o pcm.jsonl",
+        ),
+        (
+            "Halve the odometry covariances, and double those of landmark edges",
+            "posecut pcm graph.jsonl --scale 0.5,2 -o pcm.jsonl",
+        ),
+    ]);
 
     fn check(&self) -> anyhow::Result<()> {
         self.moved.check()?;

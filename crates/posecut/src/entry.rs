@@ -9,7 +9,7 @@ use posecut_stage::registry::{Program, Registry};
 use posecut_stage::{answer, fail, hand_over_standard_output, set_arguments};
 
 use crate::built_in;
-use crate::listing::{help, versions};
+use crate::listing::{EXAMPLES, help, versions};
 
 /// The program's name in answers and errors.
 const NAME: &str = "posecut";
@@ -95,6 +95,7 @@ fn generate(registry: &Registry, what: &str) -> ExitCode {
         ("man", _) => {
             // Writing to memory cannot fail.
             let _ = clap_mangen::Man::new(command).render(&mut bytes);
+            bytes.extend(EXAMPLES.manual().into_bytes());
         }
         (_, Ok(shell)) => clap_complete::generate(shell, &mut command, NAME, &mut bytes),
         _ => {

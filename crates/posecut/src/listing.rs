@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use posecut_stage::registry::Registry;
-use posecut_stage::{Description, Phase};
+use posecut_stage::{Description, Examples, Phase};
 
 /// The text above the list of programs.
 const ABOUT: &str = "posecut finds incorrect landmark edges (false loop closures) in pose graphs.
@@ -12,10 +12,22 @@ Usage: posecut NAME [ARGUMENTS]     run posecut-NAME
        posecut help [NAME]          list the programs, or show the help of one
        posecut version              show the versions of all programs
 
-A program reads a pose graph from a file or standard input and writes it to a file or standard output:
+A program reads a pose graph from a file or standard input and writes it to a file or standard output.
 
-    posecut convert graph.g2o --to jsonl | posecut verify | posecut optimize > optimized.jsonl
 ";
+
+/// The examples in the help and in the manual page.
+pub(crate) const EXAMPLES: Examples = Examples(&[
+    (
+        "Write a graph without its wrong edges, and a page that shows why",
+        "posecut clean graph.g2o -o cleaned.g2o --page graph.html",
+    ),
+    (
+        "Do the same in steps, each by a program of its own",
+        "posecut convert graph.g2o | posecut verify | posecut optimize -o map.jsonl",
+    ),
+    ("Show the options of a program, and its examples", "posecut help verify"),
+]);
 
 /// The list of programs. Those beside this one are in the order of a pipeline.
 pub fn help(registry: &Registry) -> String {
@@ -30,7 +42,7 @@ pub fn help(registry: &Registry) -> String {
     others.extend(registry.elsewhere());
     let names = described.iter().map(|one| &one.name).chain(others.iter().map(|one| &one.name));
     let width = names.map(String::len).max().unwrap_or(0);
-    let mut text = ABOUT.to_owned();
+    let mut text = ABOUT.to_owned() + &EXAMPLES.help();
     for phase in Phase::ALL {
         let mut programs = described.iter().filter(|one| one.phase == phase).peekable();
         if programs.peek().is_some() {

@@ -196,6 +196,16 @@ fn completions_and_the_manual_page_have_the_programs_at_hand() {
     }
 }
 
+/// The manual page has the examples of the help.
+#[test]
+fn the_help_and_the_manual_page_have_examples() {
+    let place = &*PLACE;
+    let help = text(&place.run(&["help"]).stdout);
+    assert!(help.contains("\nExamples:\n") && help.contains("\n    posecut clean "), "{help}");
+    let manual = text(&place.run(&["--generate", "man"]).stdout);
+    assert!(manual.contains("\n.SH EXAMPLES\n") && manual.contains("\nposecut clean "), "{manual}");
+}
+
 #[test]
 fn what_is_no_program_is_not_listed() {
     let nowhere = std::iter::once(Path::new("/nonexistent").to_owned());

@@ -2,7 +2,7 @@
 
 use clap::Command;
 use posecut_graph::{InputDigest, PoseGraph};
-use posecut_stage::{CommonArguments, Context, GraphStage, Identity, Phase, Place, Target};
+use posecut_stage::{CommonArguments, Context, Examples, GraphStage, Identity, Phase, Place, Target};
 use pyo3::prelude::*;
 
 use crate::error::{Error, parse};
@@ -100,7 +100,8 @@ pub(crate) fn context(name: &'static str, about: &'static str, place: Place) -> 
         quiet: true,
         verbose: false,
     };
-    Context::new(Identity { name, version: env!("CARGO_PKG_VERSION"), about, place }, common)
+    let version = env!("CARGO_PKG_VERSION");
+    Context::new(Identity { name, version, about, place, examples: Examples::default() }, common)
 }
 
 /// The context of the conversion of files.

@@ -7,7 +7,9 @@ use posecut_pcm::candidate::group;
 use posecut_pcm::chain::Chains;
 use posecut_pcm::consistency::squared_distance;
 use posecut_pcm::{Gate, Test};
-use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, Selection, counted, info, random, warn};
+use posecut_stage::{
+    Context, Doubt, Examples, GraphStage, Phase, Place, Selection, counted, info, random, warn,
+};
 use serde::Serialize;
 
 use crate::{Search, largest_consensus};
@@ -48,6 +50,13 @@ impl GraphStage for Options {
         "Reject landmark edges outside the largest set that agrees with a few edges drawn at random";
     const PLACE: Place = Place(Phase::Judgement, 40);
     const DOUBTS: &'static [Doubt] = &[Doubt::SearchLimit, Doubt::NothingKept];
+    const EXAMPLES: Examples = Examples(&[
+        (
+            "Reject edges, and optimise the poses",
+            "posecut ransac graph.jsonl | posecut optimize -o map.jsonl",
+        ),
+        ("Draw other random sets", "posecut ransac graph.jsonl --seed 2 -o ransac.jsonl"),
+    ]);
 
     fn seed(&self) -> Option<u64> {
         Some(self.seed)

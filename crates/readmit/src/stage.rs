@@ -5,7 +5,7 @@ use posecut_graph::{EdgeKind, PoseGraph};
 use posecut_pcm::Scale;
 use posecut_pcm::calibration::Scales;
 use posecut_pcm::chance::COST;
-use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, counted, info, warn};
+use posecut_stage::{Context, Doubt, Examples, GraphStage, Phase, Place, counted, info, warn};
 use serde::Serialize;
 
 use crate::{Readmission, Readmitted, readmit};
@@ -66,6 +66,16 @@ impl GraphStage for Options {
     const ABOUT: &'static str = "Judge every landmark edge by the optimiser's marginals: re-admit rejected edges that agree with the map, drop edges in use that do not";
     const PLACE: Place = Place(Phase::Judgement, 15);
     const DOUBTS: &'static [Doubt] = &[Doubt::NothingKept];
+    const EXAMPLES: Examples = Examples(&[
+        (
+            "Take back correct edges that PCM rejected",
+            "posecut pcm graph.jsonl | posecut optimize --marginals landmark |\n    posecut readmit | posecut optimize -o map.jsonl",
+        ),
+        (
+            "Estimate the covariance scale from the edges in use",
+            "posecut readmit marginals.jsonl --scale auto -o readmitted.jsonl",
+        ),
+    ]);
 
     fn check(&self) -> anyhow::Result<()> {
         if !(self.chance > 0.0 && self.chance.is_finite()) {

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use crate::task::{figures, html, regimes, table, trust};
 use clap::{Parser, Subcommand};
-use posecut_stage::{CommonArguments, Identity, Outcome, Phase, Place, run};
+use posecut_stage::{CommonArguments, Examples, Identity, Outcome, Phase, Place, run};
 
 #[derive(Parser)]
 struct Command {
@@ -37,6 +37,15 @@ enum Task {
     Trust(trust::Trust),
 }
 
+const EXAMPLES: Examples = Examples(&[
+    ("Write a table of results", "posecut report table results/ -o table.md"),
+    ("Write a page of results that needs no network", "posecut report html results/ -o report.html"),
+    (
+        "Draw the trajectories of two sessions",
+        "posecut report trajectories 2012-01-22.jsonl 2012-03-31.jsonl -o map.svg",
+    ),
+]);
+
 /// The `main` of the program.
 pub fn main() -> ExitCode {
     let identity = Identity {
@@ -44,6 +53,7 @@ pub fn main() -> ExitCode {
         version: env!("CARGO_PKG_VERSION"),
         about: "Write tables, figures and an HTML page of experiments",
         place: Place(Phase::Results, 20),
+        examples: EXAMPLES,
     };
     run::<Command>(
         identity,

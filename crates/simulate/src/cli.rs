@@ -8,7 +8,7 @@ use crate::{Options, SessionFile, Summary, is_session_file, simulate};
 use anyhow::{Context as _, bail};
 use clap::Parser;
 use posecut_stage::{
-    CommonArguments, Identity, Outcome, Phase, Place, Statistics, close, info, run, write_directory,
+    CommonArguments, Examples, Identity, Outcome, Phase, Place, Statistics, close, info, run, write_directory,
 };
 
 #[derive(Parser)]
@@ -24,6 +24,14 @@ struct Command {
     common: CommonArguments,
 }
 
+const EXAMPLES: Examples = Examples(&[
+    (
+        "Simulate two sessions on the same campus",
+        "posecut simulate --seed 1 -o 2012-01-22\nposecut simulate --seed 2 -o 2012-03-31",
+    ),
+    ("Drive 500 m and back", "posecut simulate --route return --length 1000 -o 2012-01-22"),
+]);
+
 /// The `main` of the program.
 pub fn main() -> ExitCode {
     let identity = Identity {
@@ -31,6 +39,7 @@ pub fn main() -> ExitCode {
         version: env!("CARGO_PKG_VERSION"),
         about: "Simulate a session and write it as NCLT files to the directory given by -o, whose name is the session's date",
         place: Place(Phase::Graphs, 10),
+        examples: EXAMPLES,
     };
     run::<Command>(
         identity,

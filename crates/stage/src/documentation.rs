@@ -12,7 +12,7 @@ use clap::{Arg, ArgAction, Args as _, Command, ValueEnum as _};
 use clap_complete::Shell;
 
 use crate::program::{answer, fail};
-use crate::{CommonArguments, Description, Doubt, Identity, Place};
+use crate::{CommonArguments, Description, Doubt, Examples, Identity, Place};
 
 /// The heading of the options that every program has.
 const COMMON_HEADING: &str = "Output";
@@ -37,7 +37,7 @@ pub(crate) fn requested(mut arguments: impl Iterator<Item = OsString>) -> Option
 pub(crate) fn print(identity: Identity, mut command: Command, doubts: &[Doubt], what: &str) -> ExitCode {
     command.build();
     let text = match what {
-        "man" => manual(&command),
+        "man" => manual(&command, identity.examples),
         "reference" => reference(&command, doubts).into_bytes(),
         "options" => table_of(&command, |argument| !is_common(argument)).into_bytes(),
         "common" => table(command.get_arguments().filter(|argument| is_common(argument))).into_bytes(),
@@ -58,7 +58,7 @@ pub(crate) fn print(identity: Identity, mut command: Command, doubts: &[Doubt], 
 
 /// The [`Description`] of a program as one line of JSON.
 fn description(identity: Identity) -> Vec<u8> {
-    let Identity { name, version, about, place: Place(phase, order) } = identity;
+    let Identity { name, version, about, place: Place(phase, order), .. } = identity;
     let said = Description { name: name.into(), version: version.into(), about: about.into(), phase, order };
     // A structure of texts and a number always converts to JSON.
     let mut line = serde_json::to_vec(&said).unwrap_or_default();
@@ -66,11 +66,13 @@ fn description(identity: Identity) -> Vec<u8> {
     line
 }
 
-/// The manual page, with the options of each subcommand in a section of its own.
-fn manual(command: &Command) -> Vec<u8> {
+/// The manual page, with the options of each subcommand in a section of its own, and the examples in the last one.
+fn manual(command: &Command, examples: Examples) -> Vec<u8> {
     let mut page = Vec::new();
+    // Its lines would be filled to one paragraph, so it ends as the short help does.
+    let man = clap_mangen::Man::new(command.clone().after_long_help(None::<&str>));
     // Writing to memory cannot fail.
-    let _ = clap_mangen::Man::new(command.clone()).render(&mut page);
+    let _ = man.render(&mut page);
     for subcommand in tasks(command) {
         let mut section = Vec::new();
         let man = clap_mangen::Man::new(subcommand.clone().disable_help_flag(true));
@@ -82,6 +84,7 @@ fn manual(command: &Command) -> Vec<u8> {
             .replace(".SH OPTIONS", &format!(".SH \"{name}: OPTIONS\""));
         page.extend(text.as_bytes());
     }
+    page.extend(examples.manual().as_bytes());
     page
 }
 
@@ -107,6 +110,15 @@ pub(crate) fn ending(doubts: &[Doubt]) -> String {
         "Exit status: 0 done; 1 a check failed; 2 error; 3 done, but the result is doubtful (only with --strict).\n{}",
         raised(doubts, "")
     )
+}
+
+/// The text below the options in the long help.
+pub(crate) fn long_ending(examples: Examples, doubts: &[Doubt]) -> String {
+    [examples.help(), ending(doubts)]
+        .into_iter()
+        .filter(|part| !part.is_empty())
+        .collect::<Vec<_>>()
+        .join("\n")
 }
 
 /// A sentence on the doubts that a program may raise, with `mark` on both sides of each name.

@@ -7,7 +7,9 @@ use clap::Parser;
 use posecut_graph::PoseGraph;
 use serde::Serialize;
 
-use crate::{CommonArguments, Context, Doubt, Identity, Outcome, Phase, Place, Source, run_with_doubts};
+use crate::{
+    CommonArguments, Context, Doubt, Examples, Identity, Outcome, Phase, Place, Source, run_with_doubts,
+};
 
 /// A stage that reads one pose graph, adds its findings and writes the graph again.
 ///
@@ -25,6 +27,9 @@ pub trait GraphStage: clap::Args + Serialize {
 
     /// The doubts that the stage may raise about its result, for help and documentation.
     const DOUBTS: &'static [Doubt] = &[];
+
+    /// Examples for the long help and the manual page.
+    const EXAMPLES: Examples = Examples(&[]);
 
     /// The seed, for a stage that draws random numbers.
     fn seed(&self) -> Option<u64> {
@@ -75,7 +80,8 @@ pub fn options<S: GraphStage>(words: &[String]) -> Result<S, clap::Error> {
 
 /// The `main` of a stage from graph to graph.
 pub fn run_graph_stage<S: GraphStage>(version: &'static str) -> ExitCode {
-    let identity = Identity { name: S::NAME, version, about: S::ABOUT, place: S::PLACE };
+    let identity =
+        Identity { name: S::NAME, version, about: S::ABOUT, place: S::PLACE, examples: S::EXAMPLES };
     run_with_doubts::<GraphCommand<S>>(
         identity,
         S::DOUBTS,

@@ -8,7 +8,7 @@ use clap::{CommandFactory, FromArgMatches};
 use crate::closing::close_standard_output;
 use crate::given::Given;
 use crate::{
-    CommonArguments, Context, Doubt, Place, arguments, documentation, doubt, interrupt, logging,
+    CommonArguments, Context, Doubt, Examples, Place, arguments, documentation, doubt, interrupt, logging,
     standard_output, threads, usage,
 };
 
@@ -23,6 +23,8 @@ pub struct Identity {
     pub about: &'static str,
     /// The position in lists of programs.
     pub place: Place,
+    /// Examples for its long help and its manual page.
+    pub examples: Examples,
 }
 
 impl Identity {
@@ -66,7 +68,8 @@ pub fn run_with_doubts<A: CommandFactory + FromArgMatches>(
         .version(identity.version)
         .about(identity.about)
         .long_about(None)
-        .after_help(documentation::ending(doubts));
+        .after_help(documentation::ending(doubts))
+        .after_long_help(documentation::long_ending(identity.examples, doubts));
     if let Some(what) = documentation::requested(arguments()) {
         return documentation::print(identity, command, doubts, &what);
     }

@@ -31,7 +31,8 @@ struct Line<O: clap::Args> {
 /// Runs a stage on a graph in memory, as its program does between reading and writing.
 fn judge<S: GraphStage>(graph: &mut PoseGraph, options: &[&str]) {
     let line = Line::<S>::parse_from(["stage"].iter().chain(options));
-    let identity = Identity { name: S::NAME, version: "0", about: S::ABOUT, place: S::PLACE };
+    let identity =
+        Identity { name: S::NAME, version: "0", about: S::ABOUT, place: S::PLACE, examples: S::EXAMPLES };
     line.options.run(graph, &mut Context::new(identity, line.common)).unwrap();
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use posecut_graph::{PoseGraph, for_dimension};
-use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, counted, info, warn};
+use posecut_stage::{Context, Doubt, Examples, GraphStage, Phase, Place, counted, info, warn};
 use serde::Serialize;
 
 use crate::ingredients::Ingredient;
@@ -50,6 +50,20 @@ impl GraphStage for Options {
     const PLACE: Place = Place(Phase::Judgement, 0);
     const DOUBTS: &'static [Doubt] =
         &[Doubt::SearchLimit, Doubt::NothingKept, Doubt::CalibrationOnPrior, Doubt::PartsNotConnected];
+    const EXAMPLES: Examples = Examples(&[
+        (
+            "Find the wrong edges of a g2o file, and optimise the poses",
+            "posecut convert graph.g2o | posecut verify | posecut optimize -o map.jsonl",
+        ),
+        (
+            "Explain the verdict on landmark edge 17",
+            "posecut verify graph.jsonl --explain 17 -o verified.jsonl",
+        ),
+        (
+            "Write a table of all verdicts",
+            "posecut verify graph.jsonl | posecut inspect edges --csv -o edges.csv",
+        ),
+    ]);
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
         self.judge(graph, context).map(drop)

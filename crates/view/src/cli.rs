@@ -6,7 +6,7 @@ use crate::{Frame, View, page, summary};
 use anyhow::{Context as _, bail};
 use clap::Parser;
 use posecut_stage::{
-    CommonArguments, Context, Identity, Outcome, Phase, Place, Source, counted, info, run, warn,
+    CommonArguments, Context, Examples, Identity, Outcome, Phase, Place, Source, counted, info, run, warn,
 };
 use serde_json::{Map, Value};
 
@@ -36,6 +36,17 @@ struct Command {
     common: CommonArguments,
 }
 
+const EXAMPLES: Examples = Examples(&[
+    (
+        "Show what verification rejects, and why",
+        "posecut verify graph.jsonl --stats verify.json -o verified.jsonl\nposecut optimize verified.jsonl |\n    posecut view --verify-stats verify.json -o graph.html",
+    ),
+    (
+        "Show the poses before and after optimisation",
+        "posecut view map.jsonl --before graph.jsonl -o graph.html",
+    ),
+]);
+
 /// The `main` of the program.
 pub fn main() -> ExitCode {
     let identity = Identity {
@@ -43,6 +54,7 @@ pub fn main() -> ExitCode {
         version: env!("CARGO_PKG_VERSION"),
         about: "Show a graph as one HTML page: which landmark edges are in use, rejected or undecided, and why",
         place: Place(Phase::Results, 25),
+        examples: EXAMPLES,
     };
     run::<Command>(identity, |command| &command.common, show)
 }

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use posecut_graph::{EdgeKind, PoseGraph, for_dimension};
 use posecut_islands::{clusters, matches};
 use posecut_optimize::PoseGroup;
-use posecut_stage::{Context, Doubt, GraphStage, Phase, Place, counted, info, warn};
+use posecut_stage::{Context, Doubt, Examples, GraphStage, Phase, Place, counted, info, warn};
 use serde::Serialize;
 
 use crate::fit::Parts;
@@ -32,6 +32,16 @@ impl GraphStage for Options {
     const ABOUT: &'static str = "Reject clusters of landmark edges that fail chi-square tests of the optimised graph, in the manner of RRR";
     const PLACE: Place = Place(Phase::Judgement, 60);
     const DOUBTS: &'static [Doubt] = &[Doubt::NothingKept];
+    const EXAMPLES: Examples = Examples(&[
+        (
+            "Reject clusters of edges, and optimise the poses",
+            "posecut voting graph.jsonl | posecut optimize -o map.jsonl",
+        ),
+        (
+            "Join edges up to 10 frames apart into a cluster",
+            "posecut voting graph.jsonl --gap 10 -o voting.jsonl",
+        ),
+    ]);
 
     fn run(&self, graph: &mut PoseGraph, context: &mut Context) -> anyhow::Result<()> {
         for_dimension!(graph.header.dimension, |G, DOF| self.reject::<G, DOF>(graph, context))

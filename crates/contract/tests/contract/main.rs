@@ -12,6 +12,7 @@ mod documentation;
 mod doubtful_inputs;
 mod doubts;
 mod environment;
+mod examples;
 mod failing_calls;
 mod golden;
 mod help_and_usage;

@@ -35,7 +35,8 @@ fn checked_stage<S: GraphStage>(
     };
     let before = graph.clone();
     let arguments = arguments::<S>(options);
-    let identity = Identity { name: S::NAME, version: "0", about: S::ABOUT, place: S::PLACE };
+    let identity =
+        Identity { name: S::NAME, version: "0", about: S::ABOUT, place: S::PLACE, examples: S::EXAMPLES };
     let mut context = Context::new(identity, arguments.common);
     if let Err(error) = arguments.options.run(&mut graph, &mut context) {
         return Outcome::refused(error);

@@ -65,6 +65,7 @@ fn work(graph: &PoseGraph, limit: u64) -> u64 {
         version: "0",
         about: StageOptions::ABOUT,
         place: StageOptions::PLACE,
+        examples: StageOptions::EXAMPLES,
     };
     let mut context = Context::new(identity, line.common);
     line.options.run(&mut graph.clone(), &mut context).unwrap();

@@ -22,8 +22,13 @@ struct Line {
 /// The graph as the stage writes it after judging with this number of threads.
 fn written(graph: &PoseGraph, threads: usize) -> Vec<u8> {
     let line = Line::parse_from(["verify"]);
-    let identity =
-        Identity { name: Options::NAME, version: "0", about: Options::ABOUT, place: Options::PLACE };
+    let identity = Identity {
+        name: Options::NAME,
+        version: "0",
+        about: Options::ABOUT,
+        place: Options::PLACE,
+        examples: Options::EXAMPLES,
+    };
     let mut context = Context::new(identity, line.common);
     let mut graph = graph.clone();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
