@@ -118,7 +118,7 @@ mod tests {
     /// has no weight.
     #[test]
     fn a_score_weighs_what_it_is_worth() {
-        let correct = |place: usize| place % 2 == 0;
+        let correct = |place: usize| place.is_multiple_of(2);
         let evidence: Vec<_> =
             (0..200).map(|place| Some(if correct(place) { 15.0 } else { -15.0 })).collect();
         let by = |score: fn(usize) -> f64| {

@@ -28,7 +28,7 @@ when(["map", "probability"], () => {
   byId("histogram").setAttribute("aria-label", `Histogram of the probabilities of ${counted(known, "edge")}`);
   byId("low").value = low;
   byId("high").value = high;
-  byId("range").textContent = state.probability ? `${low.toFixed(2)} to ${high.toFixed(2)}` : "all (by the model of verify)";
+  byId("range").textContent = state.probability ? `${low.toFixed(2)} to ${high.toFixed(2)}` : "all";
 });
 
 for (const name of ["low", "high"]) {
