@@ -11,6 +11,11 @@ use toml::Value;
 use crate::names::{check, check_value};
 use crate::{Graphs, Halves, toml_text};
 
+mod parts;
+
+pub use parts::{Grid, Step};
+use parts::{grid, scalar, step, words};
+
 /// The longest chain of declarations that build on each other.
 const LONGEST_CHAIN: usize = 16;
 
@@ -80,15 +85,6 @@ pub enum Keep {
     Results,
 }
 
-/// One step: a stage program with options.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Step {
-    /// The program's name in the list of stages; by default the name of the step.
-    pub program: Option<String>,
-    /// The options of the program; `{name}` is replaced by a parameter's value.
-    pub options: Vec<String>,
-}
-
 /// A parameter computed from another one: `factor * of^power` in six significant digits, or a text selected by its value.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -110,21 +106,6 @@ pub struct Derived {
 
 fn one() -> f64 {
     1.0
-}
-
-/// All combinations of the values of some parameters, for some of the methods, sessions and seeds.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Grid {
-    /// Values of each parameter that varies.
-    pub axes: BTreeMap<String, Vec<String>>,
-    /// Instead of the experiment's methods.
-    pub methods: Option<Vec<String>>,
-    /// Instead of the experiment's sessions.
-    pub sessions: Option<Vec<String>>,
-    /// Sessions that this block leaves out, even if they were requested.
-    pub except: Vec<String>,
-    /// Instead of the experiment's number of seeds.
-    pub seeds: Option<u64>,
 }
 
 #[derive(Deserialize)]
@@ -344,60 +325,4 @@ fn text(path: &Path) -> anyhow::Result<String> {
         bail!("it is larger than {} MiB, so it is not a declaration", LARGEST_FILE >> 20);
     }
     Ok(text)
-}
-
-fn words(options: &str) -> Vec<String> {
-    options.split_whitespace().map(str::to_owned).collect()
-}
-
-fn step(value: &Value) -> anyhow::Result<Step> {
-    let options = |value: &Value| match value {
-        Value::String(text) => Ok(words(text)),
-        Value::Array(items) => items.iter().map(scalar).collect(),
-        other => bail!("options must be text or a list of words, not {other}"),
-    };
-    let Value::Table(table) = value else {
-        return Ok(Step { program: None, options: options(value)? });
-    };
-    if let Some(name) = table.keys().find(|name| !["program", "options"].contains(&name.as_str())) {
-        bail!("a step can have \"program\" and \"options\", but not \"{name}\"");
-    }
-    Ok(Step {
-        program: table.get("program").map(scalar).transpose()?,
-        options: table.get("options").map(options).transpose()?.unwrap_or_default(),
-    })
-}
-
-/// The text of a value, for options and labels.
-fn scalar(value: &Value) -> anyhow::Result<String> {
-    Ok(match value {
-        Value::String(text) => text.clone(),
-        Value::Integer(number) => number.to_string(),
-        Value::Float(number) if number.is_finite() => number.to_string(),
-        Value::Boolean(truth) => truth.to_string(),
-        other => bail!("expected a number or text, found {other}"),
-    })
-}
-
-fn grid(table: &BTreeMap<String, Value>) -> anyhow::Result<Grid> {
-    let mut grid = Grid::default();
-    for (name, value) in table {
-        let list = || match value {
-            Value::Array(items) => items.iter().map(scalar).collect::<anyhow::Result<Vec<_>>>(),
-            one => Ok(vec![scalar(one)?]),
-        };
-        match name.as_str() {
-            "methods" => grid.methods = Some(list()?),
-            "sessions" => grid.sessions = Some(list()?),
-            "except" => grid.except = list()?,
-            "seeds" => {
-                let seeds = value.as_integer().and_then(|seeds| u64::try_from(seeds).ok());
-                grid.seeds = Some(seeds.context("the seeds of a grid must be a number, at least 0")?);
-            }
-            _ => {
-                grid.axes.insert(name.clone(), list().with_context(|| format!("grid, {name}"))?);
-            }
-        }
-    }
-    Ok(grid)
 }
