@@ -121,7 +121,7 @@ fn factors(survey: &Survey<'_>, verification: &Verification) -> Finding {
     }
     found.therefore(
         consequence(&odometry, calibration.landmark),
-        "posecut-verify applies these factors by itself; for other methods, posecut-pcm --scale auto estimates factors, and --calibrate writes them into the graph",
+        "posecut-verify applies these factors by itself; for other methods, posecut pcm --scale auto estimates factors, and --calibrate writes them into the graph",
     )
 }
 

@@ -128,7 +128,7 @@ fn singular(kind: EdgeKind, edges: &[Seen<'_>]) -> Option<Finding> {
         .with("first", first.edge.id);
     Some(found.therefore(
         "these edges say nothing about some direction; posecut-pcm refuses them, and posecut-verify gives that direction 10^9 times the variance of the others",
-        "give every direction a positive information at the source; posecut-inspect validate lists these edges",
+        "give every direction a positive information at the source; posecut inspect validate lists these edges",
     ))
 }
 
@@ -160,6 +160,6 @@ fn outliers(scale: &Scale, edges: &[Seen<'_>]) -> Option<Finding> {
         .with("smallest_rotation", rotation);
     Some(found.therefore(
         "each of them weighs more than 10000 other edges; if it is wrong, the map bends to it, and tests of consistency reject what disagrees with it",
-        "limit the information at the source to what the sensor can know; posecut-inspect edges lists landmark edges with their residuals",
+        "limit the information at the source to what the sensor can know; posecut inspect edges lists landmark edges with their residuals",
     ))
 }

@@ -94,7 +94,7 @@ fn none(survey: &Survey<'_>, ways: &Neighbours) -> Option<Finding> {
     );
     let consequence = "every node is a chain of its own: nothing predicts where a landmark edge should lead, so wrong ones cannot be found";
     let remedy = if 2 * as_landmark >= ways.pairs {
-        "convert the original file again with posecut-convert --odometry next-id: these edges are the odometry"
+        "convert the original file again with posecut convert --odometry next-id: these edges are the odometry"
     } else {
         "add odometry edges between consecutive nodes (kind \"odometry\", or in g2o edges between ids n and n + 1)"
     };
@@ -142,7 +142,7 @@ fn sessions_without(survey: &Survey<'_>, ways: &Neighbours) -> Option<Finding> {
     );
     let joined: usize = without.iter().map(|&session| landmark[session]).sum();
     let remedy = if joined > 0 {
-        "convert the original file again with posecut-convert --odometry next-id: landmark edges join these nodes"
+        "convert the original file again with posecut convert --odometry next-id: landmark edges join these nodes"
     } else {
         "add odometry edges between consecutive nodes"
     };

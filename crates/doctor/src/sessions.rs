@@ -108,7 +108,7 @@ fn unconnected(survey: &Survey<'_>) -> Option<Finding> {
             .with("nodes", &sizes[..sizes.len().min(ROWS)])
             .therefore(
                 "their relative poses mean nothing: each is optimised for itself",
-                "add landmark edges between them, or look at one component at a time: posecut-inspect filter --component 1",
+                "add landmark edges between them, or look at one component at a time: posecut inspect filter --component 1",
             )
     })
 }
@@ -134,7 +134,7 @@ fn without_overlap(survey: &Survey<'_>) -> Option<Finding> {
             .with("sessions", &alone)
             .therefore(
                 "nothing says where these sessions lie in the map",
-                "match them with the others, or process them alone: posecut-inspect filter --session NAME",
+                "match them with the others, or process them alone: posecut inspect filter --session NAME",
             )
     })
 }
@@ -148,7 +148,7 @@ fn no_landmark(survey: &Survey<'_>) -> Option<Finding> {
         let found = Finding::new(Severity::Warning, Topic::Sessions, "no-landmark-edges", title);
         found.with("odometry_edges", survey.odometry.len()).therefore(
             "there is nothing to judge: the map is dead reckoning",
-            "add the matches of a place recogniser: posecut-convert --closures TABLE.csv",
+            "add the matches of a place recogniser: posecut convert --closures TABLE.csv",
         )
     })
 }

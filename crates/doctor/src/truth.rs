@@ -133,7 +133,7 @@ fn consistency(kind: EdgeKind, nees: &[Nees]) -> Option<Finding> {
         )
     };
     let remedy = format!(
-        "multiply these covariances by {scale} (posecut-pcm --scale {}); posecut-verify estimates a factor by itself",
+        "multiply these covariances by {scale} (posecut pcm --scale {}); posecut-verify estimates a factor by itself",
         scale_argument(kind, &scale)
     );
     Some(found.therefore(consequence, remedy))

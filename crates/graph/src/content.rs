@@ -86,13 +86,13 @@ pub(crate) fn foreign(line: &[u8], source_name: &str) -> Option<Problem> {
     if line.starts_with(b"#") {
         return Some(Problem::new(
             "the line is a comment, which JSON Lines does not have",
-            format!("convert other formats first: posecut-convert {file} --to jsonl"),
+            format!("convert other formats first: posecut convert {file} --to jsonl"),
         ));
     }
     let content = Content::of(line).filter(|content| *content != Content::JsonLines)?;
     let remedy = match content {
         Content::Zip | Content::Cbor => "unpack it, or export the graph as g2o".to_owned(),
-        _ => format!("convert it first: posecut-convert {file} --to jsonl"),
+        _ => format!("convert it first: posecut convert {file} --to jsonl"),
     };
     Some(Problem::new(format!("this is {content}, not pose-graph JSON Lines"), remedy))
 }

@@ -51,7 +51,7 @@ pub(super) fn check(survey: &Survey<'_>, has_poses: bool) -> Option<Finding> {
         );
         found("planar-data", title).therefore(
             "a planar graph is smaller and faster to judge",
-            "posecut-convert --dimension 2 projects trajectories; edges must be projected by the program that writes them",
+            "posecut convert --dimension 2 projects trajectories; edges must be projected by the program that writes them",
         )
     } else if share < FLAT {
         found("up-axis", format!("{name} is up by the extents of the {whose}: {shown}"))

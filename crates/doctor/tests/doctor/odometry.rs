@@ -17,7 +17,7 @@ fn odometry_that_became_landmark_edges_is_an_error_with_the_command_that_helps()
     }
     let finding = found(&graph, "no-odometry", Severity::Error);
     assert!(finding.title.contains("239 of 239 pairs") && finding.title.contains("ids count by 10"));
-    assert!(finding.remedy.contains("posecut-convert --odometry next-id"), "{finding:?}");
+    assert!(finding.remedy.contains("posecut convert --odometry next-id"), "{finding:?}");
     absent(&plane(), "no-odometry");
 }
 

@@ -40,8 +40,8 @@ fn right_covariances_have_a_nees_of_one_over_all_windows() {
 #[test]
 fn wrong_covariances_are_reported_with_the_factor_that_corrects_them() {
     for (kind, name, argument) in [
-        (EdgeKind::Odometry, "odometry-nees", "posecut-pcm --scale 0.0"),
-        (EdgeKind::Landmark, "landmark-nees", "posecut-pcm --scale 1,0.0"),
+        (EdgeKind::Odometry, "odometry-nees", "posecut pcm --scale 0.0"),
+        (EdgeKind::Landmark, "landmark-nees", "posecut pcm --scale 1,0.0"),
     ] {
         let large = found(&scaled(kind, 25.0), name, Severity::Warning);
         assert!(large.consequence.contains("too large") && large.remedy.contains(argument), "{large:?}");

@@ -11,7 +11,7 @@ fn the_remedy_is_the_command_that_converts_the_file() {
     for (text, expected) in [
         (
             "VERTEX_SE2 0 0 0 0\n",
-            "line 1: this is a g2o graph, not pose-graph JSON Lines; convert it first: posecut-convert map.txt --to jsonl",
+            "line 1: this is a g2o graph, not pose-graph JSON Lines; convert it first: posecut convert map.txt --to jsonl",
         ),
         ("\u{feff}EDGE_SE3:QUAT 0 1\n", "line 1: this is a g2o graph"),
         ("VERTEX2 0 0 0 0\n", "line 1: this is a TORO graph"),
@@ -22,7 +22,7 @@ fn the_remedy_is_the_command_that_converts_the_file() {
         ("{\"id\":0}\n", "field \"kind\": the record has no kind"),
         (
             "# a comment\n",
-            "line 1: the line is a comment, which JSON Lines does not have; convert other formats first: posecut-convert map.txt --to jsonl",
+            "line 1: the line is a comment, which JSON Lines does not have; convert other formats first: posecut convert map.txt --to jsonl",
         ),
     ] {
         let said = refused("map.txt", text.as_bytes());
@@ -30,7 +30,7 @@ fn the_remedy_is_the_command_that_converts_the_file() {
     }
     assert!(refused("x", b"\xa5dname").contains("this is CBOR"));
     // The name of standard input is no file.
-    assert!(refused("standard input", b"FIX 0\n").ends_with("posecut-convert FILE --to jsonl"));
+    assert!(refused("standard input", b"FIX 0\n").ends_with("posecut convert FILE --to jsonl"));
 }
 
 /// A JRL dataset is one line. It used to be refused for its length.
