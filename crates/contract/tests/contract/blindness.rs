@@ -5,10 +5,8 @@ use posecut_graph::PoseGraph;
 use serde_json::Value;
 
 /// Stages that decide something about edges or poses.
-const ESTIMATING: &[&str] = &[
-    "clean", "densest", "isam", "islands", "multicut", "optimize", "pcm", "ransac", "readmit", "verify",
-    "voting",
-];
+const ESTIMATING: &[&str] =
+    &["densest", "isam", "islands", "multicut", "optimize", "pcm", "ransac", "readmit", "verify", "voting"];
 
 /// All stages from graph to graph.
 fn stages() -> impl Iterator<Item = &'static str> {
@@ -44,6 +42,7 @@ fn without_provenance(bytes: &[u8]) -> Vec<u8> {
 
 #[test]
 fn estimating_stages_are_blind_to_the_truth() {
+    // It marks edges by the name of the stage within.
     for name in ESTIMATING.iter().copied().chain(["clean"]) {
         let seeing = sample(name);
         let blind = without_truth(&seeing);

@@ -23,6 +23,7 @@ fn trust(folder: &Path) {
     let names = [
         "answer",
         "comparison",
+        "misses",
         "overall",
         "counts",
         "families",
