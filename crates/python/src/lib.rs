@@ -1,7 +1,7 @@
 //! The native module of the Python package `posecut`: graphs, their arrays, and the stages that run on them.
 //!
-//! The classes that users see are in `python/posecut`; this module holds what needs Rust. A [`graph::Graph`] never changes: a stage
-//! returns another one. Work runs in a thread of its own, without the interpreter's lock ([`work`]).
+//! The classes that users see are in `python/posecut`; this module holds what needs Rust. A `graph::Graph` never changes: a stage
+//! returns another one. Work runs in a thread of its own, without the interpreter's lock (`work`).
 
 #![allow(clippy::needless_pass_by_value, reason = "arguments of Python are extracted as values")]
 
