@@ -1,4 +1,4 @@
-//! The page's data, in the form that its scripts read. Lengths are in metres; series are texts of [`super::encode`].
+//! The page's data, in the form that its scripts read. Lengths are in metres; series are texts of [`posecut_view::encode`].
 
 use serde::Serialize;
 
