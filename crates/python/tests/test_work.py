@@ -13,7 +13,9 @@ import pytest
 from conftest import drive
 
 LONG = """
-import sys, time
+import signal, sys
+# A shell that starts the tests in the background ignores the signal, and Python inherits that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 sys.path.insert(0, sys.argv[1])
 from conftest import drive
 graph = drive(40_000, 120_000)
