@@ -137,7 +137,7 @@ impl<'a> Inputs<'a> {
             }
             Kind::Seeds => {
                 let declaration = self.folder.join("memory.toml");
-                let text = "sessions = [\"one\"]\nmethods = [\"none\"]\n[method]\nnone = []\noracle = [\"oracle\"]\n";
+                let text = "sessions = [\"one\"]\nsimulated_sessions = [\"one\"]\nmethods = [\"none\"]\n[method]\nnone = []\noracle = [\"oracle\"]\n";
                 std::fs::write(&declaration, text)?;
                 let stages = root().join("pipelines/stages.toml");
                 let given = words(&[&declaration, &"--seeds", &number, &"--stages", &stages, &"-o", &output]);
