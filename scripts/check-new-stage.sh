@@ -19,7 +19,7 @@ built=${CARGO_TARGET_DIR:-target}/release
 if [ ! -d "$place/target" ]; then
   mkdir -p "$place/target/release"
   for folder in deps build .fingerprint; do [ ! -d "$built/$folder" ] || cp -al "$built/$folder" "$place/target/release/"; done
-  find "$place/target" -depth \( -name 'posecut*' -o -name 'libposecut*' \) -exec rm -rf {} +
+  find "$place/target" -depth \( -name 'posecut*' -o -name 'libposecut*' -o -name 'xtask*' -o -name 'libxtask*' \) -exec rm -rf {} +
 fi
 
 export CARGO_TARGET_DIR="$place/target" POSECUT_CONTRACT_ONLY=echo
