@@ -60,6 +60,9 @@ impl Scores {
             classes[class].1 += 1.0;
         }
         let (correct, all) = classes.iter().fold((0.0, 0.0), |sum, own| (sum.0 + own.0, sum.1 + own.1));
+        if all == 0.0 {
+            return vec![0.0; evidence.len()];
+        }
         let average = correct / all;
         let shares =
             classes.iter().map(|(correct, all)| (correct + UNSEEN * average, all + UNSEEN)).collect();
@@ -112,6 +115,12 @@ mod tests {
         assert_eq!((few.count, few.class.as_slice()), (1, [Some(0), None, Some(0)].as_slice()));
         let ratios = few.ratios(&[Some(20.0), Some(20.0), Some(-20.0)], 1.0);
         assert!(ratios[0].abs() < 0.2 && ratios[1] == 0.0, "{ratios:?}");
+    }
+
+    #[test]
+    fn scores_without_any_evidence_tell_nothing() {
+        let scores = Scores::classes(&[Some(1.0), Some(2.0), None]);
+        assert_eq!(scores.ratios(&[None, None, Some(3.0)], 1.0), [0.0; 3]);
     }
 
     /// A score that separates correct from wrong candidates is learnt; one without information, or with the opposite meaning,
