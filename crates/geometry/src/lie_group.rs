@@ -48,6 +48,9 @@ pub trait LieGroup<const DOF: usize>:
     /// Adjoint: `T Exp(xi) = Exp(Ad(T) xi) T`. Equation (30).
     fn adjoint(&self) -> SMatrix<f64, DOF, DOF>;
 
+    /// The adjoint `ad(xi)` of the algebra: `ad(xi) eta = [xi, eta]`, the derivative of `Ad(Exp(t xi)) eta` by `t` at zero.
+    fn bracket(tangent: &SVector<f64, DOF>) -> SMatrix<f64, DOF, DOF>;
+
     /// Left Jacobian: `Exp(xi + d) = Exp(J_l(xi) d) Exp(xi)` to first order in `d`. Equation (44).
     fn left_jacobian(tangent: &SVector<f64, DOF>) -> SMatrix<f64, DOF, DOF>;
 

@@ -116,6 +116,13 @@ impl LieGroup<3> for SE2 {
         bordered(&rotation, &Vector2::new(self.translation.y, -self.translation.x))
     }
 
+    /// `[theta J, (y, -x); 0, 0]` with the right angle `J`.
+    #[inline]
+    fn bracket(tangent: &Vector3<f64>) -> Matrix3<f64> {
+        let (x, y, theta) = (tangent.x, tangent.y, tangent.z);
+        Matrix3::new(0.0, -theta, y, theta, 0.0, -x, 0.0, 0.0, 0.0)
+    }
+
     fn left_jacobian(tangent: &Vector3<f64>) -> Matrix3<f64> {
         let functions = Trigonometric::of_squared_angle(tangent.z * tangent.z);
         bordered(&translation_jacobian(tangent.z, &functions), &rotation_column(tangent, &functions))

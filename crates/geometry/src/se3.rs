@@ -151,6 +151,13 @@ impl LieGroup<6> for SE3 {
         triangular(&rotation, &(so3::hat(&self.translation) * rotation))
     }
 
+    /// `[[rotation], [translation]; 0, [rotation]]` of cross products.
+    #[inline]
+    fn bracket(tangent: &Vector6<f64>) -> Matrix6<f64> {
+        let (translation, rotation) = split(tangent);
+        triangular(&so3::hat(&rotation), &so3::hat(&translation))
+    }
+
     /// `[V, Q; 0, V]`, Solà equation (179).
     fn left_jacobian(tangent: &Vector6<f64>) -> Matrix6<f64> {
         let (translation, rotation) = split(tangent);
