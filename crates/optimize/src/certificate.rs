@@ -24,8 +24,10 @@ use crate::options::Options;
 use chordal_cost::ChordalEdge;
 use posecut_cholesky::{Factor, Memory, Symbolic};
 
-/// The verdict is 'global' if the bound is below the cost by at most this share of it.
+/// The matrix is raised by this share of the cost, spread over all rotations, before its sign is tested.
 const GAP: f64 = 1e-6;
+/// The verdict is 'global' if the bound is below the cost by at most this share of it: more than [`GAP`], where rounding is large.
+const PROVEN: f64 = 1e-3;
 /// An eigenvalue below this share of the largest diagonal entry of the rotations is rounding.
 const ROUNDING: f64 = 1e-12;
 /// Inverse iterations for the reported eigenvalue; the verdict does not depend on them.
@@ -34,7 +36,7 @@ const ITERATIONS: usize = 60;
 /// The certificate of a connected component.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Certificate {
-    /// No poses have a lower `F` than the refined ones, up to `dimension * nodes * tolerance`.
+    /// No poses have an `F` lower than that of the refined ones by more than a thousandth, and the eigenvalue is not negative.
     pub global: bool,
     /// `F` after refinement from the given poses.
     pub cost: f64,
@@ -57,16 +59,16 @@ impl Certificate {
     };
 }
 
-/// Refines the poses of a connected graph for `F` and certifies them. `M` is `N + 1`.
+/// Refines the poses of a connected graph for `F` and certifies them; also returns the refined poses. `M` is `N + 1`.
 pub(crate) fn certify<G, const DOF: usize, const N: usize, const M: usize>(
     edges: &[Edge<G, DOF>],
     poses: &[G],
-) -> Certificate
+) -> (Certificate, Vec<G>)
 where
     G: LieGroup<DOF> + MatrixPose<N>,
 {
     let Some(terms) = edges.iter().map(ChordalEdge::<N>::new::<G, DOF>).collect::<Option<Vec<_>>>() else {
-        return Certificate::NONE;
+        return (Certificate::NONE, poses.to_vec());
     };
     let mut poses = poses.to_vec();
     let pattern = Pattern::of(poses.len(), 1, edges);
@@ -76,6 +78,8 @@ where
         Workspace::new(&pattern, magnitude, Memory::default()).minimise(&terms, &mut poses, &refine);
     let (matrix, trace) = Matrix::<M>::new::<G, DOF, N>(&terms, &poses);
     let size = (N * poses.len()) as f64;
+    // Without noise the cost itself is rounding.
+    let rounding = 10.0 * magnitude.noiseless();
     let tolerance = (GAP * outcome.cost / size).max(ROUNDING * matrix.largest());
     // Shifts by the tolerance, then by ten times more each time, until the matrix is positive definite.
     let mut factor = Factor::<M>::new(&matrix.symbolic);
@@ -83,17 +87,20 @@ where
     while !matrix.factorize(&mut factor, shift) {
         shift *= 10.0;
         if !shift.is_finite() {
-            return Certificate { cost: outcome.cost, tolerance, ..Certificate::NONE };
+            return (Certificate { cost: outcome.cost, tolerance, ..Certificate::NONE }, poses);
         }
     }
     // `S + shift I` is positive definite, so `lambda > -shift`: this gives the lower bound.
-    Certificate {
-        global: shift <= tolerance,
+    let lower_bound = trace - size * shift;
+    let certificate = Certificate {
+        // Where rounding makes the tolerance large, the bound may be far below the cost: then nothing is proved.
+        global: shift <= tolerance && outcome.cost - lower_bound <= PROVEN * outcome.cost + rounding,
         cost: outcome.cost,
-        lower_bound: trace - size * shift,
+        lower_bound,
         eigenvalue: matrix.least_eigenvalue(&mut factor, shift),
         tolerance,
-    }
+    };
+    (certificate, poses)
 }
 
 /// `M - Lambda`, one block (translation, rotation) per pose; the first translation is held at zero.

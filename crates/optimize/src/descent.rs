@@ -7,12 +7,15 @@
 //!
 //! Depends on [`model`](crate::model) and `normal_equations`.
 
+mod contest;
 mod damping;
 mod dogleg;
 mod levenberg_marquardt;
+mod newton;
 pub(crate) mod outcome;
 pub(crate) mod phases;
 mod simplified_newton;
+mod stiff_tree;
 pub(crate) mod workspace;
 
 use posecut_geometry::LieGroup;

@@ -12,7 +12,7 @@
 //! 4. [`Marginals`] computes covariances of poses and of pairs of them from the factor.
 //!
 //! Each folder of `src` holds one piece of theory; the module of the same name cites its equations. The modules depend on
-//! each other in this order: [`model`], `normal_equations`, [`initialisation`], `descent`, `certificate`, `pose_group`,
+//! each other in this order: [`model`], `normal_equations`, [`initialisation`], `descent`, `certificate`, `lifted`, `pose_group`,
 //! `batch`, `covariance`, and `stage`, which reads its graph by [`pose_graph`]. Without the feature `cli`, which is on by
 //! default, the crate has no stage and no program, and depends neither on clap nor on posecut-stage.
 //!
@@ -39,6 +39,7 @@ pub mod command;
 mod covariance;
 mod descent;
 pub mod initialisation;
+mod lifted;
 pub mod model;
 mod normal_equations;
 mod options;
@@ -47,7 +48,7 @@ mod pose_group;
 #[cfg(feature = "cli")]
 pub mod stage;
 
-pub use batch::certify::certify;
+pub use batch::certify::{certify, certify_and_refine};
 pub use batch::solution::{ComponentReport, Solution, Start};
 pub use batch::solve::optimize;
 pub use certificate::Certificate;

@@ -7,6 +7,7 @@
 //!
 //! Depends on no other module of this crate.
 
+pub(crate) mod curvature;
 pub(crate) mod gauge;
 pub(crate) mod kernel;
 pub(crate) mod kernel_name;
@@ -18,4 +19,4 @@ pub(crate) mod residual;
 pub use kernel::charge;
 pub use magnitude::{Magnitude, distance, size, translations};
 pub use problem::{check_edge, is_finite};
-pub use residual::{Expansion, Gradient, Linearised, Term};
+pub use residual::{Expansion, Gradient, Linearised, Link, Term};

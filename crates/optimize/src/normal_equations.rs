@@ -10,7 +10,7 @@ use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
 use crate::model::problem::Edge;
-use crate::model::residual::Term;
+use crate::model::residual::{Linearised, Term};
 use posecut_cholesky::{Factor, Memory, Symbolic};
 
 /// Positions of an edge's blocks.
@@ -109,6 +109,37 @@ impl<const D: usize> NormalEquations<D> {
         Arch::new().dispatch(Assemble { equations: self, pattern, edges, poses })
     }
 
+    /// [`assemble`](Self::assemble) with the exact second derivative.
+    pub(crate) fn assemble_exactly<G: LieGroup<D>, T: Term<G, D>>(
+        &mut self,
+        pattern: &Pattern,
+        edges: &[T],
+        poses: &[G],
+    ) -> f64 {
+        self.clear();
+        let mut cost = 0.0;
+        for (edge, slot) in edges.iter().zip(&pattern.slots) {
+            let model = edge.curve(poses);
+            cost += model.cost;
+            self.add(slot, &model);
+        }
+        cost
+    }
+
+    /// Adds the model of an edge.
+    #[inline]
+    fn add(&mut self, slot: &Slot, model: &Linearised<D>) {
+        if let Some(from) = slot.from {
+            self.diagonal[from] += model.from_from;
+            self.gradient[from] += model.from_gradient;
+        }
+        if let Some(to) = slot.to {
+            self.diagonal[to] += model.to_to;
+            self.gradient[to] += model.to_gradient;
+        }
+        self.add_off_diagonal(slot, &model.from_to);
+    }
+
     /// Computes only the gradient and the cost; the matrix stays the same.
     pub(crate) fn assemble_gradient<G: LieGroup<D>, T: Term<G, D>>(
         &mut self,
@@ -118,6 +149,16 @@ impl<const D: usize> NormalEquations<D> {
     ) -> f64 {
         self.gradient.fill(SVector::zeros());
         Arch::new().dispatch(AssembleGradient { gradient: &mut self.gradient, pattern, edges, poses })
+    }
+
+    /// `H d`.
+    pub(crate) fn times(&self, pattern: &Pattern, d: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
+        let mut product: Vec<_> = self.diagonal.iter().zip(d).map(|(block, d)| block * d).collect();
+        for (block, &(a, b)) in self.off_diagonal.iter().zip(&pattern.pairs) {
+            product[a] += block * d[b];
+            product[b] += block.tr_mul(&d[a]);
+        }
+        product
     }
 
     /// `d^T H d`.

@@ -2,7 +2,7 @@
 //!
 //! Beyond [`LieGroup`], the two differ in the order of the blocks of the relaxation and of the certificate. The solver and the
 //! covariances are methods of the group too: so they are compiled here once for each group, and not again in every crate that
-//! calls the generic functions. Depends on [`initialisation`](crate::initialisation), `certificate`, `batch` and `covariance`.
+//! calls the generic functions. Depends on [`initialisation`](crate::initialisation), `certificate`, `lifted`, `batch` and `covariance`.
 
 use posecut_cholesky::{Factor, Memory};
 use posecut_geometry::{LieGroup, SE2, SE3};
@@ -13,6 +13,7 @@ use crate::certificate::{self, Certificate};
 use crate::covariance::at_solution;
 use crate::covariance::marginals::{Joint, Marginals};
 use crate::initialisation::chordal;
+use crate::lifted;
 use crate::model::problem::{Edge, Problem};
 use crate::normal_equations::Pattern;
 use crate::options::Options;
@@ -28,9 +29,14 @@ pub trait PoseGroup<const DOF: usize>: LieGroup<DOF> {
         held: &[Self],
     ) -> Option<Vec<Self>>;
 
-    /// The certificate of a connected graph.
+    /// Poses of a connected graph near the minimum of SE-Sync's cost in more dimensions, found from these poses; `None` if that cost does
+    /// not exist.
     #[doc(hidden)]
-    fn certificate(edges: &[Edge<Self, DOF>], poses: &[Self]) -> Certificate;
+    fn lifted_poses(edges: &[Edge<Self, DOF>], poses: &[Self]) -> Option<Vec<Self>>;
+
+    /// The certificate of a connected graph, and the poses it is for.
+    #[doc(hidden)]
+    fn certificate(edges: &[Edge<Self, DOF>], poses: &[Self]) -> (Certificate, Vec<Self>);
 
     /// The body of [`optimize`](crate::optimize).
     #[doc(hidden)]
@@ -103,7 +109,11 @@ impl PoseGroup<3> for SE2 {
         memory.factor.lend(|factor| chordal::poses::<Self, 3, 2>(pattern, edges, held, factor))
     }
 
-    fn certificate(edges: &[Edge<Self, 3>], poses: &[Self]) -> Certificate {
+    fn lifted_poses(edges: &[Edge<Self, 3>], poses: &[Self]) -> Option<Vec<Self>> {
+        lifted::lifted_poses::<Self, 3, 2, 3, 4>(edges, poses)
+    }
+
+    fn certificate(edges: &[Edge<Self, 3>], poses: &[Self]) -> (Certificate, Vec<Self>) {
         certificate::certify::<Self, 3, 2, 3>(edges, poses)
     }
 
@@ -120,7 +130,11 @@ impl PoseGroup<6> for SE3 {
         memory.factor.lend(|factor| chordal::poses::<Self, 6, 3>(pattern, edges, held, factor))
     }
 
-    fn certificate(edges: &[Edge<Self, 6>], poses: &[Self]) -> Certificate {
+    fn lifted_poses(edges: &[Edge<Self, 6>], poses: &[Self]) -> Option<Vec<Self>> {
+        lifted::lifted_poses::<Self, 6, 3, 4, 5>(edges, poses)
+    }
+
+    fn certificate(edges: &[Edge<Self, 6>], poses: &[Self]) -> (Certificate, Vec<Self>) {
         certificate::certify::<Self, 6, 3, 4>(edges, poses)
     }
 

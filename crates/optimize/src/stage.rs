@@ -23,7 +23,7 @@ pub use robust::{Graduation, KernelOptions, RobustOptions};
 pub use unusable::refuse_unless_finite;
 
 use crate::pose_graph::{Measured, edges, fixed_nodes};
-use crate::{Initialisation, Method, Options, Phases, PoseGroup, Problem, Solution, certify, optimize};
+use crate::{Initialisation, Method, Options, Phases, PoseGroup, Problem, Solution, optimize};
 
 /// Where to start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
@@ -78,7 +78,8 @@ pub struct StageOptions {
     #[arg(long, value_name = "COSINE", default_value_t = Options::default().gradient_tolerance)]
     pub gradient_tolerance: f64,
 
-    /// Report in the statistics whether the solution is provably global, by SE-Sync's dual certificate for SE-Sync's cost
+    /// Report in the statistics whether SE-Sync's cost is provably minimal next to the solution, by its dual certificate, and descend
+    /// from there, too
     #[arg(long, conflicts_with_all = ["kernel_odometry", "kernel_landmark", "gnc"])]
     pub certify: bool,
 
@@ -181,7 +182,9 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
     }
     context.statistics.note("semidefinite_information", semidefinite.len());
     let start = Instant::now();
-    let solution = optimize(&problem, &library_options);
+    let mut solution = optimize(&problem, &library_options);
+    let certified =
+        options.certify.then(|| certify::certify_or_improve(&problem, &mut solution, &library_options));
     context.statistics.note("optimize_seconds", start.elapsed().as_secs_f64());
     let name = |edge: usize| graph.edges[places[edge]].name();
     refuse_unless_finite(solution.cost, problem.edges(), name)?;
@@ -191,8 +194,8 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
     tell(&solution, unmeasured);
     doubts::of_solution(graph, &solution, context);
     note(&solution, problem.edges().len(), unmeasured, context);
-    if options.certify {
-        certify::note(&certify(&problem, &solution.poses), &solution.components, context);
+    if let Some(certified) = certified {
+        certify::note(&certified, &solution.components, context);
     }
     if let Some(of) = options.marginals {
         marginals::write(of, &problem, &solution, graph, &mut context.statistics);

@@ -14,10 +14,20 @@ pub fn certify<G: PoseGroup<DOF>, const DOF: usize>(
     problem: &Problem<G, DOF>,
     poses: &[G],
 ) -> Vec<Certificate> {
+    certify_and_refine(problem, poses).0
+}
+
+/// [`certify`], and the poses refined for `F`. A descent from them may find a lower cost than from the given poses, which then
+/// were in another basin.
+pub fn certify_and_refine<G: PoseGroup<DOF>, const DOF: usize>(
+    problem: &Problem<G, DOF>,
+    poses: &[G],
+) -> (Vec<Certificate>, Vec<G>) {
     let ends = problem.edges().iter().map(|edge| (edge.from, edge.to));
     let solved = Problem::from_checked(poses.to_vec(), problem.edges().to_vec(), problem.held().to_vec());
     let mut local = vec![0; poses.len()];
-    let certificate = |component: &Component| {
+    let mut refined = poses.to_vec();
+    let mut certificate = |component: &Component| {
         if count_held(component, problem.held()) > 1 {
             return Certificate::NONE;
         }
@@ -25,7 +35,12 @@ pub fn certify<G: PoseGroup<DOF>, const DOF: usize>(
             local[node] = index;
         }
         let part = extract(&solved, component, &local);
-        G::certificate(part.edges(), part.poses())
+        let (certificate, moved) = G::certificate(part.edges(), part.poses());
+        for (&node, pose) in component.nodes.iter().zip(moved) {
+            refined[node] = pose;
+        }
+        certificate
     };
-    connected_components(poses.len(), ends).iter().map(certificate).collect()
+    let certificates = connected_components(poses.len(), ends).iter().map(&mut certificate).collect();
+    (certificates, refined)
 }

@@ -12,6 +12,8 @@ pub enum Start {
     SpanningTree,
     /// The chordal relaxation.
     Chordal,
+    /// SE-Sync's cost in more dimensions, from the chordal relaxation.
+    Lifted,
 }
 
 impl Start {
@@ -21,6 +23,7 @@ impl Start {
             Self::Given => "given",
             Self::SpanningTree => "spanning tree",
             Self::Chordal => "chordal",
+            Self::Lifted => "lifted",
         }
     }
 }

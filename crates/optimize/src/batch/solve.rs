@@ -1,6 +1,7 @@
 //! From a checked graph to its solution.
 
 use std::cmp::Ordering;
+use std::collections::VecDeque;
 
 use super::graduated::set_landmark_kernels;
 use super::solution::{ComponentReport, Solution, Start};
@@ -11,7 +12,7 @@ use crate::model::gauge::{count_held, put_held_first};
 use crate::model::kernel::charge;
 use crate::model::magnitude::Magnitude;
 use crate::model::part::extract;
-use crate::model::problem::Problem;
+use crate::model::problem::{Edge, Problem};
 use crate::model::residual::{chi_square, cost, squared};
 use crate::normal_equations::{Pattern, System};
 use crate::options::{Graduated, Initialisation, Options};
@@ -125,13 +126,21 @@ fn gather<G: PoseGroup<DOF>, const DOF: usize>(
     }
 }
 
+/// A descent from the relaxation that takes more factorisations than this may have ended in the wrong basin.
+const HARD: usize = 30;
+
+/// Whether SE-Sync's cost stands for the cost of the edges: without kernels, and with at most one held node.
+fn may_be_lifted<G, const DOF: usize>(edges: &[Edge<G, DOF>], held: usize) -> bool {
+    held <= 1 && edges.iter().all(|edge| edge.kernel.is_none())
+}
+
 /// Start, result, report and system of a component.
 type Solved<G, const DOF: usize> = (Vec<G>, Vec<G>, ComponentReport, Option<System<DOF>>);
 
 /// Chooses a start of a connected graph whose first `held` nodes keep their poses, and solves from it.
 ///
 /// Without kernels the relaxation is tried first: the cost of a start says little about its basin if a few stiff edges
-/// dominate. If its result costs more than another *start*, that start is tried too, and the lowest result is kept. With
+/// dominate. If the descent from it is hard, the minimum of SE-Sync's cost in more dimensions is tried next. If its result costs more than another *start*, that start is tried too, and the lowest result is kept. With
 /// kernels, the cheapest start is tried first, since the relaxation ignores outliers.
 fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     part: &Problem<G, DOF>,
@@ -154,8 +163,12 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     let starts = timed(&mut phases.start, || {
         candidates(part, &mut workspace, options.initialisation, report.cost_given)
     });
-    for candidate in starts {
-        if best.is_some() && candidate.cost.partial_cmp(&report.cost) != Some(Ordering::Less) {
+    let mut starts = VecDeque::from(starts);
+    while let Some(candidate) = starts.pop_front() {
+        if best.is_some()
+            && candidate.start != Start::Lifted
+            && candidate.cost.partial_cmp(&report.cost) != Some(Ordering::Less)
+        {
             continue;
         }
         let mut result = candidate.poses.clone();
@@ -163,6 +176,18 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
         report.iterations += outcome.iterations;
         report.rejected += outcome.rejected;
         report.factorizations += outcome.factorizations;
+        let hard = candidate.start == Start::Chordal
+            && (outcome.factorizations > HARD || !outcome.termination.converged());
+        if hard && options.initialisation == Initialisation::Best && may_be_lifted(edges, held) {
+            let poses = timed(&mut phases.start, || G::lifted_poses(edges, &candidate.poses));
+            starts.extend(poses.map(|poses| Candidate {
+                start: Start::Lifted,
+                cost: cost(edges, &poses),
+                poses,
+            }));
+            // Before the given poses and the tree.
+            starts.rotate_right(usize::from(starts.back().is_some_and(|last| last.start == Start::Lifted)));
+        }
         if best.is_none() || outcome.cost < report.cost {
             report.adopt(candidate.start, candidate.cost, &outcome);
             best = Some((candidate.poses, result));

@@ -6,9 +6,9 @@
 
 use posecut_geometry::LieGroup;
 
-use super::damping::Damping;
-use super::outcome::{Outcome, Step, Termination};
-use super::phases::timed;
+use super::contest::Attempt;
+use super::damping::{Damping, FIRST_DAMPING, first_damping};
+use super::outcome::{Outcome, Termination};
 use super::workspace::{Workspace, rounding};
 use crate::model::residual::Term;
 use crate::options::Options;
@@ -17,23 +17,30 @@ use crate::options::Options;
 /// would pass for convergence.
 const NEARLY_FULL: f64 = 1e-3;
 
+/// Below this share of its promise, other steps are tried beside a step.
+const GOOD: f64 = 0.9;
+/// Factorisations after which Newton's step is tried, too. Most graphs need fewer, and far from a minimum it is no better.
+const PATIENCE: usize = 10;
+
 /// The state of an iteration.
 struct Iteration {
     damping: Damping,
     /// The longest component of the last undamped step.
     undamped_before: f64,
+    /// Whether a step has failed.
+    hard: bool,
     outcome: Outcome,
 }
 
 /// A step that was tried.
 struct Tried {
-    step: Step,
-    /// The cost at the trial.
-    cost: f64,
+    attempt: Attempt,
     /// The tolerance that the step meets.
     met: Option<Termination>,
     /// Whether it is a full step.
     undamped: bool,
+    /// Whether the equations have the trial's gradient.
+    with_gradient: bool,
 }
 
 impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
@@ -48,6 +55,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         let mut iteration = Iteration {
             damping: Damping::up_to(largest_damping),
             undamped_before: f64::INFINITY,
+            hard: false,
             outcome: Outcome::new(self.assemble(edges, poses)),
         };
         let mut ended = self.is_flat(options, &mut iteration.outcome);
@@ -74,12 +82,12 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         options: &Options,
         iteration: &mut Iteration,
     ) -> Option<Termination> {
-        let Iteration { damping, undamped_before, outcome } = iteration;
+        let Iteration { damping, undamped_before, hard, outcome } = iteration;
         outcome.iterations += 1;
         outcome.factorizations += 1;
         let Some(step) = self.solve(damping.value, &mut outcome.undetermined) else {
             outcome.rejected += 1;
-            return (!damping.raise()).then_some(Termination::Stalled);
+            return (!damping.raise(FIRST_DAMPING)).then_some(Termination::Stalled);
         };
         let undamped = damping.value == 0.0;
         let shrinks = undamped && step.largest < *undamped_before;
@@ -94,13 +102,25 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             None
         };
         // With the gradient at the trial, the next step can reuse the factor. After a damped step none does.
-        let cost =
-            if undamped && met.is_none() { self.trial_gradient(edges) } else { self.trial_cost(edges) };
+        let with_gradient = undamped && met.is_none() && !*hard;
+        let cost = if with_gradient { self.trial_gradient(edges) } else { self.trial_cost(edges) };
+        let mut attempt = Attempt { step, cost };
+        if *hard && met.is_none() && !(attempt.gain(outcome.cost) >= GOOD) {
+            let newton = outcome.factorizations > PATIENCE;
+            attempt = self.contest(edges, poses, damping.value, newton, attempt);
+        }
+        let Attempt { step, cost } = attempt;
         let lower =
             cost < outcome.cost || (shrinks && options.is_hidden(step.promised, self.at_least(outcome.cost)));
         // The last step may leave the cost unchanged: its poses are still nearer to the minimum.
         if lower || (met.is_some() && cost <= outcome.cost) {
-            return self.take(edges, poses, options, iteration, &Tried { step, cost, met, undamped });
+            return self.take(
+                edges,
+                poses,
+                options,
+                iteration,
+                &Tried { attempt, met, undamped, with_gradient },
+            );
         }
         if met.is_some() {
             return met;
@@ -110,17 +130,13 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             return Some(Termination::Cost);
         }
         outcome.rejected += 1;
-        if !damping.raise() {
-            return Some(Termination::Stalled);
-        }
-        if undamped {
+        *hard = true;
+        if with_gradient {
             // The trial's gradient has overwritten the gradient at these poses.
-            let Self { equations, pattern, phases, .. } = self;
-            timed(&mut phases.linearisation, || {
-                equations.assemble_gradient(pattern, edges, poses);
-            });
+            self.gradient_at(edges, poses);
         }
-        None
+        let first = first_damping(self.stiffness(&step, damping.value), attempt.gain(outcome.cost));
+        (!damping.raise(first)).then_some(Termination::Stalled)
     }
 
     /// Takes the trial, continues with its factor while that pays, and then assembles the equations anew.
@@ -132,17 +148,21 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         iteration: &mut Iteration,
         tried: &Tried,
     ) -> Option<Termination> {
-        let Iteration { damping, undamped_before, outcome } = iteration;
+        let Iteration { damping, undamped_before, outcome, .. } = iteration;
+        let Attempt { step, cost } = tried.attempt;
+        let gain = tried.attempt.gain(outcome.cost);
+        damping.lower(gain, self.stiffness(&step, damping.value));
         poses.copy_from_slice(&self.trial);
-        let gain = (outcome.cost - tried.cost) / tried.step.promised;
-        outcome.cost = tried.cost;
+        outcome.cost = cost;
         if tried.met.is_some() {
             return tried.met;
         }
-        damping.lower(gain);
         if tried.undamped {
             // Only the factor of an undamped matrix gives steps that approach Newton's.
-            if let Some(termination) = self.reuse(edges, poses, options, &tried.step, outcome) {
+            if !tried.with_gradient {
+                self.trial_gradient(edges);
+            }
+            if let Some(termination) = self.reuse(edges, poses, options, &step, outcome) {
                 return Some(termination);
             }
             *undamped_before = outcome.last.largest;

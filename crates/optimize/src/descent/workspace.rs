@@ -6,6 +6,7 @@ use posecut_geometry::LieGroup;
 
 use super::outcome::Step;
 use super::phases::{Phases, timed};
+use super::stiff_tree::StiffTree;
 use crate::model::magnitude::{Magnitude, translations};
 use crate::model::residual::Term;
 use crate::normal_equations::{NormalEquations, Pattern};
@@ -13,6 +14,9 @@ use crate::normal_equations::{NormalEquations, Pattern};
 /// Damping raises every diagonal entry to at least this share of the largest one. Marquardt's scaling alone would not damp a
 /// direction that hardly any edge measures, and steps in it would have no bound.
 const DAMPING_FLOOR: f64 = 1e-9;
+
+/// A direction softer than this, as a share of the diagonal, is rounding.
+const SOFTEST: f64 = 1e-14;
 
 /// Memory of the iteration, reserved once.
 pub(crate) struct Workspace<'a, G, const DOF: usize> {
@@ -23,6 +27,10 @@ pub(crate) struct Workspace<'a, G, const DOF: usize> {
     pub(crate) factor: Factor<DOF>,
     pub(crate) step: Vec<SVector<f64, DOF>>,
     pub(crate) trial: Vec<G>,
+    /// The tree of the stiffest edges, once it was needed; empty if they span no tree.
+    pub(super) tree: Option<StiffTree>,
+    /// Memory of the exact second derivative, once it was needed.
+    pub(super) exact: Option<NormalEquations<DOF>>,
     /// Seconds so far, over all calls.
     pub(crate) phases: Phases,
 }
@@ -36,6 +44,8 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
             factor: Factor::with_memory(&pattern.symbolic, memory),
             step: vec![SVector::zeros(); pattern.variables],
             trial: Vec::new(),
+            tree: None,
+            exact: None,
             phases: Phases::default(),
         }
     }
@@ -67,6 +77,22 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         std::array::from_fn(|axis| DAMPING_FLOOR * largest / unit(axis))
     }
 
+    /// `D` of damping: the diagonal, at least the floor.
+    pub(super) fn damping_scale(&self) -> Vec<SVector<f64, DOF>> {
+        let floor = self.damping_floor();
+        let diagonal = self.equations.diagonal.iter();
+        diagonal.map(|block| SVector::from_fn(|axis, _| block[(axis, axis)].max(floor[axis]))).collect()
+    }
+
+    /// `d^T H d / d^T D d` for the step: how stiff the edges are along it, as a share of the diagonal. Damping of this size halves
+    /// the step.
+    pub(super) fn stiffness(&self, step: &Step, damping: f64) -> f64 {
+        let scale = self.damping_scale();
+        let norm: f64 =
+            self.step.iter().zip(&scale).map(|(block, scale)| block.component_mul(block).dot(scale)).sum();
+        ((step.promised / norm) - damping).clamp(SOFTEST, 1.0)
+    }
+
     /// The damped step `(H + damping D) d = -g`.
     pub(crate) fn solve(&mut self, damping: f64, undetermined: &mut Option<(usize, usize)>) -> Option<Step> {
         let floor = self.damping_floor();
@@ -85,11 +111,8 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         }
         let mut step = self.substitute()?;
         if damping > 0.0 {
-            for (step_block, block) in self.step.iter().zip(&self.equations.diagonal) {
-                for (component, &value) in step_block.iter().enumerate() {
-                    step.promised +=
-                        damping * block[(component, component)].max(floor[component]) * value * value;
-                }
+            for (block, scale) in self.step.iter().zip(&self.damping_scale()) {
+                step.promised += damping * block.component_mul(block).dot(scale);
             }
         }
         Some(step)
@@ -133,6 +156,12 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
     pub(crate) fn trial_gradient<T: Term<G, DOF>>(&mut self, edges: &[T]) -> f64 {
         let Self { equations, pattern, trial, phases, .. } = self;
         timed(&mut phases.linearisation, || equations.assemble_gradient(pattern, edges, trial))
+    }
+
+    /// Computes the gradient at these poses; the matrix stays the same.
+    pub(super) fn gradient_at<T: Term<G, DOF>>(&mut self, edges: &[T], poses: &[G]) {
+        let Self { equations, pattern, phases, .. } = self;
+        timed(&mut phases.linearisation, || equations.assemble_gradient(pattern, edges, poses));
     }
 
     /// The cost at the trial.

@@ -8,7 +8,9 @@
 use nalgebra::{Matrix3, SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
+use super::curvature::curve;
 use super::kernel::charge;
+use super::magnitude::translations;
 use super::problem::{Edge, Problem};
 
 /// `e = Log(Z^-1 X_from^-1 X_to)`.
@@ -66,6 +68,16 @@ impl<const DOF: usize> Gradient<DOF> {
     }
 }
 
+/// The ends of a summand and the sum of its variances, in squared shares of the graph's length and squared radians.
+pub struct Link {
+    /// First node.
+    pub from: usize,
+    /// Second node.
+    pub to: usize,
+    /// Sum of the reciprocals of the information's diagonal.
+    pub variance: f64,
+}
+
 /// One summand of a cost over poses.
 pub trait Term<G, const DOF: usize> {
     /// Its value.
@@ -75,6 +87,14 @@ pub trait Term<G, const DOF: usize> {
     /// The cost that rounding errors alone may cause.
     fn rounding(&self, _poses: &[G]) -> f64 {
         0.0
+    }
+    /// Its ends, and how weakly it holds them to each other, if it holds two poses.
+    fn link(&self, _length: f64) -> Option<Link> {
+        None
+    }
+    /// Its quadratic model with the exact second derivative.
+    fn curve(&self, poses: &[G]) -> Linearised<DOF> {
+        self.linearise(poses)
     }
     /// Its linear model.
     fn gradient(&self, poses: &[G]) -> Gradient<DOF> {
@@ -97,6 +117,18 @@ impl<G: LieGroup<DOF>, const DOF: usize> Term<G, DOF> for Edge<G, DOF> {
     #[inline(always)]
     fn linearise(&self, poses: &[G]) -> Linearised<DOF> {
         linearise(self, poses)
+    }
+
+    fn link(&self, length: f64) -> Option<Link> {
+        let share = |axis: usize| {
+            let unit = if axis < translations(DOF) { length * length } else { 1.0 };
+            1.0 / (unit * self.information[(axis, axis)])
+        };
+        Some(Link { from: self.from, to: self.to, variance: (0..DOF).map(share).sum() })
+    }
+
+    fn curve(&self, poses: &[G]) -> Linearised<DOF> {
+        curve(self, poses)
     }
 
     #[inline(always)]

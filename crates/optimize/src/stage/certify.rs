@@ -2,17 +2,64 @@
 
 use posecut_stage::{Context, Doubt, counted, info};
 
-use crate::{Certificate, ComponentReport};
+use crate::{
+    Certificate, ComponentReport, Initialisation, Options, PoseGroup, Problem, Solution, certify_and_refine,
+    optimize,
+};
+
+/// Costs that differ by a smaller share are equal.
+const SAME_COST: f64 = 1e-9;
+
+/// The certificates, and what a descent from the poses they are for has found.
+pub(super) struct Certified {
+    certificates: Vec<Certificate>,
+    /// The cost at the end of that descent, if there are no held nodes.
+    descended: Option<f64>,
+    /// The cost of the solution before.
+    before: f64,
+}
+
+/// Certifies SE-Sync's cost next to the solution. Then descends from the poses certified, and takes the result if it costs less
+/// than the solution: with much noise in the rotations, the two costs have their minima in different basins.
+pub(super) fn certify_or_improve<G: PoseGroup<DOF>, const DOF: usize>(
+    problem: &Problem<G, DOF>,
+    solution: &mut Solution<G>,
+    options: &Options,
+) -> Certified {
+    let before = solution.cost;
+    let (certificates, refined) = certify_and_refine(problem, &solution.poses);
+    if !problem.held().is_empty() {
+        return Certified { certificates, descended: None, before };
+    }
+    let options = Options { initialisation: Initialisation::Given, ..*options };
+    let descended =
+        Problem::new(refined, problem.edges().to_vec()).map(|from| optimize(&from, &options)).ok();
+    let cost = descended.as_ref().map(|descended| descended.cost);
+    if let Some(descended) = descended.filter(|descended| descended.cost < before * (1.0 - SAME_COST)) {
+        *solution = descended;
+    }
+    Certified { certificates, descended: cost, before }
+}
 
 /// Notes the verdict on the whole graph and the figures of its least certain component. A component without edges, a single
 /// node, counts as global.
-pub(super) fn note(certificates: &[Certificate], parts: &[ComponentReport], context: &mut Context) {
+pub(super) fn note(certified: &Certified, parts: &[ComponentReport], context: &mut Context) {
+    let Certified { certificates, descended, before } = certified;
+    if let Some(descended) = descended.filter(|descended| *descended < before * (1.0 - SAME_COST)) {
+        info!("a descent from the minimum of SE-Sync's cost lowers the cost from {before} to {descended}");
+    }
     let constrained = parts.iter().filter(|part| part.held > 1).count();
-    let global = certificates.iter().all(|certificate| certificate.global);
+    // The certificate speaks for the solution only if the descent from the poses it is for does not end above it.
+    let elsewhere = descended.is_some_and(|descended| descended > before * (1.0 + SAME_COST));
+    let global = !elsewhere && certificates.iter().all(|certificate| certificate.global);
     let verdict = if global { "global" } else { "not certified" };
     let certified = certificates.iter().filter(|certificate| certificate.global).count();
     if !global {
-        let remedy = if constrained > 0 {
+        let remedy = if elsewhere {
+            "the minimum of SE-Sync's cost lies in another basin, where the cost of this solution is higher, so the certificate says \
+             nothing about this solution"
+                .to_owned()
+        } else if constrained > 0 {
             format!(
                 "it does not apply to {} with more than one fixed node, because it covers edges only; certify without fixed nodes",
                 counted(constrained, "component")
@@ -24,7 +71,7 @@ pub(super) fn note(certificates: &[Certificate], parts: &[ComponentReport], cont
         context.doubt(
             Doubt::NotCertified,
             format!(
-                "the certificate of a global minimum holds for {certified} of {}: {remedy}",
+                "the certificate of a global minimum of SE-Sync's cost holds for {certified} of {}: {remedy}",
                 counted(certificates.len(), "component")
             ),
         );
@@ -41,5 +88,5 @@ pub(super) fn note(certificates: &[Certificate], parts: &[ComponentReport], cont
     let worst = certificates.iter().min_by(|a, b| margin(a).total_cmp(&margin(b)));
     statistics.note("certificate_eigenvalue", worst.map(|certificate| certificate.eigenvalue));
     statistics.note("certificate_tolerance", worst.map(|certificate| certificate.tolerance));
-    info!("certificate of the chordal cost after refinement: {verdict}");
+    info!("certificate of SE-Sync's cost next to the solution: {verdict}");
 }

@@ -8,14 +8,18 @@ mod changes;
 mod g2o;
 #[path = "../noisy_walk/mod.rs"]
 mod noisy_walk;
+#[path = "../worlds/mod.rs"]
+mod worlds;
 
 mod benchmark_graphs;
 mod certificate;
 mod false_closures;
 mod held;
 mod ill_posed;
+mod long_routes;
 mod marginals;
 mod metamorphic;
+mod noisy_rotations;
 mod scale;
 mod solutions;
 mod stage;

@@ -1,0 +1,83 @@
+//! Which of several steps lowers the cost most.
+//!
+//! Where the poses bend, the step that the linear model proposes is good and its retraction is not, or the residuals curve and the
+//! step itself is not good. A factorisation costs several times as much as a trial, so all are tried: the Gauss-Newton step
+//! and, after a number of factorisations, Newton's, each moved pose by pose and along the stiffest edges.
+
+use posecut_geometry::LieGroup;
+
+use super::outcome::Step;
+use super::stiff_tree::StiffTree;
+use super::workspace::Workspace;
+use crate::model::residual::Term;
+
+/// A step and the cost where it leads.
+#[derive(Clone, Copy)]
+pub(super) struct Attempt {
+    pub(super) step: Step,
+    pub(super) cost: f64,
+}
+
+impl Attempt {
+    /// The share of its promise that the step keeps.
+    pub(super) fn gain(&self, before: f64) -> f64 {
+        (before - self.cost) / self.step.promised
+    }
+}
+
+impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
+    /// The best of the given attempt, which is at the trial, and the other steps. Its poses become the trial, its step the step.
+    pub(super) fn contest<T: Term<G, DOF>>(
+        &mut self,
+        terms: &[T],
+        poses: &[G],
+        damping: f64,
+        newton: bool,
+        first: Attempt,
+    ) -> Attempt {
+        let held = self.pattern.held;
+        if self.tree.is_none() {
+            self.tree = Some(StiffTree::new(terms, poses.len(), held, self.magnitude.length));
+        }
+        let mut best = first;
+        let mut winner = (self.trial.clone(), self.step.clone());
+        self.by_tree(terms, poses, first.step, &mut best, &mut winner);
+        if newton && let Some(step) = self.newton_step(terms, poses, damping) {
+            self.retract(poses);
+            let cost = self.trial_cost(terms);
+            self.prefer(Attempt { step, cost }, &mut best, &mut winner);
+            self.by_tree(terms, poses, step, &mut best, &mut winner);
+        }
+        (self.trial, self.step) = winner;
+        best
+    }
+
+    /// Tries the step along the tree.
+    fn by_tree<T: Term<G, DOF>>(
+        &mut self,
+        terms: &[T],
+        poses: &[G],
+        step: Step,
+        best: &mut Attempt,
+        winner: &mut Winner<G, DOF>,
+    ) {
+        if let Some(tree) = self.tree.as_ref().filter(|tree| !tree.is_empty()) {
+            tree.retract(poses, self.pattern.held, &self.step, &mut self.trial);
+            let cost = self.trial_cost(terms);
+            self.prefer(Attempt { step, cost }, best, winner);
+        }
+    }
+
+    /// Keeps the attempt at the trial if it costs less than the best so far.
+    fn prefer(&self, attempt: Attempt, best: &mut Attempt, winner: &mut Winner<G, DOF>) {
+        // Also where the best so far is not a number.
+        if attempt.cost < best.cost || !best.cost.is_finite() {
+            *best = attempt;
+            winner.0.copy_from_slice(&self.trial);
+            winner.1.copy_from_slice(&self.step);
+        }
+    }
+}
+
+/// Poses and step of the best attempt.
+type Winner<G, const DOF: usize> = (Vec<G>, Vec<nalgebra::SVector<f64, DOF>>);

@@ -1,0 +1,153 @@
+//! Minimises `tr(X M X^T)` over poses in more dimensions.
+//!
+//! A Riemannian trust-region method whose steps come from preconditioned conjugate gradients that end at the region's boundary or at a
+//! direction of negative curvature (P.-A. Absil, C. G. Baker, K. A. Gallivan, "Trust-region methods on Riemannian manifolds", 2007).
+
+use nalgebra::SMatrix;
+use posecut_cholesky::Factor;
+
+use super::manifold::{Lift, add, dot, multipliers, project, retract};
+use super::matrix::ChordalMatrix;
+
+/// Maximum numbers of steps, and of directions for one step.
+const STEPS: usize = 100;
+const DIRECTIONS: usize = 40;
+/// The iteration ends when a step lowers the cost by less than this share, or could at most by the square of the gradient.
+const TOLERANCE: f64 = 1e-7;
+/// The directions end when the residual falls below this share of the gradient, squares in the norm of the preconditioner.
+const REDUCTION: f64 = 1e-2;
+/// Ratios of gain to promise: below the first the radius shrinks, above the second it grows, below the last the step is not taken.
+const POOR: f64 = 0.25;
+const GOOD: f64 = 0.75;
+const TAKEN: f64 = 0.05;
+/// A radius below this share of the first one is rounding.
+const SMALLEST: f64 = 1e-10;
+
+/// A step and its product with the Hessian.
+struct Proposal<const P: usize, const M: usize> {
+    step: Lift<P, M>,
+    product: Lift<P, M>,
+}
+
+/// The result from this start; `None` if the matrix is singular or the cost not finite.
+pub(super) fn minimise<const N: usize, const M: usize, const P: usize>(
+    matrix: &ChordalMatrix<M>,
+    start: Lift<P, M>,
+) -> Option<Lift<P, M>> {
+    let mut factor = matrix.factor()?;
+    let mut x = start;
+    let mut x_m = matrix.times(&x);
+    let mut cost = dot(&x, &x_m);
+    let mut radius = f64::NAN;
+    let mut smallest = 0.0;
+    for _ in 0..STEPS {
+        let mut gradient = x_m.clone();
+        project::<N, M, P>(&x, &mut gradient);
+        let mut first = matrix.divide(&mut factor, &gradient);
+        project::<N, M, P>(&x, &mut first);
+        let size = dot(&first, &gradient);
+        if !size.is_finite() {
+            return None;
+        }
+        if size <= TOLERANCE * TOLERANCE * cost {
+            break;
+        }
+        if radius.is_nan() {
+            radius = 4.0 * size.sqrt();
+            smallest = SMALLEST * radius;
+        }
+        let at = Point { matrix, x: &x, multipliers: multipliers::<N, M, P>(&x, &x_m) };
+        let Proposal { step, product } = at.directions(&mut factor, &gradient, &first, radius);
+        let promised = -2.0 * dot(&gradient, &step) - dot(&step, &product);
+        let trial = retract(&x, &step);
+        let trial_m = matrix.times(&trial);
+        let trial_cost = dot(&trial, &trial_m);
+        let gain = (cost - trial_cost) / promised;
+        if !(gain >= POOR) {
+            radius *= 0.25;
+        } else if gain > GOOD {
+            radius *= 2.0;
+        }
+        if gain > TAKEN {
+            let change = cost - trial_cost;
+            (x, x_m, cost) = (trial, trial_m, trial_cost);
+            if change < TOLERANCE * cost {
+                break;
+            }
+        }
+        if radius < smallest {
+            break;
+        }
+    }
+    Some(x)
+}
+
+/// A point and the multipliers of its constraints.
+struct Point<'a, const N: usize, const M: usize, const P: usize> {
+    matrix: &'a ChordalMatrix<M>,
+    x: &'a Lift<P, M>,
+    multipliers: Vec<SMatrix<f64, N, N>>,
+}
+
+impl<const N: usize, const M: usize, const P: usize> Point<'_, N, M, P> {
+    /// The Hessian of half the cost times a tangent: the projection of `U M - U Lambda`.
+    fn hessian(&self, u: &Lift<P, M>) -> Lift<P, M> {
+        let mut product = self.matrix.times(u);
+        for ((product, u), multiplier) in product.iter_mut().zip(u).zip(&self.multipliers) {
+            let mut turned = product.fixed_columns_mut::<N>(1);
+            turned -= u.fixed_columns::<N>(1) * multiplier;
+        }
+        project::<N, M, P>(self.x, &mut product);
+        product
+    }
+
+    /// Truncated conjugate gradients. `first` is the preconditioned gradient; lengths are in the norm of the preconditioner.
+    fn directions(
+        &self,
+        factor: &mut Factor<M>,
+        gradient: &Lift<P, M>,
+        first: &Lift<P, M>,
+        radius: f64,
+    ) -> Proposal<P, M> {
+        let zero = vec![SMatrix::<f64, P, M>::zeros(); self.x.len()];
+        let mut found = Proposal { step: zero.clone(), product: zero };
+        let mut residual = gradient.clone();
+        let mut decrease = dot(first, &residual);
+        let enough = REDUCTION * decrease;
+        let mut direction: Lift<P, M> = first.iter().map(|block| -block).collect();
+        // Squared length of the step, its product with the direction, and the direction's squared length.
+        let (mut step_step, mut step_direction, mut direction_direction) = (0.0, 0.0, decrease);
+        for _ in 0..DIRECTIONS {
+            let product = self.hessian(&direction);
+            let curvature = dot(&direction, &product);
+            let length = decrease / curvature;
+            let next = step_step + 2.0 * length * step_direction + length * length * direction_direction;
+            if !(curvature > 0.0) || next >= radius * radius {
+                let rest = direction_direction * (radius * radius - step_step);
+                let root = (step_direction * step_direction + rest).sqrt();
+                let to_boundary = (root - step_direction) / direction_direction;
+                add(&mut found.step, to_boundary, &direction);
+                add(&mut found.product, to_boundary, &product);
+                break;
+            }
+            add(&mut found.step, length, &direction);
+            add(&mut found.product, length, &product);
+            add(&mut residual, length, &product);
+            step_step = next;
+            let mut preconditioned = self.matrix.divide(factor, &residual);
+            project::<N, M, P>(self.x, &mut preconditioned);
+            let next = dot(&preconditioned, &residual);
+            if !(next > enough) {
+                break;
+            }
+            let ratio = next / decrease;
+            decrease = next;
+            for (direction, preconditioned) in direction.iter_mut().zip(&preconditioned) {
+                *direction = *direction * ratio - preconditioned;
+            }
+            step_direction = ratio * (step_direction + length * direction_direction);
+            direction_direction = decrease + ratio * ratio * direction_direction;
+        }
+        found
+    }
+}
