@@ -2,10 +2,12 @@
 //!
 //! A proof is a tree of reductions, packings, edges fixed by residual cost, and branches. Take a packing with weights `w_q`
 //! that leaves the capacity `r_e` at each edge. A multicut that pays for an edge `f` costs at least the packing's bound plus
-//! `r_f` (docs/method.md of this crate, "Why edges may be fixed"). [`proof`] writes a certificate, [`verify`] checks it.
+//! `r_f` (docs/method.md of this crate, "Why edges may be fixed"). [`proof`] writes a certificate, [`tree`] its
+//! proofs by cases, [`verify`] checks it.
 //!
 //! [`proof`] depends on [`reduce`](crate::reduce) and [`bound`](crate::bound). [`verify`] depends on the instance alone, and
 //! shares no algorithm with the solver.
 
 pub(crate) mod proof;
+pub(crate) mod tree;
 pub(crate) mod verify;

@@ -15,5 +15,6 @@ pub(crate) mod instance;
 pub(crate) mod kernel;
 pub(crate) mod read;
 pub(crate) mod signed_graph;
+pub mod small_and_hard;
 pub(crate) mod sum;
 pub(crate) mod union_find;

@@ -3,7 +3,7 @@
 //! [`greedy`] contracts (GAEC: Keuper et al., ICCV 2015, algorithm 2; greedy fixation: Levinkov, Kirillov, Andres, GCPR
 //! 2017), [`kernighan_lin`] exchanges nodes between clusters and joins them (KLj: Keuper et al., ICCV 2015, algorithm 1),
 //! [`node_moves`] moves single nodes, [`local_search`] fuses proposals (Beier, Hamprecht, Kappes, CVPR 2015), [`bisection`]
-//! starts long graphs, and [`start`] combines them on a kernel.
+//! starts long graphs, [`start`] combines them on a kernel, and [`stir`] disturbs solutions of small ones.
 //!
 //! Depends on [`graph`](crate::graph), and on [`reduce`](crate::reduce) for the contracted graphs of fusions.
 
@@ -14,3 +14,4 @@ pub(crate) mod kernighan_lin;
 pub(crate) mod local_search;
 pub(crate) mod node_moves;
 pub(crate) mod start;
+pub(crate) mod stir;

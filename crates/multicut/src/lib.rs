@@ -53,5 +53,6 @@ pub use graph::error::{GraphError, LabelError, MAXIMUM_NODES};
 pub use graph::generate;
 pub use graph::instance::{Edge, Graph};
 pub use graph::read::{ReadError, read_mc};
+pub use graph::small_and_hard;
 pub use options::{Options, Solver};
 pub use solve::{Solution, solve};

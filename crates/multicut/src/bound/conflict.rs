@@ -9,6 +9,40 @@ pub(crate) enum Conflict {
     Cycle(Vec<u32>),
     /// Edges around and towards a node.
     Wheel(Wheel),
+    /// Edges among and between two sets of nodes.
+    Parts(Parts),
+}
+
+/// Two disjoint sets of nodes `S` and `T`, with `|S| <= |T|`, such that all edges between them exist and attract, and all
+/// edges inside either exist and repel. All edges together are paid `|S| |T| - |S|` or more: the 2-partition inequality of
+/// Groetschel and Wakabayashi (1990).
+///
+/// Proof. Let a cluster contain `s` nodes of `S` and `t` of `T`. Of the edges between `S` and `T` it keeps `s t`, and inside
+/// the sets it pays `s (s - 1) / 2 + t (t - 1) / 2`. As `(s - t) (s - t) >= |s - t|`, what it keeps minus what it pays is at
+/// most `(s + t - |s - t|) / 2 = min(s, t)`. Over all clusters these minima add up to `|S|` at most.
+///
+/// Where `S` is one node, one attractive edge of it may go unpaid, however many there are; conflicted triangles alone add up
+/// to half of the edges.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Parts {
+    pub(crate) few: Vec<u32>,
+    pub(crate) many: Vec<u32>,
+}
+
+impl Parts {
+    /// Every edge among and between the sets.
+    fn edges(&self, kernel: &Kernel) -> Vec<u32> {
+        let mut edges = Vec::new();
+        for part in [&self.few, &self.many] {
+            for (place, &tail) in part.iter().enumerate() {
+                edges.extend(part[..place].iter().filter_map(|&head| kernel.edge(tail, head)));
+            }
+        }
+        for &tail in &self.few {
+            edges.extend(self.many.iter().filter_map(|&head| kernel.edge(tail, head)));
+        }
+        edges
+    }
 }
 
 /// A closed walk with an odd number `k` of repulsive edges, and for each of these an attractive path to it from one centre.
@@ -35,6 +69,7 @@ impl Conflict {
     /// Each edge once, with the number of its uses.
     pub(crate) fn uses(&self, kernel: &Kernel) -> Vec<(u32, u32)> {
         match self {
+            Self::Parts(parts) => parts.edges(kernel).into_iter().map(|edge| (edge, 1)).collect(),
             Self::Cycle(nodes) => kernel.cycle_edges(nodes).into_iter().map(|edge| (edge, 1)).collect(),
             Self::Wheel(wheel) => {
                 let mut edges = kernel.cycle_edges(&wheel.rim);
@@ -51,6 +86,7 @@ impl Conflict {
     pub(crate) fn least(&self) -> f64 {
         match self {
             Self::Cycle(_) => 1.0,
+            Self::Parts(parts) => (parts.few.len() * (parts.many.len() - 1)) as f64,
             Self::Wheel(wheel) => wheel.spokes.len().div_ceil(2) as f64,
         }
     }

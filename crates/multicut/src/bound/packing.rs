@@ -65,8 +65,8 @@ impl Packing {
                 packing.add(conflict.clone(), uses, weight);
             }
         }
-        // Cycles can be searched for in the remaining capacity, but wheels not as fast, so wheels are filled up here.
-        for (conflict, uses, _) in conflicts.filter(|entry| matches!(entry.0, Conflict::Wheel(_))) {
+        // Cycles can be searched for in the remaining capacity, but others not as fast, so they are filled up here.
+        for (conflict, uses, _) in conflicts.filter(|entry| !matches!(entry.0, Conflict::Cycle(_))) {
             let room = packing.room(uses);
             if room > 0.0 {
                 packing.add(conflict.clone(), uses, room);

@@ -8,6 +8,7 @@ use super::cycle_separation::CycleSeparation;
 use super::interior_point::{Point, Row, minimise_covering};
 use super::odd_wheel_separation::WheelSeparation;
 use super::packing::Packing;
+use super::parts_separation;
 use crate::budget::Budget;
 use crate::graph::kernel::Kernel;
 
@@ -175,8 +176,8 @@ const RISE: f64 = 1e-9;
 /// Solves `min c^+ y + |c^-| (1 - y)` over the cycle inequalities (Chopra, Rao 1993): for each repulsive edge `f` and each
 /// attractive path `P` between its ends, `y(P) + (1 - y_f) >= 1`. Cycles with other numbers of repulsive edges do not change
 /// the optimum (Lange, Karrenbauer, Andres, ICML 2018). So this is a covering program, its dual packs cycles, and every dual
-/// point is a certificate. When a point violates no cycle inequality, odd wheel inequalities follow ([`WheelSeparation`]);
-/// they are covering inequalities too.
+/// point is a certificate. When a point violates no cycle inequality, odd wheel inequalities follow ([`WheelSeparation`])
+/// and 2-partition inequalities ([`parts_separation`]); they are covering inequalities too.
 ///
 /// Starts from the conflicts of `start`. Ends when no inequality is violated, when the bound reaches `target`, when the
 /// budget is over, or when the bound hardly rises any more and `give_up` finds the packing good enough. Early rounds stop far
@@ -233,6 +234,7 @@ pub(crate) fn solve_relaxation(
         if violated.is_empty() && accuracy <= FINE && rounds < ROUNDS && accurate {
             rounds += 1;
             violated = WheelSeparation::new(kernel).violated(&relaxation.paid, budget);
+            violated.extend(parts_separation::violated(kernel, &relaxation.paid, budget));
         }
         let bound = covering.bound(kernel, &point);
         if accurate && bound > last_bound + RISE * magnitude {

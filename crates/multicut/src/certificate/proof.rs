@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use super::tree::CaseTree;
 use crate::bound::conflict::Conflict;
 use crate::bound::packing::Packed;
 use crate::reduce::decomposition::Trace;
@@ -17,6 +18,8 @@ pub(crate) enum Proof {
     Fixed { conflicts: Vec<Packed>, edges: Vec<(u32, u32)>, reward: f64, rest: Reduced },
     /// Two cases: the ends of an edge are joined or apart. The proof of each may reward its case.
     Branch { edge: (u32, u32), reward: f64, joined: Reduced, apart: Reduced },
+    /// Cases with weights of inequalities.
+    Tree(CaseTree),
 }
 
 /// A proof for a graph by reductions, with proofs for the kernels that they leave.
@@ -47,11 +50,19 @@ pub(crate) struct Reduced {
 ///                                the rim, in order, to where the rim enters it
 /// fix 1 2 99                     one conflict, two edges (tail head) fixed, reward; then reduce …
 /// branch 3 8 99                  edge and reward; then reduce … if joined, and reduce … if apart
+/// tree 3 4                       three inequalities, four cases. Conflicts as above, their weight being of no
+/// 1 0 1 4                        account; also:
+/// parts 1 0 / 1 2 3              two sets, smaller first: edges between attract, edges inside repel
+/// any 1 5 6 7                    a cycle whose edges have any sign
+/// split 3 8                      a case in two: edge not paid (the next case), and paid (the case after that ends)
+/// leaf 0 1.5 2 0.5               number of an inequality and its weight, repeated
+/// fixed 1 0 1.5                  one edge, weights; then the edge, and the payment from which deviating costs
+/// 2 4 0                          more than the bound; then the case in which it does not deviate
 /// end
 /// ```
 ///
 /// Bounds of parts add up, because no edge is in two of them. Edges outside all parts count with their cost if it is
-/// negative. The bound of a kernel is the sum of its negative costs and the packed weights (times (k + 1) / 2 for a wheel
+/// negative. An edge is *paid* if it attracts and is cut, or repels and is not. The bound of a kernel is the sum of its negative costs and the packed weights (times (k + 1) / 2 for a wheel
 /// with k spokes), rounded up if all its costs are integers.
 #[derive(Debug, Clone)]
 pub struct Certificate {
@@ -121,6 +132,7 @@ fn write_proof(output: &mut impl Write, proof: &Proof) -> std::io::Result<()> {
             write_reduced(output, joined)?;
             write_reduced(output, apart)
         }
+        Proof::Tree(tree) => tree.write(output),
     }
 }
 
@@ -130,23 +142,36 @@ fn write_packing(output: &mut impl Write, conflicts: &[Packed]) -> std::io::Resu
 }
 
 fn write_conflicts(output: &mut impl Write, conflicts: &[Packed]) -> std::io::Result<()> {
-    for Packed { conflict, weight } in conflicts {
-        match conflict {
-            Conflict::Cycle(nodes) => write_line(output, &weight.to_string(), nodes)?,
-            Conflict::Wheel(wheel) => {
-                write!(output, "wheel {weight}")?;
-                for node in &wheel.rim {
-                    write!(output, " {node}")?;
-                }
-                for spoke in &wheel.spokes {
-                    write!(output, " /")?;
-                    for node in spoke {
-                        write!(output, " {node}")?;
-                    }
-                }
-                writeln!(output)?;
+    conflicts.iter().try_for_each(|Packed { conflict, weight }| write_conflict(output, *weight, conflict))
+}
+
+/// Writes a conflict with its weight.
+pub(super) fn write_conflict(
+    output: &mut impl Write,
+    weight: f64,
+    conflict: &Conflict,
+) -> std::io::Result<()> {
+    let list =
+        |output: &mut dyn Write, nodes: &[u32]| nodes.iter().try_for_each(|node| write!(output, " {node}"));
+    match conflict {
+        Conflict::Cycle(nodes) => {
+            write!(output, "{weight}")?;
+            list(output, nodes)?;
+        }
+        Conflict::Wheel(wheel) => {
+            write!(output, "wheel {weight}")?;
+            list(output, &wheel.rim)?;
+            for spoke in &wheel.spokes {
+                write!(output, " /")?;
+                list(output, spoke)?;
             }
         }
+        Conflict::Parts(parts) => {
+            write!(output, "parts {weight}")?;
+            list(output, &parts.few)?;
+            write!(output, " /")?;
+            list(output, &parts.many)?;
+        }
     }
-    Ok(())
+    writeln!(output)
 }

@@ -1,11 +1,13 @@
 //! An independent check of certificates, which shares no algorithm with the solver.
 //!
 //! [`proof`] reads the statements, [`part`] repeats the reductions on its own graph, and [`packing`] checks signs, shape and
-//! capacity of every conflict: for each edge, the weights of the conflicts that use it add up to at most its `|c|`.
+//! capacity of every conflict: for each edge, the weights of the conflicts that use it add up to at most its `|c|`. [`tree`]
+//! checks proofs by cases.
 
 mod packing;
 mod part;
 mod proof;
+mod tree;
 
 use std::io::BufRead;
 

@@ -1,5 +1,6 @@
 //! Branch and cut on kernels.
 
+use super::cut_tree;
 use crate::bound::packing::Packing;
 use crate::bound::relaxation::{Relaxation, solve_relaxation};
 use crate::budget::Budget;
@@ -12,6 +13,7 @@ use crate::heuristics::greedy::{Preference, additive_edge_contraction};
 use crate::heuristics::kernighan_lin::kernighan_lin_with_joins;
 use crate::heuristics::local_search::{fuse_proposals, solve_contracted};
 use crate::heuristics::start::contract;
+use crate::heuristics::stir::stir;
 use crate::options::Solver;
 use crate::reduce::decomposition::decompose;
 
@@ -38,6 +40,13 @@ const INNER_TOLERANCE: f64 = 1e-12;
 
 /// A stalled relaxation gives way to one with fixed edges if fixing saves at least one node in this many.
 const FEW: usize = 50;
+
+/// Largest kernel, in edges, that one linear program with an inverse of its basis suits.
+const SMALL: usize = 1_500;
+
+/// Largest kernel, in nodes, whose solution is stirred, and the work that this takes for each edge.
+const STIRRED: usize = 400;
+const STIRRING: u64 = 1_500;
 
 fn magnitude(graph: &SignedGraph) -> f64 {
     graph.edges().map(|(_, _, cost)| cost.abs()).sum()
@@ -136,6 +145,9 @@ pub(crate) fn improve(graph: &SignedGraph, state: &mut State, rounds: usize, see
     }
     let mut labels = state.labels.clone();
     fuse_proposals(graph, &mut labels, rounds, seed, budget);
+    if rounds > 0 && kernel.node_count() <= STIRRED {
+        stir(graph, &mut labels, STIRRING * kernel.edge_count() as u64, seed, budget);
+    }
     state.offer(graph, labels);
 }
 
@@ -163,6 +175,9 @@ impl Tree {
             return;
         }
         let kernel = Kernel::new(graph);
+        if kernel.edge_count() <= SMALL {
+            return self.grow(graph, &kernel, state, cutoff, budget);
+        }
         let packing = std::mem::take(&mut state.packing);
         let target = goal(state);
         let pays = |packing: &Packing| {
@@ -189,6 +204,30 @@ impl Tree {
             }
         }
         state.packing = packing;
+    }
+
+    /// Closes the gap of a small kernel with one linear program throughout.
+    fn grow(
+        &self,
+        graph: &SignedGraph,
+        kernel: &Kernel,
+        state: &mut State,
+        cutoff: f64,
+        budget: &mut Budget,
+    ) {
+        let task = cut_tree::Task {
+            graph,
+            kernel,
+            start: &state.packing.conflicts,
+            cutoff,
+            tolerance: self.tolerance,
+            record: state.proof.is_some(),
+        };
+        let found = cut_tree::search(&task, state.labels.clone(), state.objective, budget);
+        if found.objective < state.objective {
+            (state.objective, state.labels) = (found.objective, found.labels);
+        }
+        state.raise(found.bound, || found.proof.map(Proof::Tree));
     }
 
     /// Joins the ends of attractive edges if cutting the edge alone would lift the bound to the goal.
@@ -287,7 +326,7 @@ impl Tree {
     }
 }
 
-/// Rounds a fractional point to solutions: contracts by costs that are scaled down for edges that the point cuts more.
+/// Rounds a fractional point to solutions.
 fn round(
     graph: &SignedGraph,
     kernel: &Kernel,
@@ -298,12 +337,6 @@ fn round(
     if budget.is_over() {
         return;
     }
-    let scaled = kernel
-        .ends
-        .iter()
-        .zip(&kernel.costs)
-        .zip(&relaxation.paid)
-        .map(|((&(tail, head), &cost), &paid)| (tail, head, cost * (1.0 - paid.clamp(0.0, 1.0) + 1e-3)));
     // If the relaxation is integral, its multicut is the optimum.
     let mut uncut = UnionFind::new(graph.node_count());
     for (edge, &(tail, head)) in kernel.ends.iter().enumerate() {
@@ -312,10 +345,26 @@ fn round(
         }
     }
     state.offer(graph, uncut.labels());
+    state.offer(graph, rounded_solution(graph, kernel, &relaxation.paid, budget));
+}
+
+/// Rounds a fractional point: contracts by costs that are scaled down for edges that the point cuts more, then Kernighan-Lin.
+pub(super) fn rounded_solution(
+    graph: &SignedGraph,
+    kernel: &Kernel,
+    paid: &[f64],
+    budget: &mut Budget,
+) -> Vec<u32> {
+    let scaled = kernel
+        .ends
+        .iter()
+        .zip(&kernel.costs)
+        .zip(paid)
+        .map(|((&(tail, head), &cost), &paid)| (tail, head, cost * (1.0 - paid.clamp(0.0, 1.0) + 1e-3)));
     let scaled = SignedGraph::new(graph.node_count(), scaled);
     let mut labels = additive_edge_contraction(&scaled, Preference::Degree, budget);
     kernighan_lin_with_joins(graph, &mut labels, budget);
-    state.offer(graph, labels);
+    labels
 }
 
 struct Fixed {

@@ -11,4 +11,5 @@ mod instances;
 mod invariance;
 mod program;
 mod support;
+mod trees;
 mod wheels;

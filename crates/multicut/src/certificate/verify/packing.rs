@@ -6,6 +6,9 @@ use super::VerifyError;
 use super::part::{Part, ROUNDING};
 use super::proof::Checker;
 
+/// A conflict's weight, its edges, each as often as it counts, and the least payment.
+pub(super) type Weighted = (f64, Vec<(u32, u32)>, f64);
+
 impl<B: BufRead> Checker<B> {
     /// Checks packed conflicts. Returns residual capacities and bound; leaves the reader on the line after the conflicts.
     pub(crate) fn packing(&mut self, kernel: &Part, conflicts: usize) -> Result<(Part, f64), VerifyError> {
@@ -17,12 +20,7 @@ impl<B: BufRead> Checker<B> {
         }
         let mut bound = kernel.negative_sum();
         for _ in 0..conflicts {
-            let is_wheel = self.words.first().is_some_and(|word| word == "wheel");
-            let weight: f64 = self.number(usize::from(is_wheel))?;
-            if !(weight >= 0.0 && weight.is_finite()) {
-                return Err(self.refute("a weight must be a positive number".into()));
-            }
-            let (uses, least) = if is_wheel { self.wheel(kernel)? } else { self.cycle(kernel)? };
+            let (weight, uses, least) = self.conflict(kernel)?;
             for (tail, head) in uses {
                 let cost = kernel.cost(tail, head).abs();
                 let key = (tail.min(head), tail.max(head));
@@ -41,6 +39,44 @@ impl<B: BufRead> Checker<B> {
             self.next()?;
         }
         Ok((residual, bound))
+    }
+
+    /// The conflict on the current line.
+    pub(super) fn conflict(&self, kernel: &Part) -> Result<Weighted, VerifyError> {
+        let word = self.words.first().map_or("", String::as_str);
+        let weight: f64 = self.number(usize::from(["wheel", "parts"].contains(&word)))?;
+        if !(weight >= 0.0 && weight.is_finite()) {
+            return Err(self.refute("a weight must be a positive number".into()));
+        }
+        let (uses, least) = match word {
+            "wheel" => self.wheel(kernel)?,
+            "parts" => self.parts(kernel)?,
+            _ => self.cycle(kernel)?,
+        };
+        Ok((weight, uses, least))
+    }
+
+    /// The edges among and between two sets of nodes: all must exist, attract between the sets, and repel inside.
+    fn parts(&self, kernel: &Part) -> Result<(Vec<(u32, u32)>, f64), VerifyError> {
+        let slash = self.words.iter().position(|word| word == "/").unwrap_or(self.words.len());
+        let few = self.nodes(2..slash)?;
+        let many = self.nodes((slash + 1).min(self.words.len())..self.words.len())?;
+        let nodes: Vec<u32> = few.iter().chain(&many).copied().collect();
+        if few.is_empty() || few.len() > many.len() {
+            return Err(self.refute("two sets are needed, the smaller one first".into()));
+        }
+        let mut uses = Vec::new();
+        for (place, &tail) in nodes.iter().enumerate() {
+            for (other, &head) in nodes.iter().enumerate().skip(place + 1) {
+                let between = (place < few.len()) != (other < few.len());
+                let cost = kernel.cost(tail, head);
+                if tail == head || (if between { cost <= 0.0 } else { cost >= 0.0 }) {
+                    return Err(self.wrong_sign(tail, head));
+                }
+                uses.push((tail, head));
+            }
+        }
+        Ok((uses, (few.len() * (many.len() - 1)) as f64))
     }
 
     /// The edges of a cycle; all but the last must be attractive.
@@ -92,7 +128,7 @@ impl<B: BufRead> Checker<B> {
         Ok((uses, f64::from(repulsive.div_ceil(2))))
     }
 
-    fn nodes(&self, mut places: std::ops::Range<usize>) -> Result<Vec<u32>, VerifyError> {
+    pub(super) fn nodes(&self, mut places: std::ops::Range<usize>) -> Result<Vec<u32>, VerifyError> {
         places.try_fold(Vec::new(), |mut nodes, place| {
             nodes.push(self.number(place)?);
             Ok(nodes)

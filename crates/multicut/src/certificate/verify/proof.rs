@@ -88,7 +88,11 @@ impl<B: BufRead> Checker<B> {
             while self.step(&mut part)? {
                 self.next()?;
             }
-            if self.words.first().is_some_and(|word| ["pack", "fix", "branch"].contains(&word.as_str())) {
+            if self
+                .words
+                .first()
+                .is_some_and(|word| ["pack", "fix", "branch", "tree"].contains(&word.as_str()))
+            {
                 let kernel = part.take(&names).map_err(|reason| self.refute(reason))?;
                 bound += self.proof(&kernel, depth)?;
             }
@@ -124,6 +128,7 @@ impl<B: BufRead> Checker<B> {
                 self.next()?;
                 Ok(round(self.packing(kernel, conflicts)?.1))
             }
+            "tree" => self.tree(kernel, &round),
             "fix" => {
                 let (conflicts, edges): (usize, usize) = (self.number(1)?, self.number(2)?);
                 let reward: f64 = self.number(3)?;
