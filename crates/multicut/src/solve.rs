@@ -5,6 +5,7 @@
 //! [`heuristics`](crate::heuristics), [`bound`](crate::bound), [`certificate`](crate::certificate).
 
 mod cut_tree;
+mod rounding;
 mod search;
 
 use std::time::Instant;
@@ -181,7 +182,7 @@ fn close_all(components: &mut [Component], seed: u64, budget: &mut Budget) {
         let component = &mut components[index];
         let piece = &component.decomposition.kernels[place];
         improve(&piece.graph, &mut component.states[place], ROUNDS, seed, budget);
-        close(&piece.graph, &mut component.states[place], budget);
+        close(&piece.graph, &mut component.states[place], seed, budget);
     }
 }
 

@@ -11,7 +11,7 @@ mod program;
 use branching::Gains;
 use program::Program;
 
-use super::search::rounded_solution;
+use super::rounding::rounded_solution;
 use crate::bound::cut::Cut;
 use crate::bound::dual_simplex::End;
 use crate::bound::odd_wheel_separation::WheelSeparation;

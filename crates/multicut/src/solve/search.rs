@@ -1,6 +1,7 @@
 //! Branch and cut on kernels.
 
 use super::cut_tree;
+use super::rounding::round;
 use crate::bound::packing::Packing;
 use crate::bound::relaxation::{Relaxation, solve_relaxation};
 use crate::budget::Budget;
@@ -9,7 +10,6 @@ use crate::graph::kernel::Kernel;
 use crate::graph::signed_graph::SignedGraph;
 use crate::graph::sum::Sum;
 use crate::graph::union_find::UnionFind;
-use crate::heuristics::greedy::{Preference, additive_edge_contraction};
 use crate::heuristics::kernighan_lin::kernighan_lin_with_joins;
 use crate::heuristics::local_search::{fuse_proposals, solve_contracted};
 use crate::heuristics::start::contract;
@@ -44,9 +44,16 @@ const FEW: usize = 50;
 /// Largest kernel, in edges, that one linear program with an inverse of its basis suits.
 const SMALL: usize = 1_500;
 
-/// Largest kernel, in nodes, whose solution is stirred, and the work that this takes for each edge.
+/// Kernels of up to this many edges go to it at once; the interior point method closes many larger ones faster.
+const TINY: usize = 500;
+
+/// Largest kernel, in nodes, whose solution is stirred, the work that this takes for each edge, also where the gap is wide, and
+/// the most work.
 const STIRRED: usize = 400;
-const STIRRING: u64 = 1_500;
+const STIRRING: (u64, u64) = (1_500, 15_000);
+const MOST_STIRRING: u64 = 60_000_000;
+/// Gap that counts as wide, as a share of the payment.
+const WIDE: f64 = 0.02;
 
 fn magnitude(graph: &SignedGraph) -> f64 {
     graph.edges().map(|(_, _, cost)| cost.abs()).sum()
@@ -82,7 +89,7 @@ impl State {
         }
     }
 
-    fn offer(&mut self, graph: &SignedGraph, labels: Vec<u32>) {
+    pub(super) fn offer(&mut self, graph: &SignedGraph, labels: Vec<u32>) {
         let objective = graph.objective(&labels);
         if objective < self.objective {
             self.objective = objective;
@@ -145,16 +152,13 @@ pub(crate) fn improve(graph: &SignedGraph, state: &mut State, rounds: usize, see
     }
     let mut labels = state.labels.clone();
     fuse_proposals(graph, &mut labels, rounds, seed, budget);
-    if rounds > 0 && kernel.node_count() <= STIRRED {
-        stir(graph, &mut labels, STIRRING * kernel.edge_count() as u64, seed, budget);
-    }
     state.offer(graph, labels);
 }
 
 /// Closes the gap of a kernel: relaxation, rounding, fixing, branching.
-pub(crate) fn close(graph: &SignedGraph, state: &mut State, budget: &mut Budget) {
+pub(crate) fn close(graph: &SignedGraph, state: &mut State, seed: u64, budget: &mut Budget) {
     let magnitude = magnitude(graph);
-    let tree = Tree { big: 1.0 + magnitude.ceil(), tolerance: INNER_TOLERANCE * magnitude };
+    let tree = Tree { big: 1.0 + magnitude.ceil(), tolerance: INNER_TOLERANCE * magnitude, seed };
     tree.close(graph, state, f64::INFINITY, budget);
 }
 
@@ -165,6 +169,8 @@ struct Tree {
     big: f64,
     /// Gap that counts as closed within the tree. It is absolute, because big costs would make a relative one too large.
     tolerance: f64,
+    /// Seed of the local search at the root.
+    seed: u64,
 }
 
 impl Tree {
@@ -175,12 +181,20 @@ impl Tree {
             return;
         }
         let kernel = Kernel::new(graph);
-        if kernel.edge_count() <= SMALL {
+        let root = cutoff == f64::INFINITY;
+        if kernel.edge_count() <= TINY {
+            if root {
+                self.stir(graph, STIRRING.0 * kernel.edge_count() as u64, state, budget);
+            }
             return self.grow(graph, &kernel, state, cutoff, budget);
         }
         let packing = std::mem::take(&mut state.packing);
         let target = goal(state);
+        let small = kernel.edge_count() <= SMALL;
         let pays = |packing: &Packing| {
+            if small {
+                return true;
+            }
             let fixed = self.fix(graph, &kernel, packing, target);
             fixed.is_some_and(|fixed| fixed.nodes * FEW >= graph.node_count())
         };
@@ -189,6 +203,17 @@ impl Tree {
         let bound = kernel.rounded(packing.bound);
         state.raise(bound, || Some(Proof::Packing(packing.conflicts.clone())));
         round(graph, &kernel, &relaxation, state, budget);
+        if root && state.bound < goal(state) {
+            // A wide gap means a long search, or none that ends.
+            let wide = goal(state) - state.bound > WIDE * (state.bound - kernel.negative_sum());
+            let each = if wide { STIRRING.1 } else { STIRRING.0 };
+            let effort = (each * kernel.edge_count() as u64).min(MOST_STIRRING);
+            self.stir(graph, effort, state, budget);
+        }
+        if small {
+            state.packing = packing;
+            return self.grow(graph, &kernel, state, cutoff, budget);
+        }
         if state.bound < goal(state) && !budget.is_over() {
             if let Some(fixed) = self.fix(graph, &kernel, &packing, goal(state)) {
                 // Solutions that the fixed graph excludes are no better than the best known one.
@@ -206,6 +231,14 @@ impl Tree {
         state.packing = packing;
     }
 
+    fn stir(&self, graph: &SignedGraph, effort: u64, state: &mut State, budget: &mut Budget) {
+        if graph.node_count() <= STIRRED && !budget.is_over() {
+            let mut labels = state.labels.clone();
+            stir(graph, &mut labels, effort, self.seed, budget);
+            state.offer(graph, labels);
+        }
+    }
+
     /// Closes the gap of a small kernel with one linear program throughout.
     fn grow(
         &self,
@@ -215,6 +248,9 @@ impl Tree {
         cutoff: f64,
         budget: &mut Budget,
     ) {
+        if state.bound >= cutoff.min(state.objective - self.tolerance) || budget.is_over() {
+            return;
+        }
         let task = cut_tree::Task {
             graph,
             kernel,
@@ -324,47 +360,6 @@ impl Tree {
             Some(Proof::Branch { edge: (tail, head), reward: self.big, joined: joined?, apart: apart? })
         });
     }
-}
-
-/// Rounds a fractional point to solutions.
-fn round(
-    graph: &SignedGraph,
-    kernel: &Kernel,
-    relaxation: &Relaxation,
-    state: &mut State,
-    budget: &mut Budget,
-) {
-    if budget.is_over() {
-        return;
-    }
-    // If the relaxation is integral, its multicut is the optimum.
-    let mut uncut = UnionFind::new(graph.node_count());
-    for (edge, &(tail, head)) in kernel.ends.iter().enumerate() {
-        if kernel.costs[edge] > 0.0 && relaxation.paid[edge] < 0.5 {
-            uncut.union(tail, head);
-        }
-    }
-    state.offer(graph, uncut.labels());
-    state.offer(graph, rounded_solution(graph, kernel, &relaxation.paid, budget));
-}
-
-/// Rounds a fractional point: contracts by costs that are scaled down for edges that the point cuts more, then Kernighan-Lin.
-pub(super) fn rounded_solution(
-    graph: &SignedGraph,
-    kernel: &Kernel,
-    paid: &[f64],
-    budget: &mut Budget,
-) -> Vec<u32> {
-    let scaled = kernel
-        .ends
-        .iter()
-        .zip(&kernel.costs)
-        .zip(paid)
-        .map(|((&(tail, head), &cost), &paid)| (tail, head, cost * (1.0 - paid.clamp(0.0, 1.0) + 1e-3)));
-    let scaled = SignedGraph::new(graph.node_count(), scaled);
-    let mut labels = additive_edge_contraction(&scaled, Preference::Degree, budget);
-    kernighan_lin_with_joins(graph, &mut labels, budget);
-    labels
 }
 
 struct Fixed {
