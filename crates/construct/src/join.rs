@@ -6,7 +6,7 @@ use posecut_graph::{Header, NoiseModel, PoseGraph};
 
 use crate::ConstructError;
 
-/// Puts graphs side by side. Nodes and edges are numbered anew in the given order. Equal noise models are kept once,
+/// Puts graphs side by side. Nodes, edges and priors are numbered anew in the given order. Equal noise models are kept once,
 /// and different models with the same name get a suffix. Histories and unknown records are concatenated.
 pub fn join(graphs: Vec<PoseGraph>) -> Result<PoseGraph, ConstructError> {
     let Some(first) = graphs.first() else {
@@ -58,6 +58,16 @@ fn append(joined: &mut PoseGraph, graph: PoseGraph) {
             noise.clone_from(renamed);
         }
         joined.edges.push(edge);
+    }
+    for mut prior in graph.priors {
+        prior.id = joined.priors.len() as u64;
+        prior.node = numbers[&prior.node];
+        if let Some(noise) = &mut prior.noise
+            && let Some(renamed) = names.get(noise)
+        {
+            noise.clone_from(renamed);
+        }
+        joined.priors.push(prior);
     }
     joined.unknown.extend(graph.unknown);
 }

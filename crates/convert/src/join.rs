@@ -8,7 +8,7 @@ use posecut_stage::{Source, counted};
 
 use crate::ConvertError;
 
-/// Joins graphs. Nodes and edges get new ids, in the order of the graphs; frames stay. A graph of one session is renamed to the name beside
+/// Joins graphs. Nodes, edges and priors get new ids, in the order of the graphs; frames stay. A graph of one session is renamed to the name beside
 /// it, and the sessions of another graph are put below that name, as in `name/a`.
 pub(crate) fn join(graphs: Vec<(String, PoseGraph)>) -> Result<PoseGraph, ConvertError> {
     let mut joined: Option<PoseGraph> = None;
@@ -16,7 +16,7 @@ pub(crate) fn join(graphs: Vec<(String, PoseGraph)>) -> Result<PoseGraph, Conver
         rename(&mut graph, &name);
         state_information(&mut graph);
         let Some(whole) = &mut joined else {
-            joined = Some(renumbered(graph, 0, 0));
+            joined = Some(renumbered(graph, [0; 3]));
             continue;
         };
         if graph.header.dimension != whole.header.dimension {
@@ -28,9 +28,11 @@ pub(crate) fn join(graphs: Vec<(String, PoseGraph)>) -> Result<PoseGraph, Conver
                 "a pose graph has one dimension; convert these files one by one",
             ));
         }
-        let graph = renumbered(graph, whole.nodes.len() as u64, whole.edges.len() as u64);
+        let counts = [whole.nodes.len(), whole.edges.len(), whole.priors.len()];
+        let graph = renumbered(graph, counts.map(|count| count as u64));
         whole.nodes.extend(graph.nodes);
         whole.edges.extend(graph.edges);
+        whole.priors.extend(graph.priors);
         whole.unknown.extend(graph.unknown);
         whole.header.provenance.extend(graph.header.provenance);
     }
@@ -47,7 +49,7 @@ fn rename(graph: &mut PoseGraph, name: &str) {
     }
 }
 
-/// Gives each edge its own information matrix, because graphs may call different noise models by one name.
+/// Gives each edge and prior its own information matrix, because graphs may call different noise models by one name.
 fn state_information(graph: &mut PoseGraph) {
     let matrices: Vec<Option<Vec<f64>>> =
         graph.edges.iter().map(|edge| graph.information(edge).map(<[f64]>::to_vec)).collect();
@@ -55,11 +57,17 @@ fn state_information(graph: &mut PoseGraph) {
         edge.information = information;
         edge.noise = None;
     }
+    let matrices: Vec<Option<Vec<f64>>> =
+        graph.priors.iter().map(|prior| graph.information_of_prior(prior).map(<[f64]>::to_vec)).collect();
+    for (prior, information) in graph.priors.iter_mut().zip(matrices) {
+        prior.information = information;
+        prior.noise = None;
+    }
     graph.header.noise_models.clear();
 }
 
-/// The graph with ids that count from these.
-fn renumbered(mut graph: PoseGraph, first_node: u64, first_edge: u64) -> PoseGraph {
+/// The graph with ids of nodes, edges and priors that count from these.
+fn renumbered(mut graph: PoseGraph, [first_node, first_edge, first_prior]: [u64; 3]) -> PoseGraph {
     let ids: HashMap<u64, u64> = (first_node..).zip(&graph.nodes).map(|(id, node)| (node.id, id)).collect();
     for (id, node) in (first_node..).zip(&mut graph.nodes) {
         node.id = id;
@@ -69,6 +77,10 @@ fn renumbered(mut graph: PoseGraph, first_node: u64, first_edge: u64) -> PoseGra
         // The readers add a node for every end.
         edge.from = ids.get(&edge.from).copied().unwrap_or(edge.from);
         edge.to = ids.get(&edge.to).copied().unwrap_or(edge.to);
+    }
+    for (id, prior) in (first_prior..).zip(&mut graph.priors) {
+        prior.id = id;
+        prior.node = ids.get(&prior.node).copied().unwrap_or(prior.node);
     }
     graph
 }

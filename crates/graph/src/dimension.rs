@@ -37,6 +37,14 @@ impl Dimension {
         }
     }
 
+    /// Numbers in a position: 2 or 3.
+    pub fn position_components(self) -> usize {
+        match self {
+            Self::Two => 2,
+            Self::Three => 3,
+        }
+    }
+
     /// Degrees of freedom of a pose, which is the side of an information matrix: 3 or 6.
     pub fn degrees_of_freedom(self) -> usize {
         match self {
@@ -56,6 +64,14 @@ impl Dimension {
         match self {
             Self::Two => "[x, y, theta]",
             Self::Three => "[x, y, z, qx, qy, qz, qw]",
+        }
+    }
+
+    /// The layout of a position, in words for messages.
+    pub fn position_layout(self) -> &'static str {
+        match self {
+            Self::Two => "[x, y]",
+            Self::Three => "[x, y, z]",
         }
     }
 }

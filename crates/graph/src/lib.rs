@@ -1,6 +1,6 @@
 //! Pose-graph JSON Lines, version 1: the one file format that all posecut stages read and write.
 //!
-//! A file is a header line, then nodes, then edges, one JSON object per line, each with a `"kind"`.
+//! A file is a header line, then nodes, then edges, then priors, one JSON object per line, each with a `"kind"`.
 //! Poses are `[x, y, theta]` (dimension 2) or `[x, y, z, qx, qy, qz, qw]` (dimension 3), in metres and
 //! radians; `information` is the row-major upper triangle of the information matrix (6 or 21 terms) in
 //! the order translation, rotation, and weighs `Log(measurement^-1 * (X_from^-1 * X_to))`.
@@ -31,6 +31,7 @@ mod expansion;
 mod graph;
 mod header;
 mod parse;
+mod prior;
 mod read;
 mod record;
 mod schema;
@@ -39,12 +40,13 @@ mod validate;
 mod write;
 
 pub use content::Content;
-pub use definiteness::negative_eigenvalue;
+pub use definiteness::{negative_eigenvalue, negative_eigenvalue_of_position};
 pub use dimension::Dimension;
 pub use error::{FormatProblem, ReadError, WriteError};
 pub use expansion::Expansion;
 pub use graph::PoseGraph;
 pub use header::{Header, InputDigest, NoiseModel, Provenance, StageDoubt, doubts_of};
+pub use prior::{Prior, PriorOf};
 pub use read::{Examination, LONGEST_LINE, RecordReader, examine};
 pub use record::{Edge, EdgeKind, EdgeTruth, FIXED, Node, NodeTruth, Record};
 pub use schema::schema;

@@ -13,7 +13,7 @@ use line::{Fields, explain, once, parse};
 use nested::{UniqueFields, noise_model};
 
 use crate::error::Problem;
-use crate::{Dimension, Edge, EdgeKind, Extra, FORMAT, Header, Node, NoiseModel, VERSION};
+use crate::{Dimension, Edge, EdgeKind, Extra, FORMAT, Header, Node, NoiseModel, Prior, VERSION};
 
 /// Parses a line whose kind is known.
 pub(crate) fn parse_header(line: &str) -> Result<Header, Problem> {
@@ -70,6 +70,15 @@ pub(crate) fn parse_edge(line: &str, kind: EdgeKind) -> Result<Edge, Problem> {
     Ok(Edge { id, from, to, ..fields.edge })
 }
 
+pub(crate) fn parse_prior(line: &str) -> Result<Prior, Problem> {
+    let fields = parse(line, "prior", PriorFields::default())?;
+    let id = fields.id.ok_or_else(|| missing("prior", "id"))?;
+    let name = format!("prior {id}");
+    let node = fields.node.ok_or_else(|| missing(&name, "node"))?;
+    let measurement = fields.measurement.ok_or_else(|| missing(&name, "measurement"))?;
+    Ok(Prior { id, node, measurement, ..fields.prior })
+}
+
 #[derive(Deserialize)]
 struct KindOnly {
     kind: Option<String>,
@@ -85,7 +94,7 @@ pub(crate) fn kind_of(line: &str) -> Result<std::borrow::Cow<'_, str>, Problem> 
     }
     let only: KindOnly = serde_json::from_str(line).map_err(|error| explain(line, &error))?;
     only.kind.map(Into::into).ok_or_else(|| {
-        Problem::new("the record has no kind", "give it \"kind\": header, node, odometry or landmark")
+        Problem::new("the record has no kind", "give it \"kind\": header, node, odometry, landmark or prior")
             .field("kind")
     })
 }
@@ -164,6 +173,39 @@ impl Fields for EdgeFields {
 
     fn extra(&mut self) -> &mut Extra {
         &mut self.edge.extra
+    }
+
+    fn id(&self) -> Option<u64> {
+        self.id
+    }
+}
+
+#[derive(Default)]
+struct PriorFields {
+    id: Option<u64>,
+    node: Option<u64>,
+    measurement: Option<Vec<f64>>,
+    prior: Prior,
+}
+
+impl Fields for PriorFields {
+    fn take<'de, A: MapAccess<'de>>(&mut self, key: &Key, map: &mut A) -> Result<Option<String>, A::Error> {
+        match key.name() {
+            "id" => once(map, &mut self.id),
+            "node" => once(map, &mut self.node),
+            "measurement" => once(map, &mut self.measurement),
+            "information" => once(map, &mut self.prior.information),
+            "noise" => once(map, &mut self.prior.noise),
+            "source" => once(map, &mut self.prior.source),
+            "truth" => once(map, &mut self.prior.truth),
+            "rejected_by" => once(map, &mut self.prior.rejected_by),
+            "score" => once(map, &mut self.prior.score),
+            unknown => Ok(Some(unknown.to_owned())),
+        }
+    }
+
+    fn extra(&mut self) -> &mut Extra {
+        &mut self.prior.extra
     }
 
     fn id(&self) -> Option<u64> {

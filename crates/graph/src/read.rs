@@ -4,9 +4,9 @@ use std::io::{BufRead, Read};
 
 use crate::content::foreign;
 use crate::error::{FormatProblem, Problem};
-use crate::parse::{check_unknown, kind_of, parse_edge, parse_header, parse_node};
+use crate::parse::{check_unknown, kind_of, parse_edge, parse_header, parse_node, parse_prior};
 use crate::validate::Validator;
-use crate::{Edge, EdgeKind, Header, Node, PoseGraph, ReadError, Record};
+use crate::{Edge, EdgeKind, Header, Node, PoseGraph, Prior, ReadError, Record};
 
 /// The longest line that is read: 16 MiB. No record of any supported format is longer.
 pub const LONGEST_LINE: u64 = 16 << 20;
@@ -117,6 +117,11 @@ fn parse_record(line: &[u8], validator: &mut Validator) -> Result<Record, Proble
         }
         "odometry" => edge(line, EdgeKind::Odometry, validator),
         "landmark" => edge(line, EdgeKind::Landmark, validator),
+        "prior" => {
+            let prior = parse_prior(line)?;
+            validator.prior(&prior)?;
+            Ok(Record::Prior(prior))
+        }
         _ => {
             check_unknown(line)?;
             Ok(Record::Unknown(line.to_owned()))
@@ -192,24 +197,12 @@ impl<R: BufRead> Lines<R> {
 pub(crate) fn read_graph(source_name: &str, reader: impl BufRead) -> Result<PoseGraph, ReadError> {
     let mut records = RecordReader::new(source_name, reader)?;
     let mut graph = PoseGraph::new(records.header().clone());
-    let mut node_lines = Vec::new();
-    let mut edge_lines = Vec::new();
+    let mut lines = RecordLines::default();
     while let Some(record) = records.next_record()? {
-        match record {
-            Record::Header(_) => {}
-            Record::Node(node) => {
-                graph.nodes.push(node);
-                node_lines.push(records.line());
-            }
-            Record::Edge(edge) => {
-                graph.edges.push(edge);
-                edge_lines.push(records.line());
-            }
-            Record::Unknown(line) => graph.unknown.push(line),
-        }
+        add(&mut graph, &mut lines, record, records.line());
     }
-    let (node_lines, edge_lines) = sort_both(&mut graph, node_lines, edge_lines);
-    let first = relations(&graph, &node_lines, &edge_lines).next();
+    lines.sort_with(&mut graph);
+    let first = relations(&graph, &lines).next();
     match first {
         Some((problem, line)) => Err(problem.at(source_name, line)),
         None => Ok(graph),
@@ -225,15 +218,22 @@ pub struct Examination {
     pub node_lines: Vec<u64>,
     /// The line of each edge, in the order of the graph.
     pub edge_lines: Vec<u64>,
+    /// The line of each prior, in the order of the graph.
+    pub prior_lines: Vec<u64>,
     /// The errors in the order of lines, then those that concern several records.
     pub faults: Vec<FormatProblem>,
 }
 
-/// Reads on after errors in the file and lists them: one for each record, then all duplicate ids and all edges to missing
-/// nodes. Fails only if the bytes cannot be read. After a line that is too long, the rest is not examined.
+/// Reads on after errors in the file and lists them: one for each record, then all duplicate ids and all edges and priors of
+/// missing nodes. Fails only if the bytes cannot be read. After a line that is too long, the rest is not examined.
 pub fn examine(source_name: &str, reader: impl BufRead) -> Result<Examination, ReadError> {
-    let mut examination =
-        Examination { graph: None, node_lines: Vec::new(), edge_lines: Vec::new(), faults: Vec::new() };
+    let mut examination = Examination {
+        graph: None,
+        node_lines: Vec::new(),
+        edge_lines: Vec::new(),
+        prior_lines: Vec::new(),
+        faults: Vec::new(),
+    };
     let mut records = match RecordReader::new(source_name, reader) {
         Ok(records) => records,
         Err(ReadError::Format(problem)) => {
@@ -243,47 +243,73 @@ pub fn examine(source_name: &str, reader: impl BufRead) -> Result<Examination, R
         Err(error) => return Err(error),
     };
     let mut graph = PoseGraph::new(records.header().clone());
-    let (mut node_lines, mut edge_lines) = (Vec::new(), Vec::new());
+    let mut lines = RecordLines::default();
     while let Some(record) = records.next() {
         match record {
-            Ok(Record::Header(_)) => {}
-            Ok(Record::Node(node)) => {
-                graph.nodes.push(node);
-                node_lines.push(records.line());
-            }
-            Ok(Record::Edge(edge)) => {
-                graph.edges.push(edge);
-                edge_lines.push(records.line());
-            }
-            Ok(Record::Unknown(line)) => graph.unknown.push(line),
+            Ok(record) => add(&mut graph, &mut lines, record, records.line()),
             Err(ReadError::Format(problem)) => examination.faults.push(*problem),
             Err(error) => return Err(error),
         }
     }
-    (examination.node_lines, examination.edge_lines) = sort_both(&mut graph, node_lines, edge_lines);
-    for (problem, line) in relations(&graph, &examination.node_lines, &examination.edge_lines) {
+    lines.sort_with(&mut graph);
+    for (problem, line) in relations(&graph, &lines) {
         examination.faults.push(problem.placed(source_name, line));
     }
+    examination.node_lines = lines.nodes;
+    examination.edge_lines = lines.edges;
+    examination.prior_lines = lines.priors;
     examination.graph = Some(graph);
     Ok(examination)
 }
 
-fn sort_both(graph: &mut PoseGraph, node_lines: Vec<u64>, edge_lines: Vec<u64>) -> (Vec<u64>, Vec<u64>) {
-    let node_lines = sort_with_lines(&mut graph.nodes, node_lines, |node| node.id);
-    let edge_lines = sort_with_lines(&mut graph.edges, edge_lines, |edge| edge.id);
-    (node_lines, edge_lines)
+/// The line of each record, in the order of the graph.
+#[derive(Default)]
+struct RecordLines {
+    nodes: Vec<u64>,
+    edges: Vec<u64>,
+    priors: Vec<u64>,
+}
+
+impl RecordLines {
+    fn sort_with(&mut self, graph: &mut PoseGraph) {
+        self.nodes = sort_with_lines(&mut graph.nodes, std::mem::take(&mut self.nodes), |node| node.id);
+        self.edges = sort_with_lines(&mut graph.edges, std::mem::take(&mut self.edges), |edge| edge.id);
+        self.priors = sort_with_lines(&mut graph.priors, std::mem::take(&mut self.priors), |prior| prior.id);
+    }
+}
+
+fn add(graph: &mut PoseGraph, lines: &mut RecordLines, record: Record, line: u64) {
+    match record {
+        Record::Header(_) => {}
+        Record::Node(node) => {
+            graph.nodes.push(node);
+            lines.nodes.push(line);
+        }
+        Record::Edge(edge) => {
+            graph.edges.push(edge);
+            lines.edges.push(line);
+        }
+        Record::Prior(prior) => {
+            graph.priors.push(prior);
+            lines.priors.push(line);
+        }
+        Record::Unknown(line) => graph.unknown.push(line),
+    }
 }
 
 /// The errors between records, each with its line.
-fn relations<'a>(
-    graph: &'a PoseGraph,
-    node_lines: &'a [u64],
-    edge_lines: &'a [u64],
-) -> impl Iterator<Item = (Problem, u64)> + 'a {
-    let nodes =
-        duplicates(&graph.nodes, node_lines, |node| node.id, |node: &Node| format!("node {}", node.id));
-    let edges = duplicates(&graph.edges, edge_lines, |edge| edge.id, Edge::name);
-    nodes.chain(edges).chain(dangling(graph, edge_lines))
+fn relations<'a>(graph: &'a PoseGraph, lines: &'a RecordLines) -> impl Iterator<Item = (Problem, u64)> + 'a {
+    let remedy = "ids must be unique among nodes, and among edges of all kinds; renumber them";
+    let node_name = |node: &Node| format!("node {}", node.id);
+    let nodes = duplicates(&graph.nodes, &lines.nodes, |node| node.id, node_name, remedy);
+    let edges = duplicates(&graph.edges, &lines.edges, |edge| edge.id, Edge::name, remedy);
+    let remedy = "ids must be unique among priors; renumber them";
+    let priors = duplicates(&graph.priors, &lines.priors, |prior| prior.id, Prior::name, remedy);
+    nodes
+        .chain(edges)
+        .chain(priors)
+        .chain(dangling(graph, &lines.edges))
+        .chain(unattached(graph, &lines.priors))
 }
 
 /// Sorts records by id together with their line numbers. Records that are sorted already stay untouched.
@@ -303,13 +329,12 @@ fn duplicates<'a, T>(
     lines: &'a [u64],
     id: impl Fn(&T) -> u64 + 'a,
     name: impl Fn(&T) -> String + 'a,
+    remedy: &'a str,
 ) -> impl Iterator<Item = (Problem, u64)> + 'a {
     let again = move |(pair, _): &(&[T], &[u64])| id(&pair[0]) == id(&pair[1]);
     records.windows(2).zip(lines.windows(2)).filter(again).map(move |(pair, lines)| {
-        let problem = Problem::new(
-            format!("line {} ({}) already has this id", lines[0], name(&pair[0])),
-            "ids must be unique among nodes, and among edges of all kinds; renumber them",
-        );
+        let problem =
+            Problem::new(format!("line {} ({}) already has this id", lines[0], name(&pair[0])), remedy);
         (problem.record(name(&pair[1])).field("id"), lines[1])
     })
 }
@@ -324,5 +349,17 @@ fn dangling<'a>(graph: &'a PoseGraph, lines: &'a [u64]) -> impl Iterator<Item = 
             );
             (problem.record(edge.name()).field(field), line)
         })
+    })
+}
+
+/// Priors of missing nodes.
+fn unattached<'a>(graph: &'a PoseGraph, lines: &'a [u64]) -> impl Iterator<Item = (Problem, u64)> + 'a {
+    let missing = graph.priors.iter().zip(lines).filter(|(prior, _)| graph.node_index(prior.node).is_none());
+    missing.map(|(prior, &line)| {
+        let problem = Problem::new(
+            format!("there is no node {} in the file", prior.node),
+            "add the node, or remove the prior",
+        );
+        (problem.record(prior.name()).field("node"), line)
     })
 }

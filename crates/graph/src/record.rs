@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::{Dimension, Extra, Header};
+use crate::{Dimension, Extra, Header, Prior};
 
 /// One line of a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +13,8 @@ pub enum Record {
     Node(Node),
     /// An odometry or landmark edge.
     Edge(Edge),
+    /// A measurement of one node.
+    Prior(Prior),
     /// A record of a kind this crate does not know: the line as read, without its end.
     Unknown(String),
 }

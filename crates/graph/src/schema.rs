@@ -2,19 +2,19 @@
 
 use serde_json::{Value, json};
 
-use crate::{Dimension, FORMAT, VERSION};
+use crate::{Dimension, FORMAT, PriorOf, VERSION};
 
 /// The JSON Schema (draft 2020-12) of one line of a pose graph.
 ///
 /// `$defs/plane` and `$defs/space` describe the lines of a file of dimension 2 and 3; the whole schema accepts both. It
 /// accepts everything that the reader accepts. The reader also refuses what a schema of single lines cannot express:
-/// duplicate ids, edges to missing nodes, unknown noise models, quaternions whose norm is not 1, information that is
+/// duplicate ids, edges and priors of missing nodes, unknown noise models, quaternions whose norm is not 1, information that is
 /// not positive semidefinite, duplicate fields, and whole numbers written with a fraction or an exponent.
 pub fn schema() -> Value {
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": format!("{FORMAT} pose graph, version {VERSION}: one line"),
-        "description": "JSON Lines: a header, then nodes, then edges, one object per line. Metres, radians, microseconds UTC.",
+        "description": "JSON Lines: a header, then nodes, edges and priors, one object per line. Metres, radians, microseconds UTC.",
         "anyOf": [{"$ref": "#/$defs/plane"}, {"$ref": "#/$defs/space"}],
         "$defs": {
             "plane": record(Dimension::Two),
@@ -34,6 +34,7 @@ fn record(dimension: Dimension) -> Value {
         ("node", node(dimension)),
         ("odometry", edge(dimension, true)),
         ("landmark", edge(dimension, false)),
+        ("prior", prior(dimension)),
     ];
     let cases: Vec<Value> = kinds
         .into_iter()
@@ -125,6 +126,45 @@ fn edge(dimension: Dimension, odometry: bool) -> Value {
     })
 }
 
+/// A prior measures a pose or a position, and its information matrix has as many rows as the error.
+fn prior(dimension: Dimension) -> Value {
+    let numbers = |of: PriorOf| numbers(of.information_terms(dimension));
+    let position = json!({"allOf": [
+        {"properties": {
+            "measurement": position(dimension),
+            "information": numbers(PriorOf::Position),
+            "noise": {"type": "null"}
+        }},
+        present("information")
+    ]});
+    let pose = json!({"allOf": [
+        {"properties": {"measurement": pose(dimension), "information": optional(&numbers(PriorOf::Pose))}},
+        {"not": {"allOf": [present("information"), present("noise")]}},
+        {"anyOf": [present("information"), present("noise")]}
+    ]});
+    json!({
+        "description": "A measurement of one node in the frame of the map: of its pose, or of its position alone.",
+        "required": ["id", "node", "measurement"],
+        "properties": {
+            "id": {"description": "Unique among priors.", "$ref": "#/$defs/id"},
+            "node": {"$ref": "#/$defs/id"},
+            "noise": {"description": "A noise model of the header; only for a pose.", "$ref": "#/$defs/text"},
+            "source": {"description": "The sensor or program that it comes from.", "$ref": "#/$defs/text"},
+            "truth": {"type": ["object", "null"], "properties": {"correct": {"type": ["boolean", "null"]}}},
+            "rejected_by": {"description": "The stage that rejected the prior; absent while it is in use.", "$ref": "#/$defs/text"},
+            "score": {"$ref": "#/$defs/number"}
+        },
+        "anyOf": [pose, position]
+    })
+}
+
+fn position(dimension: Dimension) -> Value {
+    let mut schema = numbers(dimension.position_components());
+    schema["description"] =
+        format!("A position of dimension {dimension}: {}.", dimension.position_layout()).into();
+    schema
+}
+
 fn pose(dimension: Dimension) -> Value {
     let count = dimension.pose_components();
     let mut schema = json!({
@@ -140,7 +180,10 @@ fn pose(dimension: Dimension) -> Value {
 }
 
 fn information(dimension: Dimension) -> Value {
-    let count = dimension.information_terms();
+    numbers(dimension.information_terms())
+}
+
+fn numbers(count: usize) -> Value {
     json!({"type": "array", "items": {"type": "number"}, "minItems": count, "maxItems": count})
 }
 

@@ -2,9 +2,9 @@
 
 use std::collections::HashSet;
 
-use crate::definiteness::negative_eigenvalue;
+use crate::definiteness::{negative_eigenvalue, negative_eigenvalue_of_position};
 use crate::error::Problem;
-use crate::{Dimension, Edge, EdgeKind, Header, Node};
+use crate::{Dimension, Edge, EdgeKind, Header, Node, Prior, PriorOf};
 
 /// The largest accepted distance of a quaternion's norm from 1.
 const QUATERNION_TOLERANCE: f64 = 1e-3;
@@ -78,6 +78,79 @@ impl Validator {
         self.completeness(edge)
     }
 
+    pub(crate) fn prior(&mut self, prior: &Prior) -> Result<(), Problem> {
+        let at = |problem: Problem, field: &str| problem.record(prior.name()).field(field);
+        let dimension = self.dimension;
+        let Some(of) = prior.of(dimension) else {
+            let (pose, position) = (dimension.pose_layout(), dimension.position_layout());
+            return Err(at(
+                Problem::new(
+                    format!(
+                        "expected {} or {} numbers, found {}",
+                        dimension.pose_components(),
+                        dimension.position_components(),
+                        prior.measurement.len()
+                    ),
+                    format!(
+                        "a prior of dimension {dimension} measures a pose {pose} or a position {position}"
+                    ),
+                ),
+                "measurement",
+            ));
+        };
+        if of == PriorOf::Pose {
+            self.pose(&prior.measurement).map_err(|problem| at(problem, "measurement"))?;
+        }
+        if let Some(information) = &prior.information {
+            match of {
+                PriorOf::Pose => self.information(information),
+                PriorOf::Position => self.information_of_position(information),
+            }
+            .map_err(|problem| at(problem, "information"))?;
+        }
+        self.noise_of_prior(prior, of).map_err(|problem| at(problem, "noise"))?;
+        if prior.information.is_none() && prior.noise.is_none() {
+            let terms = of.information_terms(dimension);
+            return Err(at(
+                Problem::new(
+                    "the prior has no information matrix",
+                    format!("add \"information\" ({terms} terms, the upper triangle row by row)"),
+                ),
+                "information",
+            ));
+        }
+        Ok(())
+    }
+
+    fn noise_of_prior(&self, prior: &Prior, of: PriorOf) -> Result<(), Problem> {
+        let Some(noise) = &prior.noise else { return Ok(()) };
+        if of == PriorOf::Position {
+            return Err(Problem::new(
+                "a noise model is for poses, but the prior measures a position",
+                "give the prior its own information",
+            ));
+        }
+        if !self.noise_models.contains(noise) {
+            return Err(Problem::new(
+                format!("the header has no noise model \"{noise}\""),
+                "add it to the header's noise_models, or give the prior its own information",
+            ));
+        }
+        if prior.information.is_some() {
+            return Err(Problem::new(
+                "the prior has both \"noise\" and \"information\", which may disagree",
+                "keep one of the two",
+            ));
+        }
+        Ok(())
+    }
+
+    fn information_of_position(&self, information: &[f64]) -> Result<(), Problem> {
+        expect_terms(PriorOf::Position.information_terms(self.dimension), information)?;
+        negative_eigenvalue_of_position(self.dimension, information)
+            .map_or(Ok(()), |eigenvalue| Err(indefinite(eigenvalue)))
+    }
+
     fn completeness(&self, edge: &Edge) -> Result<(), Problem> {
         let weighed = edge.information.is_some() || edge.noise.is_some();
         let layout = self.dimension.pose_layout();
@@ -124,24 +197,32 @@ impl Validator {
     }
 
     fn information(&mut self, information: &[f64]) -> Result<(), Problem> {
-        let expected = self.dimension.information_terms();
-        if information.len() != expected {
-            return Err(Problem::new(
-                format!("expected {expected} numbers, found {}", information.len()),
-                "write the upper triangle of the information matrix row by row",
-            ));
-        }
+        expect_terms(self.dimension.information_terms(), information)?;
         if information == self.last_definite {
             return Ok(());
         }
         if let Some(eigenvalue) = negative_eigenvalue(self.dimension, information) {
-            return Err(Problem::new(
-                format!("the matrix is not positive semidefinite: its smallest eigenvalue is {eigenvalue:e}"),
-                "correct it at its source: an information matrix is the inverse of a covariance",
-            ));
+            return Err(indefinite(eigenvalue));
         }
         self.last_definite.clear();
         self.last_definite.extend_from_slice(information);
         Ok(())
     }
+}
+
+fn expect_terms(expected: usize, information: &[f64]) -> Result<(), Problem> {
+    if information.len() == expected {
+        return Ok(());
+    }
+    Err(Problem::new(
+        format!("expected {expected} numbers, found {}", information.len()),
+        "write the upper triangle of the information matrix row by row",
+    ))
+}
+
+fn indefinite(eigenvalue: f64) -> Problem {
+    Problem::new(
+        format!("the matrix is not positive semidefinite: its smallest eigenvalue is {eigenvalue:e}"),
+        "correct it at its source: an information matrix is the inverse of a covariance",
+    )
 }

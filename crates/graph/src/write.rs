@@ -5,7 +5,7 @@ use std::io::Write;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::{Edge, FORMAT, Header, Node, PoseGraph, VERSION, WriteError};
+use crate::{Edge, EdgeTruth, FORMAT, Header, Node, PoseGraph, Prior, VERSION, WriteError};
 
 /// The number of bytes to collect before a write.
 const CHUNK: usize = 1 << 16;
@@ -17,6 +17,9 @@ pub(crate) fn write_graph(graph: &PoseGraph, mut writer: impl Write) -> Result<(
     for edge in &graph.edges {
         check_edge(edge)?;
     }
+    for prior in &graph.priors {
+        check_prior(prior)?;
+    }
     let mut line = Line { bytes: Vec::with_capacity(2 * CHUNK) };
     line.header(&graph.header)?;
     for index in order(&graph.nodes, |node| node.id) {
@@ -25,6 +28,10 @@ pub(crate) fn write_graph(graph: &PoseGraph, mut writer: impl Write) -> Result<(
     }
     for index in order(&graph.edges, |edge| edge.id) {
         line.edge(&graph.edges[index])?;
+        line.flush_if_full(&mut writer)?;
+    }
+    for index in order(&graph.priors, |prior| prior.id) {
+        line.prior(&graph.priors[index])?;
         line.flush_if_full(&mut writer)?;
     }
     for unknown in &graph.unknown {
@@ -59,6 +66,12 @@ fn check_edge(edge: &Edge) -> Result<(), WriteError> {
         check(value.as_slice(), field, || edge.name())?;
     }
     Ok(())
+}
+
+fn check_prior(prior: &Prior) -> Result<(), WriteError> {
+    check(&prior.measurement, "measurement", || prior.name())?;
+    check(prior.information.as_deref().unwrap_or_default(), "information", || prior.name())?;
+    check(prior.score.as_slice(), "score", || prior.name())
 }
 
 fn check(values: &[f64], field: &'static str, record: impl Fn() -> String) -> Result<(), WriteError> {
@@ -139,15 +152,7 @@ impl Line {
         self.optional_numbers("measurement", edge.measurement.as_ref())?;
         self.optional_numbers("information", edge.information.as_ref())?;
         self.optional("noise", edge.noise.as_ref())?;
-        if let Some(truth) = &edge.truth {
-            self.key("truth");
-            self.bytes.push(b'{');
-            let start = self.bytes.len();
-            self.optional("correct", truth.correct.as_ref())?;
-            self.extra(&truth.extra)?;
-            self.drop_leading_comma(start);
-            self.bytes.push(b'}');
-        }
+        self.edge_truth(edge.truth.as_ref())?;
         self.optional("rejected_by", edge.rejected_by.as_ref())?;
         for (name, value) in [("cost", edge.cost), ("score", edge.score)] {
             if let Some(value) = value {
@@ -157,6 +162,39 @@ impl Line {
         }
         self.extra(&edge.extra)?;
         self.close();
+        Ok(())
+    }
+
+    fn prior(&mut self, prior: &Prior) -> Result<(), WriteError> {
+        self.open("prior");
+        self.field("id", &prior.id)?;
+        self.field("node", &prior.node)?;
+        self.key("measurement");
+        self.numbers(&prior.measurement)?;
+        self.optional_numbers("information", prior.information.as_ref())?;
+        self.optional("noise", prior.noise.as_ref())?;
+        self.optional("source", prior.source.as_ref())?;
+        self.edge_truth(prior.truth.as_ref())?;
+        self.optional("rejected_by", prior.rejected_by.as_ref())?;
+        if let Some(score) = prior.score {
+            self.key("score");
+            self.number(score)?;
+        }
+        self.extra(&prior.extra)?;
+        self.close();
+        Ok(())
+    }
+
+    /// The truth about an edge or a prior.
+    fn edge_truth(&mut self, truth: Option<&EdgeTruth>) -> Result<(), WriteError> {
+        let Some(truth) = truth else { return Ok(()) };
+        self.key("truth");
+        self.bytes.push(b'{');
+        let start = self.bytes.len();
+        self.optional("correct", truth.correct.as_ref())?;
+        self.extra(&truth.extra)?;
+        self.drop_leading_comma(start);
+        self.bytes.push(b'}');
         Ok(())
     }
 

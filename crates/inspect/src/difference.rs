@@ -31,6 +31,9 @@ pub struct Difference {
     pub moved: Vec<Moved>,
     /// Changes of edges of both kinds.
     pub edges: Changes,
+    /// Changes of priors; absent if there are none.
+    #[serde(skip_serializing_if = "Changes::is_none")]
+    pub priors: Changes,
     /// Edges that are marked only in the second graph, by stage.
     pub marked: BTreeMap<String, Vec<u64>>,
     /// Edges that are marked only in the first graph, by stage.
@@ -54,6 +57,13 @@ pub struct Changes {
     pub changed: Vec<u64>,
     /// For each field, the number of records that differ in it.
     pub fields: BTreeMap<String, FieldChanges>,
+}
+
+impl Changes {
+    /// Whether nothing changed.
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// Records in which a field differs.
@@ -88,6 +98,7 @@ impl Difference {
                 .collect(),
             nodes: changes(&before.nodes, &after.nodes, tolerance),
             edges: changes(&before.edges, &after.edges, tolerance),
+            priors: changes(&before.priors, &after.priors, tolerance),
             ..Self::default()
         };
         difference.history(first, second);
@@ -96,8 +107,9 @@ impl Difference {
         difference.unknown_removed = only_in(&first.unknown, &second.unknown);
         difference.unknown_added = only_in(&second.unknown, &first.unknown);
         difference.same = difference.header.is_empty()
-            && difference.nodes == Changes::default()
-            && difference.edges == Changes::default()
+            && difference.nodes.is_none()
+            && difference.edges.is_none()
+            && difference.priors.is_none()
             && difference.unknown_removed + difference.unknown_added == 0;
         Ok(difference)
     }
@@ -164,14 +176,16 @@ struct Records {
     header: Map<String, Value>,
     nodes: ById,
     edges: ById,
+    priors: ById,
 }
 
 impl Records {
     fn of(graph: &PoseGraph) -> Result<Self, WriteError> {
         let mut bytes = Vec::new();
         graph.write(&mut bytes)?;
-        let mut records = Self { header: Map::new(), nodes: ById::new(), edges: ById::new() };
-        let known = 1 + graph.nodes.len() + graph.edges.len();
+        let mut records =
+            Self { header: Map::new(), nodes: ById::new(), edges: ById::new(), priors: ById::new() };
+        let known = 1 + graph.nodes.len() + graph.edges.len() + graph.priors.len();
         for (place, line) in bytes.split(|&byte| byte == b'\n').take(known).enumerate() {
             let record: Map<String, Value> =
                 serde_json::from_slice(line).map_err(|error| WriteError::Io(error.into()))?;
@@ -181,8 +195,10 @@ impl Records {
                 records.header.remove("provenance");
             } else if place <= graph.nodes.len() {
                 records.nodes.insert(id, record);
-            } else {
+            } else if place <= graph.nodes.len() + graph.edges.len() {
                 records.edges.insert(id, record);
+            } else {
+                records.priors.insert(id, record);
             }
         }
         Ok(records)
@@ -297,6 +313,7 @@ impl fmt::Display for Difference {
             }
         }
         write_changes(out, "edge", &self.edges)?;
+        write_changes(out, "prior", &self.priors)?;
         for (stage, ids) in &self.marked {
             writeln!(out, "marked      {} by {stage}: {}", counted(ids.len(), "edge"), listed(ids))?;
         }

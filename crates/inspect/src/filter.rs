@@ -42,7 +42,7 @@ pub struct Options {
     #[arg(long, value_enum, help_heading = "Edges")]
     pub truth: Option<Truth>,
 
-    /// Remove the truth from nodes and edges
+    /// Remove the truth from nodes, edges and priors
     #[arg(long, help_heading = "Edges")]
     pub strip_truth: bool,
 }
@@ -128,9 +128,18 @@ pub struct Left {
     pub edges: usize,
     /// Number of edges left out because one of their nodes was.
     pub edges_without_nodes: usize,
+    /// Number of priors left out because their node was.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub priors_without_nodes: usize,
 }
 
-/// Removes from a graph what the options do not keep. An edge is removed with its node, so that the rest is sound.
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(count: &usize) -> bool {
+    *count == 0
+}
+
+/// Removes from a graph what the options do not keep. An edge or a prior is removed with its node, so that the rest is
+/// sound.
 /// O(size), with a logarithmic factor if ids do not count from 0.
 pub fn filter(graph: &mut PoseGraph, options: &Options) -> Left {
     let mut kept: Vec<bool> = graph.nodes.iter().map(|node| options.keeps_node(node)).collect();
@@ -155,11 +164,19 @@ pub fn filter(graph: &mut PoseGraph, options: &Options) -> Left {
         whole && wanted
     });
     graph.edges = edges;
+    let mut priors = std::mem::take(&mut graph.priors);
+    priors.retain(|prior| {
+        let there = graph.node_index(prior.node).is_some_and(|index| kept[index]);
+        left.priors_without_nodes += usize::from(!there);
+        there
+    });
+    graph.priors = priors;
     let mut place = kept.into_iter();
     graph.nodes.retain(|_| place.next().unwrap_or(true));
     if options.strip_truth {
         graph.nodes.iter_mut().for_each(|node| node.truth = None);
         graph.edges.iter_mut().for_each(|edge| edge.truth = None);
+        graph.priors.iter_mut().for_each(|prior| prior.truth = None);
     }
     left
 }

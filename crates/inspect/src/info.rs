@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use posecut_evaluate::edges::{EdgeScores, score};
-use posecut_graph::{Edge, EdgeKind, PoseGraph, doubts_of};
+use posecut_graph::{Edge, EdgeKind, PoseGraph, PriorOf, doubts_of};
 use posecut_stage::counted;
 use serde::Serialize;
 use serde_json::Value;
@@ -33,9 +33,12 @@ pub struct Info {
     pub odometry: Edges,
     /// Landmark edges.
     pub landmark: Edges,
+    /// Priors; absent if there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub priors: Option<Priors>,
     /// Number of marked edges, by the stage that marked them.
     pub rejected_by: BTreeMap<String, usize>,
-    /// Number of edges that use each noise model of the header.
+    /// Number of edges and priors that use each noise model of the header.
     pub noise_models: BTreeMap<String, usize>,
     /// Connected components over the edges in use.
     pub components: Components,
@@ -84,6 +87,19 @@ pub struct Edges {
     pub between_sessions: usize,
 }
 
+/// Measurements of single nodes.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Priors {
+    /// Number of priors.
+    pub count: usize,
+    /// Number of priors that no stage has rejected.
+    pub in_use: usize,
+    /// Number of priors of a whole pose; the others measure a position.
+    pub poses: usize,
+    /// Number of marked priors, by the stage that marked them.
+    pub rejected_by: BTreeMap<String, usize>,
+}
+
 /// Connected components.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Components {
@@ -107,6 +123,9 @@ impl Info {
                 *noise_models.entry(noise.clone()).or_default() += 1;
             }
         }
+        for noise in graph.priors.iter().filter_map(|prior| prior.noise.as_ref()) {
+            *noise_models.entry(noise.clone()).or_default() += 1;
+        }
         let mut sizes: Vec<usize> = parts(graph).iter().map(|part| part.nodes.len()).collect();
         sizes.sort_unstable_by(|a, b| b.cmp(a));
         Self {
@@ -122,6 +141,7 @@ impl Info {
             bounding_box: bounding_box(graph),
             odometry: edges(graph, EdgeKind::Odometry),
             landmark: edges(graph, EdgeKind::Landmark),
+            priors: priors(graph),
             rejected_by,
             noise_models,
             components: Components { count: sizes.len(), sizes },
@@ -182,6 +202,19 @@ fn edges(graph: &PoseGraph, kind: EdgeKind) -> Edges {
     edges
 }
 
+fn priors(graph: &PoseGraph) -> Option<Priors> {
+    let mut priors = Priors::default();
+    for prior in &graph.priors {
+        priors.count += 1;
+        priors.in_use += usize::from(prior.in_use());
+        priors.poses += usize::from(prior.of(graph.header.dimension) == Some(PriorOf::Pose));
+        if let Some(stage) = &prior.rejected_by {
+            *priors.rejected_by.entry(stage.clone()).or_default() += 1;
+        }
+    }
+    (priors.count > 0).then_some(priors)
+}
+
 fn unknown_fields(graph: &PoseGraph) -> BTreeMap<String, usize> {
     let mut fields = BTreeMap::new();
     let mut count = |kind: &str, extra: &posecut_graph::Extra| {
@@ -198,6 +231,10 @@ fn unknown_fields(graph: &PoseGraph) -> BTreeMap<String, usize> {
         count(edge.kind.name(), &edge.extra);
         let truth = |edge: &Edge| format!("{}.truth", edge.kind.name());
         edge.truth.iter().for_each(|known| count(&truth(edge), &known.extra));
+    }
+    for prior in &graph.priors {
+        count("prior", &prior.extra);
+        prior.truth.iter().for_each(|truth| count("prior.truth", &truth.extra));
     }
     fields
 }
@@ -264,6 +301,9 @@ impl fmt::Display for Info {
         for (stage, count) in &self.rejected_by {
             writeln!(out, "rejected     {count} by {stage}")?;
         }
+        if let Some(priors) = &self.priors {
+            writeln!(out, "priors       {priors}")?;
+        }
         if let Some(scores) = &self.edges {
             let share = |share: Option<f64>| share.map_or("none".to_owned(), |share| format!("{share:.4}"));
             writeln!(
@@ -294,6 +334,17 @@ impl fmt::Display for Info {
             writeln!(out, "made by      {}. {line}", place + 1)?;
         }
         Ok(())
+    }
+}
+
+impl fmt::Display for Priors {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { count, in_use, poses, rejected_by } = self;
+        write!(out, "{count} ({in_use} in use, {poses} of poses, {} of positions", count - poses)?;
+        for (stage, count) in rejected_by {
+            write!(out, ", {count} rejected by {stage}")?;
+        }
+        write!(out, ")")
     }
 }
 

@@ -5,7 +5,9 @@ use std::fmt;
 use std::io::BufRead;
 
 use posecut_geometry::covariance::{CovarianceError, covariance_from_information, unpack_upper_triangle};
-use posecut_graph::{Dimension, Edge, EdgeKind, Examination, FormatProblem, PoseGraph, ReadError, examine};
+use posecut_graph::{
+    Dimension, Edge, EdgeKind, Examination, FormatProblem, PoseGraph, Prior, PriorOf, ReadError, examine,
+};
 use posecut_stage::counted;
 use serde::Serialize;
 
@@ -58,10 +60,10 @@ impl fmt::Display for Finding {
 /// All findings about a file: errors in the order of lines, then errors that concern several records, then warnings.
 /// Returns an error only if the bytes cannot be read. O(size), with a logarithmic factor if ids do not count from 0.
 pub fn validate(source_name: &str, reader: impl BufRead) -> Result<Vec<Finding>, ReadError> {
-    let Examination { graph, node_lines, edge_lines, faults } = examine(source_name, reader)?;
+    let Examination { graph, node_lines, edge_lines, prior_lines, faults } = examine(source_name, reader)?;
     let mut findings: Vec<Finding> = faults.into_iter().map(fault).collect();
     if let Some(graph) = graph {
-        let mut warnings = Warnings { graph: &graph, node_lines, edge_lines, found: Vec::new() };
+        let mut warnings = Warnings { graph: &graph, node_lines, edge_lines, prior_lines, found: Vec::new() };
         warnings.order();
         warnings.sessions();
         warnings.measurements();
@@ -88,6 +90,7 @@ struct Warnings<'a> {
     graph: &'a PoseGraph,
     node_lines: Vec<u64>,
     edge_lines: Vec<u64>,
+    prior_lines: Vec<u64>,
     found: Vec<Finding>,
 }
 
@@ -113,7 +116,11 @@ impl Warnings<'_> {
     /// Warns of descending ids, and of edges before nodes: the canonical form has neither.
     fn order(&mut self) {
         let falls = |lines: &[u64]| lines.windows(2).find(|pair| pair[0] > pair[1]).map(|pair| pair[1]);
-        for (what, line) in [("nodes", falls(&self.node_lines)), ("edges", falls(&self.edge_lines))] {
+        for (what, line) in [
+            ("nodes", falls(&self.node_lines)),
+            ("edges", falls(&self.edge_lines)),
+            ("priors", falls(&self.prior_lines)),
+        ] {
             if let Some(line) = line {
                 let problem = format!("the {what} are not in the order of their ids");
                 self.warn(
@@ -268,8 +275,13 @@ impl Warnings<'_> {
             poses.map(|(node, line)| (node.pose.as_ref(), *line, format!("node {}", node.id), "pose"));
         let edges = graph.edges.iter().zip(&self.edge_lines);
         let edges = edges.map(|(edge, line)| (edge.measurement.as_ref(), *line, edge.name(), "measurement"));
+        let of_pose = |prior: &Prior| prior.of(Dimension::Three) == Some(PriorOf::Pose);
+        let priors = graph.priors.iter().zip(&self.prior_lines).filter(|(prior, _)| of_pose(prior));
+        let priors =
+            priors.map(|(prior, line)| (Some(&prior.measurement), *line, prior.name(), "measurement"));
         let off: Vec<_> = poses
             .chain(edges)
+            .chain(priors)
             .filter_map(|(pose, line, name, field)| {
                 let norm = pose?[3..].iter().map(|component| component * component).sum::<f64>().sqrt();
                 ((norm - 1.0).abs() > 1e-9).then_some((line, name, field, norm))

@@ -5,14 +5,16 @@ use std::fmt;
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
 
 /// All known fields of all kinds of records.
-const KNOWN: [&str; 21] = [
+const KNOWN: [&str; 23] = [
     "kind",
     "id",
     "from",
     "to",
+    "node",
     "measurement",
     "information",
     "noise",
+    "source",
     "truth",
     "rejected_by",
     "cost",

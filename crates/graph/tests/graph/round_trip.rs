@@ -1,6 +1,8 @@
 //! A written graph reads back to the same bits, and a graph in canonical form is written as it was read.
 
-use posecut_graph::{Dimension, Edge, EdgeKind, EdgeTruth, Header, Node, NodeTruth, PoseGraph, WriteError};
+use posecut_graph::{
+    Dimension, Edge, EdgeKind, EdgeTruth, Header, Node, NodeTruth, PoseGraph, Prior, PriorOf, WriteError,
+};
 use proptest::prelude::*;
 
 fn written(graph: &PoseGraph) -> Vec<u8> {
@@ -51,6 +53,18 @@ prop_compose! {
                 graph.edges.push(edge);
             }
         }
+        for (id, pose) in graph.nodes.iter().filter_map(|node| node.pose.as_ref()).enumerate() {
+            let whole = id % 2 == 0;
+            graph.priors.push(Prior {
+                id: 3 * id as u64,
+                node: order % count,
+                measurement: if whole { pose.clone() } else { pose[..2].to_vec() },
+                information: Some(if whole { vec![1.0 / 3.0, 0.1, 0.0, 2.0, -0.0, 1e300] } else { vec![1.0 / 3.0, -0.0, 7.0] }),
+                source: Some(text.clone()),
+                score: cost,
+                ..Prior::default()
+            });
+        }
         graph
     }
 }
@@ -63,7 +77,8 @@ proptest! {
         let bits = |graph: &PoseGraph| -> Vec<u64> {
             let poses = graph.nodes.iter().flat_map(|node| node.pose.iter().flatten());
             let edges = graph.edges.iter().flat_map(|edge| edge.measurement.iter().chain(&edge.information).flatten());
-            poses.chain(edges).map(|value| value.to_bits()).collect()
+            let priors = graph.priors.iter().flat_map(|prior| prior.measurement.iter().chain(prior.information.iter().flatten()));
+            poses.chain(edges).chain(priors).map(|value| value.to_bits()).collect()
         };
         prop_assert_eq!(bits(&graph), bits(&again));
         prop_assert_eq!(&graph, &again);
@@ -105,6 +120,8 @@ fn the_canonical_form_is_a_fixed_point_and_as_documented() {
 {"kind":"node","id":7}
 {"kind":"odometry","id":0,"from":0,"to":7,"measurement":[1,2.5,1e-7],"noise":"odometry"}
 {"kind":"landmark","id":1,"from":7,"to":0,"truth":{"correct":false},"rejected_by":"pcm","cost":-1,"score":0.83,"seen":[1]}
+{"kind":"prior","id":0,"node":7,"measurement":[1,-0.0,0.1],"noise":"odometry","source":"map"}
+{"kind":"prior","id":9,"node":0,"measurement":[1.5,2],"information":[4,0,0.1],"source":"gps","truth":{"correct":true,"by":"me"},"rejected_by":"optimize","score":0.5,"sats":7}
 {"kind":"note", "spaced" : "out"}
 "#;
     let graph = PoseGraph::read("test", text.as_bytes()).unwrap();
@@ -133,6 +150,53 @@ fn nan_is_not_written_and_nothing_is_written_before_it_is_found() {
     assert!(matches!(error, WriteError::NotFinite { field: "pose", .. }), "{error}");
     assert!(error.to_string().starts_with("node 17, field \"pose\": the value is NaN"), "{error}");
     assert!(bytes.is_empty());
+}
+
+/// Every refusal of a prior names line, prior and field. Without its change the prior is read.
+#[test]
+fn impossible_priors_are_refused() {
+    let prior = |rest: &str| format!("{{\"kind\":\"prior\",\"id\":4,{rest}}}");
+    let read = |dimension: u32, lines: &str| {
+        let text = format!(
+            "{{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":{dimension},\"noise_models\":{{}}}}\n{{\"kind\":\"node\",\"id\":0}}\n{lines}\n"
+        );
+        PoseGraph::read("test", text.as_bytes()).map_err(|error| error.to_string())
+    };
+    let sound = r#""node":0,"measurement":[1,2],"information":[1,0,1]"#;
+    assert!(read(2, &prior(sound)).is_ok());
+    let spatial = r#""node":0,"measurement":[1,2,3],"information":[1,0,0,1,0,0]"#;
+    assert_eq!(read(3, &prior(spatial)).unwrap().priors[0].of(Dimension::Three), Some(PriorOf::Position));
+    let cases = [
+        (2, sound.replace("1,2]", "NaN,2]"), "line 3, prior 4, field \"measurement\": NaN"),
+        (2, sound.replace("1,2]", "1e999,2]"), "line 3, prior 4, field \"measurement\": a number is too large"),
+        (2, sound.replace("1,0,1", "1,2,1"), "line 3, prior 4, field \"information\": the matrix is not positive"),
+        (2, sound.replace("1,0,1", "1,0"), "line 3, prior 4, field \"information\": expected 3 numbers, found 2"),
+        (2, sound.replace("1,2]", "1,2,3,4]"), "line 3, prior 4, field \"measurement\": expected 3 or 2 numbers, found 4"),
+        (3, sound.to_owned(), "line 3, prior 4, field \"measurement\": expected 7 or 3 numbers, found 2"),
+        (2, sound.replace("\"node\":0", "\"node\":9"), "line 3, prior 4, field \"node\": there is no node 9"),
+        (2, sound.replace("\"information\":[1,0,1]", "\"noise\":\"x\""), "line 3, prior 4, field \"noise\": a noise model is for poses"),
+        (2, r#""node":0,"measurement":[1,2,3],"noise":"x""#.to_owned(), "line 3, prior 4, field \"noise\": the header has no noise model \"x\""),
+        (2, r#""node":0,"measurement":[1,2,3]"#.to_owned(), "line 3, prior 4, field \"information\": the prior has no information"),
+        (2, r#""node":0,"information":[1,0,1]"#.to_owned(), "line 3, prior 4, field \"measurement\": the field is missing"),
+        (3, r#""node":0,"measurement":[0,0,0,0,0,0,2],"information":[0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0]"#.to_owned(), "line 3, prior 4, field \"measurement\": the quaternion has norm 2"),
+    ];
+    for (dimension, rest, expected) in cases {
+        let error = read(dimension, &prior(&rest)).unwrap_err();
+        assert!(error.starts_with(&format!("test, {expected}")) && error.contains("; "), "{rest}: {error}");
+    }
+    let error = read(2, &format!("{}\n{}", prior(sound), prior(sound))).unwrap_err();
+    assert!(
+        error.starts_with("test, line 4, prior 4, field \"id\": line 3 (prior 4) already has this id; ids must be unique among priors"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_prior_that_is_not_finite_is_not_written() {
+    let mut graph = PoseGraph::new(Header::new(Dimension::Two));
+    graph.priors.push(Prior { id: 3, measurement: vec![f64::INFINITY, 0.0], ..Prior::default() });
+    let error = graph.write(std::io::sink()).unwrap_err();
+    assert!(error.to_string().starts_with("prior 3, field \"measurement\": the value is inf"), "{error}");
 }
 
 #[test]

@@ -48,6 +48,9 @@ fn both_take_what_is_sound() {
         r#"{"kind":"landmark","id":0,"from":1,"to":0,"information":[1,0,0,1,0,1]}"#,
         r#"{"kind":"landmark","id":0,"from":1,"to":0,"rejected_by":"pcm","cost":-1,"score":0.25,"truth":{"correct":true}}"#,
         r#"{"kind":"gps","at":[1]}"#,
+        r#"{"kind":"prior","id":0,"node":1,"measurement":[1,2,0.5],"information":[1,0,0,1,0,1]}"#,
+        r#"{"kind":"prior","id":0,"node":1,"measurement":[1,2,0.5],"noise":"wheels","information":null}"#,
+        r#"{"kind":"prior","id":0,"node":1,"measurement":[1,2],"information":[1,0,1],"noise":null,"source":"gps","score":1,"rejected_by":null,"truth":{"correct":false},"sats":7}"#,
     ] {
         assert!(read(line), "the reader refuses {line}");
         assert!(schema.is_valid(&parsed(line)), "the schema refuses {line}");
@@ -98,6 +101,18 @@ fn both_refuse_what_is_not() {
         r#"{"kind":"landmark","id":0,"from":0,"to":1,"cost":"1"}"#,
         r#"{"kind":"landmark","id":0,"from":0,"to":1,"score":[]}"#,
         r#"{"kind":"landmark","id":0,"from":0,"to":1,"truth":{"correct":1}}"#,
+        r#"{"kind":"prior","node":1,"measurement":[1,2],"information":[1,0,1]}"#,
+        r#"{"kind":"prior","id":0,"measurement":[1,2],"information":[1,0,1]}"#,
+        r#"{"kind":"prior","id":0,"node":1,"information":[1,0,1]}"#,
+        r#"{"kind":"prior","id":0,"node":1,"measurement":[1],"information":[1,0,1]}"#,
+        r#"{"kind":"prior","id":0,"node":1,"measurement":null,"information":[1,0,1]}"#,
+        r#"{"kind":"prior","id":0,"node":1,"measurement":[1,2]}"#,
+        r#"{"kind":"prior","id":0,"node":1,"measurement":[1,2],"information":[1,0,0,1,0,1]}"#,
+        r#"{"kind":"prior","id":0,"node":1,"measurement":[1,2,0],"information":[1,0,1]}"#,
+        r#"{"kind":"prior","id":0,"node":1,"measurement":[1,2],"noise":"wheels"}"#,
+        r#"{"kind":"prior","id":0,"node":1,"measurement":[1,2,0],"noise":"wheels","information":[1,0,0,1,0,1]}"#,
+        r#"{"kind":"prior","id":0,"node":1,"measurement":[1,2],"information":[1,0,1],"source":1}"#,
+        r#"{"kind":"prior","id":0,"node":1,"measurement":[1,2],"information":[1,0,1],"rejected_by":true}"#,
         r#"{"kind":"odometry","id":0,"from":0,"to":1}"#,
         r#"{"kind":"odometry","id":0,"from":0,"to":1,"measurement":null,"noise":"wheels"}"#,
         r#"{"kind":"odometry","id":0,"from":0,"to":1,"measurement":[1,0,0]}"#,
@@ -118,6 +133,9 @@ fn what_only_the_reader_refuses_is_known() {
         r#"{"kind":"landmark","id":0,"from":0,"to":0}"#,
         r#"{"kind":"landmark","id":0,"from":0,"to":1,"measurement":[1,0,0],"noise":"unknown"}"#,
         r#"{"kind":"landmark","id":0,"from":0,"to":1,"information":[1,2,0,1,0,1]}"#,
+        r#"{"kind":"prior","id":0,"node":9,"measurement":[1,2],"information":[1,0,1]}"#,
+        r#"{"kind":"prior","id":0,"node":1,"measurement":[1,2],"information":[1,2,1]}"#,
+        r#"{"kind":"prior","id":0,"node":1,"measurement":[1,2,0],"noise":"unknown"}"#,
         r#"{"kind":"node","id":7,"id":8}"#,
         r#"{"kind":"node","id":7.0}"#,
     ] {

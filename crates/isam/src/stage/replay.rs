@@ -66,6 +66,10 @@ fn arrival(record: Record, unknown: &mut Vec<String>) -> anyhow::Result<Option<A
         Record::Header(_) => None,
         Record::Node(node) => Some(Arrival::Node(node)),
         Record::Edge(edge) => Some(Arrival::Edge(edge)),
+        Record::Prior(prior) => anyhow::bail!(
+            "{}: the incremental solver does not use priors; optimise the graph with posecut-optimize, or remove the prior",
+            prior.name()
+        ),
         Record::Unknown(text) => {
             let Decision { kind, edge } = serde_json::from_str(&text)?;
             let edge = || {
