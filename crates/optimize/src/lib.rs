@@ -1,10 +1,12 @@
 //! Batch pose-graph optimisation on SE(2) and SE(3).
 //!
 //! Minimises `sum of rho(e^T Omega e)` with `e = Log(Z^-1 X_from^-1 X_to)` over the poses `X` of a graph, where an edge
-//! measures `Z` with information matrix `Omega`, and `rho` is the identity or a robust kernel.
+//! measures `Z` with information matrix `Omega`, and `rho` is the identity or a robust kernel. Priors measure single nodes:
+//! `e = Log(Z^-1 X)` for a pose, `e = t - z` for a position.
 //!
 //! 1. [`Problem`] checks a graph; [`connected_components`](posecut_graph::connectivity::connected_components) splits it into
-//!    its connected components. Each is solved on its own; its first node keeps its pose.
+//!    its connected components. Each is solved on its own; its first node keeps its pose, unless
+//!    priors fix it.
 //! 2. [`initialisation`] proposes starts: the given poses, a spanning tree, and the chordal relaxation, which finds all
 //!    rotations first. The start of lowest cost is taken.
 //! 3. [`optimize`] takes Gauss-Newton steps, damped (Levenberg-Marquardt) once one fails, with posecut's own sparse Cholesky
@@ -58,6 +60,7 @@ pub use descent::outcome::Termination;
 pub use descent::phases::Phases;
 pub use model::kernel::Kernel;
 pub use model::kernel_name::KernelNameError;
+pub use model::prior::{Prior, PriorError};
 pub use model::problem::{Edge, EdgeKind, Problem, ProblemError};
 pub use model::residual::{chi_square, residual};
 pub use options::{Graduated, Initialisation, Method, Options};

@@ -1,7 +1,7 @@
 //! The model: poses, edges with their residuals and robust kernels, and the graph they make.
 //!
 //! The cost is `sum of rho(e^T Omega e)` with `e = Log(Z^-1 X_from^-1 X_to)`, where an edge measures `Z` with information
-//! matrix `Omega`. `problem` checks a graph; `residual` has `e` and its Jacobians; `kernel` has `rho`, and `kernel_name` the
+//! matrix `Omega`; `prior` has the residuals of measurements of single nodes. `problem` checks a graph; `residual` has `e` and its Jacobians; `kernel` has `rho`, and `kernel_name` the
 //! names of kernels; `gauge` has the held nodes; `part` makes a graph of a connected component; `magnitude` has the reference
 //! values of tolerances.
 //!
@@ -13,6 +13,7 @@ pub(crate) mod kernel;
 pub(crate) mod kernel_name;
 pub(crate) mod magnitude;
 pub(crate) mod part;
+pub(crate) mod prior;
 pub(crate) mod problem;
 pub(crate) mod residual;
 

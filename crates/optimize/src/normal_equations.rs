@@ -9,6 +9,7 @@ use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
+use crate::model::prior::Prior;
 use crate::model::problem::Edge;
 use crate::model::residual::{Linearised, Term};
 use posecut_cholesky::{Factor, Memory, Symbolic};
@@ -159,6 +160,43 @@ impl<const D: usize> NormalEquations<D> {
             product[b] += block.tr_mul(&d[a]);
         }
         product
+    }
+
+    /// Adds priors to the equations, of which the first `held` nodes have no variables, and returns the cost with theirs.
+    pub(crate) fn add_priors<G: LieGroup<D>>(
+        &mut self,
+        held: usize,
+        priors: &[Prior<G, D>],
+        poses: &[G],
+        mut cost: f64,
+    ) -> f64 {
+        for prior in priors {
+            let model = prior.linearise(&poses[prior.node]);
+            cost += model.cost;
+            if let Some(variable) = prior.node.checked_sub(held) {
+                self.diagonal[variable] += model.block;
+                self.gradient[variable] += model.gradient;
+            }
+        }
+        cost
+    }
+
+    /// Adds the gradients of priors, and returns the cost with theirs.
+    pub(crate) fn add_prior_gradients<G: LieGroup<D>>(
+        &mut self,
+        held: usize,
+        priors: &[Prior<G, D>],
+        poses: &[G],
+        mut cost: f64,
+    ) -> f64 {
+        for prior in priors {
+            let model = prior.linearise(&poses[prior.node]);
+            cost += model.cost;
+            if let Some(variable) = prior.node.checked_sub(held) {
+                self.gradient[variable] += model.gradient;
+            }
+        }
+        cost
     }
 
     /// `d^T H d`.

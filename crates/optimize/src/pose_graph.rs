@@ -1,9 +1,12 @@
-//! Reads a pose graph for the algorithms: the edges in use that have a measurement, and the fixed nodes.
+//! Reads a pose graph for the algorithms: the edges in use that have a measurement, the priors in use, and the fixed nodes.
 
+use nalgebra::SMatrix;
 use posecut_geometry::LieGroup;
-use posecut_graph::{Node, PoseGraph};
+use posecut_geometry::covariance::unpack_upper_triangle;
+use posecut_graph::{Node, PoseGraph, PriorOf};
 
-use crate::{Edge, EdgeKind};
+use crate::model::translations;
+use crate::{Edge, EdgeKind, Prior};
 
 /// The indices of the fixed nodes.
 pub fn fixed_nodes(graph: &PoseGraph) -> anyhow::Result<Vec<usize>> {
@@ -71,4 +74,52 @@ pub fn measured_edge<G: LieGroup<DOF>, const DOF: usize>(
         posecut_graph::EdgeKind::Landmark => EdgeKind::Landmark,
     };
     Ok(Some(Edge::new(from, to, measurement, information, kind)))
+}
+
+/// The priors in use, without kernels, and their indices among the graph's priors. O(priors).
+pub fn priors<G: LieGroup<DOF>, const DOF: usize>(
+    graph: &PoseGraph,
+) -> anyhow::Result<(Vec<Prior<G, DOF>>, Vec<usize>)> {
+    let in_use = graph.priors.iter().enumerate().filter(|(_, prior)| prior.in_use());
+    let read = |(place, prior)| Ok((read_prior(graph, prior)?, place));
+    in_use.map(read).collect::<anyhow::Result<Vec<_>>>().map(|found| found.into_iter().unzip())
+}
+
+fn read_prior<G: LieGroup<DOF>, const DOF: usize>(
+    graph: &PoseGraph,
+    prior: &posecut_graph::Prior,
+) -> anyhow::Result<Prior<G, DOF>> {
+    let dimension = graph.header.dimension;
+    // Graphs that were read have been checked; those made by a program may not.
+    let unusable = |field: &str| anyhow::anyhow!("{}: its {field} cannot be used; correct it", prior.name());
+    let node = graph.node_index(prior.node).ok_or_else(|| unusable("node"))?;
+    let packed = graph.information_of_prior(prior).ok_or_else(|| unusable("information"))?;
+    match prior.of(dimension).ok_or_else(|| unusable("measurement"))? {
+        PriorOf::Pose => {
+            let pose = G::from_components(&prior.measurement).ok_or_else(|| unusable("measurement"))?;
+            let information = unpack_upper_triangle(packed).map_err(|_| unusable("information"))?;
+            Ok(Prior::pose(node, pose, information))
+        }
+        PriorOf::Position => {
+            let mut components = dimension.identity();
+            components[..translations(DOF)].copy_from_slice(&prior.measurement);
+            let at = G::from_components(&components).ok_or_else(|| unusable("measurement"))?;
+            let information = of_position(packed).ok_or_else(|| unusable("information"))?;
+            Ok(Prior::position(node, at, information))
+        }
+    }
+}
+
+/// The information matrix of a position within that of a pose, with zeros for the rotation.
+fn of_position<const DOF: usize>(packed: &[f64]) -> Option<SMatrix<f64, DOF, DOF>> {
+    let side = translations(DOF);
+    let mut matrix = SMatrix::zeros();
+    let mut terms = packed.iter();
+    for row in 0..side {
+        for column in row..side {
+            let &term = terms.next()?;
+            (matrix[(row, column)], matrix[(column, row)]) = (term, term);
+        }
+    }
+    terms.next().is_none().then_some(matrix)
 }

@@ -12,8 +12,9 @@ use crate::batch::solve::optimize_and_keep;
 use crate::certificate::{self, Certificate};
 use crate::covariance::at_solution;
 use crate::covariance::marginals::{Joint, Marginals};
-use crate::initialisation::chordal;
+use crate::initialisation::{alignment, chordal};
 use crate::lifted;
+use crate::model::prior::Prior;
 use crate::model::problem::{Edge, Problem};
 use crate::normal_equations::Pattern;
 use crate::options::Options;
@@ -21,13 +22,18 @@ use crate::options::Options;
 /// A group of poses that can be optimised, with its chordal relaxation.
 pub trait PoseGroup<const DOF: usize>: LieGroup<DOF> {
     /// Poses of a connected graph by the chordal relaxation, rotations first, with its first poses given; `None` if the edges
-    /// do not determine them.
+    /// do not determine them. If no pose is given, that of the first node is `anchor`.
     #[doc(hidden)]
     fn chordal_poses(
         memory: &mut Relaxation<'_, DOF>,
         edges: &[Edge<Self, DOF>],
         held: &[Self],
+        anchor: &Self,
     ) -> Option<Vec<Self>>;
+
+    /// The rigid motion that moves poses to their priors.
+    #[doc(hidden)]
+    fn aligning(priors: &[Prior<Self, DOF>], poses: &[Self]) -> Self;
 
     /// Poses of a connected graph near the minimum of SE-Sync's cost in more dimensions, found from these poses; `None` if that cost does
     /// not exist.
@@ -104,9 +110,14 @@ impl PoseGroup<3> for SE2 {
         memory: &mut Relaxation<'_, 3>,
         edges: &[Edge<Self, 3>],
         held: &[Self],
+        anchor: &Self,
     ) -> Option<Vec<Self>> {
         let pattern = memory.pattern;
-        memory.factor.lend(|factor| chordal::poses::<Self, 3, 2>(pattern, edges, held, factor))
+        memory.factor.lend(|factor| chordal::poses::<Self, 3, 2>(pattern, edges, held, anchor, factor))
+    }
+
+    fn aligning(priors: &[Prior<Self, 3>], poses: &[Self]) -> Self {
+        alignment::aligning::<Self, 3, 2>(priors, poses)
     }
 
     fn lifted_poses(edges: &[Edge<Self, 3>], poses: &[Self]) -> Option<Vec<Self>> {
@@ -125,9 +136,14 @@ impl PoseGroup<6> for SE3 {
         memory: &mut Relaxation<'_, 6>,
         edges: &[Edge<Self, 6>],
         held: &[Self],
+        anchor: &Self,
     ) -> Option<Vec<Self>> {
         let pattern = memory.pattern;
-        memory.factor.lend(|factor| chordal::poses::<Self, 6, 3>(pattern, edges, held, factor))
+        memory.factor.lend(|factor| chordal::poses::<Self, 6, 3>(pattern, edges, held, anchor, factor))
+    }
+
+    fn aligning(priors: &[Prior<Self, 6>], poses: &[Self]) -> Self {
+        alignment::aligning::<Self, 6, 3>(priors, poses)
     }
 
     fn lifted_poses(edges: &[Edge<Self, 6>], poses: &[Self]) -> Option<Vec<Self>> {

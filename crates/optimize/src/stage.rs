@@ -22,7 +22,7 @@ pub use marginals::MarginalsOf;
 pub use robust::{Graduation, KernelOptions, RobustOptions};
 pub use unusable::refuse_unless_finite;
 
-use crate::pose_graph::{Measured, edges, fixed_nodes};
+use crate::pose_graph::{Measured, edges, fixed_nodes, priors};
 use crate::{Initialisation, Method, Options, Phases, PoseGroup, Problem, Solution, optimize};
 
 /// Where to start from.
@@ -78,9 +78,9 @@ pub struct StageOptions {
     #[arg(long, value_name = "COSINE", default_value_t = Options::default().gradient_tolerance)]
     pub gradient_tolerance: f64,
 
-    /// Report in the statistics whether SE-Sync's cost is provably minimal next to the solution, by its dual certificate, and descend
-    /// from there, too
-    #[arg(long, conflicts_with_all = ["kernel_odometry", "kernel_landmark", "gnc"])]
+    /// Report in the statistics whether SE-Sync's cost is provably minimal next to the solution, by its dual certificate, which
+    /// does not cover priors, and descend from there, too
+    #[arg(long, conflicts_with_all = ["kernel_odometry", "kernel_landmark", "kernel_prior", "gnc"])]
     pub certify: bool,
 
     /// Write marginal covariances at the solution
@@ -163,11 +163,12 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
 ) -> anyhow::Result<()> {
     let library_options = options.library_options(DOF)?;
     let Measured { mut edges, places, unmeasured } = edges::<G, DOF>(graph)?;
-    options.robust.set_kernels(&mut edges);
+    let (mut priors, prior_places) = priors::<G, DOF>(graph)?;
+    options.robust.set_kernels(&mut edges, &mut priors);
     let poses = graph.poses::<G, DOF>()?;
     let fixed = fixed_nodes(graph)?;
     context.statistics.note("fixed", fixed.len());
-    let problem = Problem::new(poses, edges)?.hold(fixed)?;
+    let problem = Problem::new(poses, edges)?.hold(fixed)?.with_priors(priors)?;
     let semidefinite = problem.semidefinite();
     if let [first, ..] = semidefinite {
         info!(
@@ -187,6 +188,7 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
         options.certify.then(|| certify::certify_or_improve(&problem, &mut solution, &library_options));
     context.statistics.note("optimize_seconds", start.elapsed().as_secs_f64());
     let name = |edge: usize| graph.edges[places[edge]].name();
+    unusable::refuse_infinite_priors(&problem, &solution, |prior| graph.priors[prior_places[prior]].name())?;
     refuse_unless_finite(solution.cost, problem.edges(), name)?;
     for (node, pose) in graph.nodes.iter_mut().zip(&solution.poses) {
         node.pose = Some(pose.components());
@@ -200,7 +202,8 @@ fn run<G: PoseGroup<DOF>, const DOF: usize>(
     if let Some(of) = options.marginals {
         marginals::write(of, &problem, &solution, graph, &mut context.statistics);
     }
-    options.robust.write_weights(graph, &places, &solution.weights, context)?;
+    let (edge_weights, prior_weights) = (&solution.weights, &solution.prior_weights);
+    options.robust.write_weights(graph, (&places, edge_weights), (&prior_places, prior_weights), context)?;
     options.robust.note(library_options.graduated, &mut context.statistics);
     Ok(())
 }
@@ -217,6 +220,10 @@ fn tell<G>(solution: &Solution<G>, unmeasured: usize) {
     if fixed > 0 {
         info!("{} fixed", counted(fixed, "node"));
     }
+    let anchored = solution.components.iter().filter(|report| report.priors > 0).count();
+    if anchored > 0 {
+        info!("{} of {}", counted(solution.prior_weights.len(), "prior"), counted(anchored, "component"));
+    }
     warn_of_unmeasured(unmeasured);
 }
 
@@ -231,6 +238,9 @@ fn note<G>(solution: &Solution<G>, edges: usize, unmeasured: usize, context: &mu
     let statistics = &mut context.statistics;
     statistics.note("edges", edges);
     statistics.note("unmeasured", unmeasured);
+    if !solution.prior_weights.is_empty() {
+        statistics.note("priors", solution.prior_weights.len());
+    }
     statistics.note("chi_square_given", solution.chi_square_given);
     statistics.note("chi_square_initial", solution.chi_square_initial);
     statistics.note("chi_square", solution.chi_square);

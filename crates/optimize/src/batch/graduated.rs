@@ -11,6 +11,7 @@ use posecut_geometry::LieGroup;
 use crate::descent::outcome::Outcome;
 use crate::descent::workspace::Workspace;
 use crate::model::kernel::Kernel;
+use crate::model::prior::Prior;
 use crate::model::problem::{Edge, EdgeKind};
 use crate::model::residual::squared;
 use crate::options::{Graduated, Options};
@@ -51,6 +52,7 @@ impl Graduated {
     }
 
     /// Graduates from poses that minimise the cost without kernels; odometry edges keep their own kernels.
+    /// Priors are graduated like landmark edges.
     pub(crate) fn minimise<G: LieGroup<DOF>, const DOF: usize>(
         self,
         workspace: &mut Workspace<'_, G, DOF>,
@@ -60,6 +62,8 @@ impl Graduated {
     ) -> Outcome {
         let landmarks = || edges.iter().filter(|edge| edge.kind == EdgeKind::Landmark);
         let largest = landmarks().map(|edge| squared(edge, poses)).fold(0.0, f64::max);
+        let priors = workspace.priors.iter().map(|prior| prior.squared(&poses[prior.node]));
+        let largest = priors.fold(largest, f64::max);
         let round = Options {
             cost_tolerance: options.cost_tolerance.max(ROUND_TOLERANCE),
             max_iterations: options.max_iterations.min(ROUND_STEPS),
@@ -69,19 +73,22 @@ impl Graduated {
         let (mut iterations, mut rejected, mut factorizations) = (0, 0, 0);
         for kernel in self.surrogates(largest) {
             set_landmark_kernels(&mut edges, Some(kernel));
+            set_prior_kernels(&mut workspace.priors, Some(kernel));
             let outcome = workspace.minimise(&edges, poses, &round);
             iterations += outcome.iterations;
             rejected += outcome.rejected;
             factorizations += outcome.factorizations;
             // The range of weights between 0 and 1 only shrinks: later rounds would give every edge the same weight.
-            let decided = |edge: &Edge<G, DOF>| matches!(kernel.evaluate(squared(edge, poses)).1, 0.0 | 1.0);
+            let decided = |squared: f64| matches!(kernel.evaluate(squared).1, 0.0 | 1.0);
             if outcome.termination.converged()
-                && edges.iter().filter(|edge| edge.kind == EdgeKind::Landmark).all(decided)
+                && landmarks().all(|edge| decided(squared(edge, poses)))
+                && workspace.priors.iter().all(|prior| decided(prior.squared(&poses[prior.node])))
             {
                 break;
             }
         }
         set_landmark_kernels(&mut edges, Some(self.kernel()));
+        set_prior_kernels(&mut workspace.priors, Some(self.kernel()));
         let mut outcome = workspace.minimise(&edges, poses, options);
         outcome.iterations += iterations;
         outcome.rejected += rejected;
@@ -94,6 +101,13 @@ impl Graduated {
 pub(crate) fn set_landmark_kernels<G, const DOF: usize>(edges: &mut [Edge<G, DOF>], kernel: Option<Kernel>) {
     for edge in edges.iter_mut().filter(|edge| edge.kind == EdgeKind::Landmark) {
         edge.kernel = kernel;
+    }
+}
+
+/// Sets this kernel on every prior.
+pub(crate) fn set_prior_kernels<G, const DOF: usize>(priors: &mut [Prior<G, DOF>], kernel: Option<Kernel>) {
+    for prior in priors {
+        prior.kernel = kernel;
     }
 }
 

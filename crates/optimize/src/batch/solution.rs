@@ -31,10 +31,15 @@ impl Start {
 /// How one connected component was solved.
 #[derive(Clone, Debug)]
 pub struct ComponentReport {
-    /// Its first held node.
+    /// Its first held node; its first node if none is held.
     pub gauge: usize,
-    /// Number of nodes that were to be held; if it is zero, the gauge is the component's first node.
+    /// Number of nodes that were to be held; if it and `priors` are zero, the component's first node is held.
     pub held: usize,
+    /// Number of priors.
+    pub priors: usize,
+    /// Whether the priors leave the component free to turn and no node is held: see
+    /// [`Problem::with_priors`](crate::Problem::with_priors).
+    pub free: bool,
     /// Number of nodes.
     pub nodes: usize,
     /// Number of edges.
@@ -78,6 +83,8 @@ impl ComponentReport {
         Self {
             gauge: 0,
             held: 0,
+            priors: 0,
+            free: false,
             nodes,
             edges,
             cost_given: cost,
@@ -111,12 +118,19 @@ impl ComponentReport {
     }
 }
 
+impl<G> Solution<G> {
+    /// The weights of edges, then of priors, as [`Marginals::new`](crate::Marginals::new) takes them.
+    pub fn all_weights(&self) -> Vec<f64> {
+        [self.weights.as_slice(), self.prior_weights.as_slice()].concat()
+    }
+}
+
 /// Result of [`optimize`](crate::optimize).
 #[derive(Clone, Debug)]
 pub struct Solution<G> {
     /// Optimised poses, in the order of the nodes.
     pub poses: Vec<G>,
-    /// Sum of `e^T Omega e` at the given poses.
+    /// Sum of `e^T Omega e` over edges and priors at the given poses.
     pub chi_square_given: f64,
     /// Sum of `e^T Omega e` at the chosen starts.
     pub chi_square_initial: f64,
@@ -130,6 +144,8 @@ pub struct Solution<G> {
     pub converged: bool,
     /// Weight `rho'` of every edge at the result: 1 without kernel.
     pub weights: Vec<f64>,
+    /// Weight `rho'` of every prior at the result.
+    pub prior_weights: Vec<f64>,
     /// The connected components, in the order of their first nodes.
     pub components: Vec<ComponentReport>,
 }

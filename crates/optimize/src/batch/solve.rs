@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::collections::VecDeque;
 
-use super::graduated::set_landmark_kernels;
+use super::graduated::{set_landmark_kernels, set_prior_kernels};
 use super::solution::{ComponentReport, Solution, Start};
 use crate::descent::phases::{Phases, timed};
 use crate::descent::workspace::Workspace;
@@ -12,7 +12,8 @@ use crate::model::gauge::{count_held, put_held_first};
 use crate::model::kernel::charge;
 use crate::model::magnitude::Magnitude;
 use crate::model::part::extract;
-use crate::model::problem::{Edge, Problem};
+use crate::model::prior::{PriorsOfNodes, leave_free};
+use crate::model::problem::Problem;
 use crate::model::residual::{chi_square, cost, squared};
 use crate::normal_equations::{Pattern, System};
 use crate::options::{Graduated, Initialisation, Options};
@@ -23,7 +24,7 @@ use posecut_graph::connectivity::connected_components;
 /// Minimises the cost of a graph over its poses.
 ///
 /// Every connected component is solved on its own. Held nodes keep their given poses at every start; in a component without
-/// held nodes, the first node does. If edges leave a component undetermined, its equations are damped, and the report says
+/// held nodes and priors, the first node does. Priors move a start rigidly first, except the given poses. If edges leave a component undetermined, its equations are damped, and the report says
 /// so. The result depends only on the input: sums have a fixed order.
 pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
     problem: &Problem<G, DOF>,
@@ -44,7 +45,10 @@ pub(crate) fn optimize_and_keep<G: PoseGroup<DOF>, const DOF: usize>(
     let problem = if let Some(graduation) = options.graduated {
         let mut edges = problem.edges().to_vec();
         set_landmark_kernels(&mut edges, Some(graduation.kernel()));
-        graduated = Problem::from_checked(problem.poses().to_vec(), edges, problem.held().to_vec());
+        let mut priors = problem.priors().to_vec();
+        set_prior_kernels(&mut priors, Some(graduation.kernel()));
+        graduated = Problem::from_checked(problem.poses().to_vec(), edges, problem.held().to_vec())
+            .with_checked_priors(priors);
         &graduated
     } else {
         problem
@@ -55,11 +59,12 @@ pub(crate) fn optimize_and_keep<G: PoseGroup<DOF>, const DOF: usize>(
     let mut poses = problem.poses().to_vec();
     let mut starts = poses.clone();
     let mut reports = Vec::with_capacity(components.len());
+    let priors = PriorsOfNodes::new(problem.priors());
     let mut local = vec![0; poses.len()];
     let mut memory = memory.into_iter();
     let whole = components.len() == 1;
     for component in &mut components {
-        let held = put_held_first(component, problem.held());
+        let held = put_held_first(component, problem.held(), priors.anchor(component));
         for (index, &node) in component.nodes.iter().enumerate() {
             local[node] = index;
         }
@@ -67,7 +72,7 @@ pub(crate) fn optimize_and_keep<G: PoseGroup<DOF>, const DOF: usize>(
         let part = if whole && component.nodes.is_sorted() {
             problem
         } else {
-            extracted = extract(problem, component, &local);
+            extracted = extract(problem, component, &priors, &local);
             &extracted
         };
         let memory = memory.next().unwrap_or_default();
@@ -80,6 +85,8 @@ pub(crate) fn optimize_and_keep<G: PoseGroup<DOF>, const DOF: usize>(
         report.phases.total = seconds;
         report.gauge = component.nodes[0];
         report.held = count_held(component, problem.held());
+        report.priors = part.priors().len();
+        report.free = report.held == 0 && leave_free(part.priors());
         report.undetermined = report.undetermined.map(|(node, axis)| (component.nodes[node], axis));
         for ((&node, start), pose) in component.nodes.iter().zip(start).zip(result) {
             starts[node] = start;
@@ -98,7 +105,9 @@ fn gather<G: PoseGroup<DOF>, const DOF: usize>(
     reports: Vec<ComponentReport>,
 ) -> Solution<G> {
     let edges = problem.edges();
-    let robust = edges.iter().any(|edge| edge.kernel.is_some());
+    let priors = problem.priors();
+    let robust =
+        edges.iter().any(|edge| edge.kernel.is_some()) || priors.iter().any(|prior| prior.kernel.is_some());
     // A fold, since the `sum` of an empty iterator is -0.
     let total = |of: fn(&ComponentReport) -> f64| reports.iter().map(of).fold(0.0, |sum, part| sum + part);
     Solution {
@@ -121,6 +130,7 @@ fn gather<G: PoseGroup<DOF>, const DOF: usize>(
         } else {
             vec![1.0; edges.len()]
         },
+        prior_weights: priors.iter().map(|prior| prior.charge(&poses[prior.node]).1).collect(),
         components: reports,
         poses,
     }
@@ -129,9 +139,9 @@ fn gather<G: PoseGroup<DOF>, const DOF: usize>(
 /// A descent from the relaxation that takes more factorisations than this may have ended in the wrong basin.
 const HARD: usize = 30;
 
-/// Whether SE-Sync's cost stands for the cost of the edges: without kernels, and with at most one held node.
-fn may_be_lifted<G, const DOF: usize>(edges: &[Edge<G, DOF>], held: usize) -> bool {
-    held <= 1 && edges.iter().all(|edge| edge.kernel.is_none())
+/// Whether SE-Sync's cost stands for the cost of the graph: without kernels and priors, and with at most one held node.
+fn may_be_lifted<G: PoseGroup<DOF>, const DOF: usize>(part: &Problem<G, DOF>, held: usize) -> bool {
+    held <= 1 && part.priors().is_empty() && part.edges().iter().all(|edge| edge.kernel.is_none())
 }
 
 /// Start, result, report and system of a component.
@@ -140,8 +150,8 @@ type Solved<G, const DOF: usize> = (Vec<G>, Vec<G>, ComponentReport, Option<Syst
 /// Chooses a start of a connected graph whose first `held` nodes keep their poses, and solves from it.
 ///
 /// Without kernels the relaxation is tried first: the cost of a start says little about its basin if a few stiff edges
-/// dominate. If the descent from it is hard, the minimum of SE-Sync's cost in more dimensions is tried next. If its result costs more than another *start*, that start is tried too, and the lowest result is kept. With
-/// kernels, the cheapest start is tried first, since the relaxation ignores outliers.
+/// dominate. If the descent from it is hard, the minimum of SE-Sync's cost in more dimensions is tried next. If its result costs
+/// more than another *start*, that start is tried too, and the lowest result is kept. With kernels, the cheapest start is tried first, since the relaxation ignores outliers.
 fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     part: &Problem<G, DOF>,
     held: usize,
@@ -150,15 +160,16 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
 ) -> Solved<G, DOF> {
     let edges = part.edges();
     let given = part.poses();
-    let mut report = ComponentReport::untouched(given.len(), edges.len(), cost(edges, given));
-    if edges.is_empty() || held == given.len() {
+    let mut report = ComponentReport::untouched(given.len(), edges.len(), cost(part, given));
+    if is_settled(part, held) {
         return (given.to_vec(), given.to_vec(), report, None);
     }
     let mut phases = Phases::default();
     let pattern = timed(&mut phases.analysis, || Pattern::of(given.len(), held, edges));
     report.factor_blocks = pattern.symbolic.factor_blocks();
     report.flops = pattern.symbolic.flops();
-    let mut workspace = Workspace::new(&pattern, Magnitude::of(edges.iter()), memory);
+    let mut workspace =
+        Workspace::new(&pattern, Magnitude::of(edges.iter()), memory).with_priors(part.priors());
     let mut best: Option<(Vec<G>, Vec<G>)> = None;
     let starts = timed(&mut phases.start, || {
         candidates(part, &mut workspace, options.initialisation, report.cost_given)
@@ -178,11 +189,11 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
         report.factorizations += outcome.factorizations;
         let hard = candidate.start == Start::Chordal
             && (outcome.factorizations > HARD || !outcome.termination.converged());
-        if hard && options.initialisation == Initialisation::Best && may_be_lifted(edges, held) {
+        if hard && options.initialisation == Initialisation::Best && may_be_lifted(part, held) {
             let poses = timed(&mut phases.start, || G::lifted_poses(edges, &candidate.poses));
             starts.extend(poses.map(|poses| Candidate {
                 start: Start::Lifted,
-                cost: cost(edges, &poses),
+                cost: cost(part, &poses),
                 poses,
             }));
             // Before the given poses and the tree.
@@ -211,22 +222,26 @@ fn graduate_component<G: PoseGroup<DOF>, const DOF: usize>(
     memory: Memory,
 ) -> Solved<G, DOF> {
     let edges = part.edges();
-    if edges.is_empty() || held == part.poses().len() {
+    if is_settled(part, held) {
         return solve_component(part, held, options, memory);
     }
     let mut plain = edges.to_vec();
     set_landmark_kernels(&mut plain, None);
-    let plain = Problem::from_checked(part.poses().to_vec(), plain, part.held().to_vec());
+    let mut priors = part.priors().to_vec();
+    set_prior_kernels(&mut priors, None);
+    let plain =
+        Problem::from_checked(part.poses().to_vec(), plain, part.held().to_vec()).with_checked_priors(priors);
     let (start, solved, mut report, system) = solve_component(&plain, held, options, memory);
     let memory = system.map(|system| system.factor.into_memory(None)).unwrap_or_default();
     let mut starts = vec![(report.start, start, solved)];
     if options.initialisation == Initialisation::Best {
-        let tree = spanning_tree_from(held, part.poses(), edges);
+        let tree = aligned(part, held, spanning_tree_from(held, part.poses(), edges));
         starts.push((Start::SpanningTree, tree.clone(), tree));
     }
     let pattern = timed(&mut report.phases.analysis, || Pattern::of(part.poses().len(), held, edges));
-    let mut workspace = Workspace::new(&pattern, Magnitude::of(edges.iter()), memory);
-    report.cost_given = cost(edges, part.poses());
+    let magnitude = Magnitude::of(edges.iter());
+    let mut workspace = Workspace::new(&pattern, magnitude, memory).with_priors(part.priors());
+    report.cost_given = cost(part, part.poses());
     report.cost = f64::INFINITY;
     let mut best = (Vec::new(), part.poses().to_vec());
     for (name, start, mut poses) in starts {
@@ -235,13 +250,33 @@ fn graduate_component<G: PoseGroup<DOF>, const DOF: usize>(
         report.rejected += outcome.rejected;
         report.factorizations += outcome.factorizations;
         if best.0.is_empty() || outcome.cost < report.cost {
-            report.adopt(name, cost(edges, &start), &outcome);
+            report.adopt(name, cost(part, &start), &outcome);
             best = (start, poses);
         }
     }
     report.phases += workspace.phases;
     let Workspace { equations, factor, .. } = workspace;
     (best.0, best.1, report, Some(System { pattern, equations, factor }))
+}
+
+/// Whether a component has nothing to optimise.
+fn is_settled<G: PoseGroup<DOF>, const DOF: usize>(part: &Problem<G, DOF>, held: usize) -> bool {
+    (part.edges().is_empty() && part.priors().is_empty()) || held == part.poses().len()
+}
+
+/// A start that edges alone gave, moved to the priors if no node is held.
+fn aligned<G: PoseGroup<DOF>, const DOF: usize>(
+    part: &Problem<G, DOF>,
+    held: usize,
+    mut poses: Vec<G>,
+) -> Vec<G> {
+    if held == 0 {
+        let motion = G::aligning(part.priors(), &poses);
+        for pose in &mut poses {
+            *pose = motion.compose(pose);
+        }
+    }
+    poses
 }
 
 /// A proposed start.
@@ -259,15 +294,18 @@ fn candidates<G: PoseGroup<DOF>, const DOF: usize>(
     cost_given: f64,
 ) -> Vec<Candidate<G>> {
     let edges = part.edges();
-    let propose = |start: Start, poses: Vec<G>| Candidate { start, cost: cost(edges, &poses), poses };
+    let propose = |start: Start, poses: Vec<G>| Candidate { start, cost: cost(part, &poses), poses };
     let given = || Candidate { start: Start::Given, cost: cost_given, poses: part.poses().to_vec() };
-    let tree =
-        || propose(Start::SpanningTree, spanning_tree_from(workspace.pattern.held, part.poses(), edges));
+    let first = workspace.pattern.held;
+    let tree = || {
+        let poses = spanning_tree_from(first, part.poses(), edges);
+        propose(Start::SpanningTree, aligned(part, first, poses))
+    };
     let mut relaxed = || {
         let mut memory = Relaxation { pattern: workspace.pattern, factor: &mut workspace.factor };
         let held = &part.poses()[..memory.pattern.held];
-        G::chordal_poses(&mut memory, edges, held)
-            .map(|poses| propose(Start::Chordal, poses))
+        G::chordal_poses(&mut memory, edges, held, &part.poses()[0])
+            .map(|poses| propose(Start::Chordal, aligned(part, first, poses)))
             .filter(|candidate| candidate.cost.is_finite())
     };
     match initialisation {
@@ -278,7 +316,8 @@ fn candidates<G: PoseGroup<DOF>, const DOF: usize>(
         Initialisation::Best => {
             let mut others = vec![given(), tree()];
             others.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-            let robust = edges.iter().any(|edge| edge.kernel.is_some());
+            let robust = edges.iter().any(|edge| edge.kernel.is_some())
+                || part.priors().iter().any(|prior| prior.kernel.is_some());
             let mut all: Vec<_> = relaxed().into_iter().chain(others).collect();
             if robust {
                 all.sort_by(|a, b| a.cost.total_cmp(&b.cost));

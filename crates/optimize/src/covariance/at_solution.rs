@@ -29,10 +29,11 @@ pub(crate) fn solve_with_marginals<G: PoseGroup<DOF>, const DOF: usize>(
 ) -> (Solution<G>, Marginals<G, DOF>) {
     let mut systems = Vec::new();
     let solution = optimize_and_keep(problem, options, memory, |system| systems.push(system));
-    // An edge of weight zero is not part of the covariances' pattern.
-    if solution.weights.iter().any(|&weight| weight <= 0.0) {
+    // An edge of weight zero is not part of the covariances' pattern, and a prior of weight zero fixes no gauge.
+    let weights = solution.all_weights();
+    if weights.iter().any(|&weight| weight <= 0.0) {
         systems.clear();
     }
-    let marginals = Marginals::of(problem, &solution.poses, &solution.weights, systems);
+    let marginals = Marginals::of(problem, &solution.poses, &weights, systems);
     (solution, marginals)
 }

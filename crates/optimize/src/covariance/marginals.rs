@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::columns::Columns;
 use super::part::{Block, Part, Place};
 use crate::model::gauge::put_held_first;
+use crate::model::prior::{Prior, PriorsOfNodes};
 use crate::model::problem::{Edge, Problem};
 use crate::normal_equations::{Pattern, System};
 use crate::pose_group::PoseGroup;
@@ -30,8 +31,8 @@ pub struct Joint<const DOF: usize> {
 /// Covariances at given poses: exact blocks of the inverse of the Gauss-Newton matrix `sum of J^T w Omega J`.
 ///
 /// Every covariance is that of a right perturbation, `X = X_hat Exp(xi)`, translation before rotation, in square metres and
-/// square radians. **Gauge:** held nodes have no uncertainty; in a connected component without held nodes, the first node has
-/// none. Covariances of poses are relative to the gauge, those of relative poses do not depend on it. They propagate the
+/// square radians. **Gauge:** held nodes have no uncertainty; in a connected component without held nodes and priors, the first
+/// node has none. Covariances of poses are relative to the gauge, those of relative poses do not depend on it. They propagate the
 /// edges' information to first order at the given poses, and are valid as far as this approximation is.
 ///
 /// Components are those of the edges of positive weight. A component whose edges leave a direction undetermined has no
@@ -55,8 +56,9 @@ impl<G, const DOF: usize> std::fmt::Debug for Marginals<G, DOF> {
 
 impl<G: PoseGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
     /// Factorises the equations at `poses`, with the information of edge `k` multiplied by `weights[k]`. With the weights of
-    /// a [`Solution`](crate::Solution): `Marginals::new(&problem, &solution.poses, &solution.weights)`. Kernels are ignored.
-    /// Missing weights are one. Takes the time of one Gauss-Newton step. Where the poses come from [`optimize`](crate::optimize),
+    /// a [`Solution`](crate::Solution): `Marginals::new(&problem, &solution.poses, &solution.all_weights())`. Kernels are ignored.
+    /// The weights of priors follow those of the edges: see [`Solution::all_weights`](crate::Solution::all_weights). Missing weights
+    /// are one. Takes the time of one Gauss-Newton step. Where the poses come from [`optimize`](crate::optimize),
     /// [`optimize_with_marginals`](crate::optimize_with_marginals) saves the analysis of the pattern.
     pub fn new(problem: &Problem<G, DOF>, poses: &[G], weights: &[f64]) -> Self {
         G::marginals(problem, poses, weights)
@@ -75,12 +77,18 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
             (weight > 0.0).then(|| Edge { information: edge.information * weight, kernel: None, ..*edge })
         };
         let edges: Vec<_> = problem.edges().iter().enumerate().filter_map(weigh).collect();
+        let weigh = |(index, prior): (usize, &Prior<G, DOF>)| {
+            let weight = weights.get(problem.edges().len() + index).copied().unwrap_or(1.0);
+            (weight > 0.0).then(|| Prior { information: prior.information * weight, kernel: None, ..*prior })
+        };
+        let priors: Vec<_> = problem.priors().iter().enumerate().filter_map(weigh).collect();
+        let of_nodes = PriorsOfNodes::new(&priors);
         let mut components = connected_components(poses.len(), edges.iter().map(|edge| (edge.from, edge.to)));
         let mut places = vec![(0, 0); poses.len()];
         let mut parts = Vec::with_capacity(components.len());
         let mut systems = systems.into_iter();
         for (index, component) in components.iter_mut().enumerate() {
-            let held = put_held_first(component, problem.held());
+            let held = put_held_first(component, problem.held(), of_nodes.anchor(component));
             for (number, &node) in component.nodes.iter().enumerate() {
                 places[node] = (index, number);
             }
@@ -93,7 +101,11 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Marginals<G, DOF> {
             let system = systems.next().flatten().unwrap_or_else(|| {
                 System::new(Pattern::of(part_poses.len(), held, &part_edges), Memory::default())
             });
-            let mut part = Part::new(&part_poses, &part_edges, system);
+            let part_priors: Vec<_> = of_nodes
+                .of_component(component)
+                .map(|prior| Prior { node: places[priors[prior].node].1, ..priors[prior] })
+                .collect();
+            let mut part = Part::new(&part_poses, &part_edges, &part_priors, system);
             part.undetermined = part.undetermined.map(|(node, axis)| (component.nodes[node], axis));
             parts.push(part);
         }

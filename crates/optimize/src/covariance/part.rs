@@ -4,6 +4,7 @@ use nalgebra::SMatrix;
 use posecut_cholesky::{Factor, SelectedInverse, Symbolic};
 use posecut_geometry::LieGroup;
 
+use crate::model::prior::Prior;
 use crate::model::problem::Edge;
 use crate::normal_equations::{Pattern, System};
 
@@ -35,9 +36,15 @@ pub(super) struct Part<const DOF: usize> {
 }
 
 impl<const DOF: usize> Part<DOF> {
-    pub(super) fn new<G: LieGroup<DOF>>(poses: &[G], edges: &[Edge<G, DOF>], system: System<DOF>) -> Self {
+    pub(super) fn new<G: LieGroup<DOF>>(
+        poses: &[G],
+        edges: &[Edge<G, DOF>],
+        priors: &[Prior<G, DOF>],
+        system: System<DOF>,
+    ) -> Self {
         let System { pattern, mut equations, mut factor } = system;
-        equations.assemble(&pattern, edges, poses);
+        let cost = equations.assemble(&pattern, edges, poses);
+        equations.add_priors(pattern.held, priors, poses, cost);
         let Pattern { held, symbolic, .. } = pattern;
         let outcome =
             factor.factorize(&symbolic, &equations.diagonal, &equations.off_diagonal, 0.0, [0.0; DOF]);

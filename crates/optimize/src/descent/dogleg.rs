@@ -10,7 +10,7 @@ use posecut_geometry::LieGroup;
 
 use super::damping::{FIRST_DAMPING, LARGEST_DAMPING};
 use super::outcome::{Outcome, Step, Termination};
-use super::workspace::{Workspace, rounding};
+use super::workspace::Workspace;
 use crate::model::residual::Term;
 use crate::options::Options;
 
@@ -120,7 +120,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             if met.is_some() {
                 return *met;
             }
-            if full.promised <= rounding(edges, poses) {
+            if full.promised <= self.rounding(edges, poses) {
                 // Even the full step promises too little to be seen in the cost.
                 return Some(Termination::Cost);
             }

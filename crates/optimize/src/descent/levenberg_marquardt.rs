@@ -9,7 +9,7 @@ use posecut_geometry::LieGroup;
 use super::contest::Attempt;
 use super::damping::{Damping, FIRST_DAMPING, first_damping};
 use super::outcome::{Outcome, Termination};
-use super::workspace::{Workspace, rounding};
+use super::workspace::Workspace;
 use crate::model::residual::Term;
 use crate::options::Options;
 
@@ -125,7 +125,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         if met.is_some() {
             return met;
         }
-        if damping.value <= NEARLY_FULL && step.promised <= rounding(edges, poses) {
+        if damping.value <= NEARLY_FULL && step.promised <= self.rounding(edges, poses) {
             // The promise is too small to be seen in the cost.
             return Some(Termination::Cost);
         }
@@ -133,7 +133,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         *hard = true;
         if with_gradient {
             // The trial's gradient has overwritten the gradient at these poses.
-            self.gradient_at(edges, poses);
+            self.assemble_gradient(edges, poses);
         }
         let first = first_damping(self.stiffness(&step, damping.value), attempt.gain(outcome.cost));
         (!damping.raise(first)).then_some(Termination::Stalled)

@@ -30,7 +30,11 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         damping: f64,
     ) -> Option<Step> {
         let mut exact = self.exact.take().unwrap_or_else(|| NormalEquations::new(self.pattern));
-        timed(&mut self.phases.linearisation, || exact.assemble_exactly(self.pattern, terms, poses));
+        let Self { pattern, phases, priors, .. } = &mut *self;
+        timed(&mut phases.linearisation, || {
+            let cost = exact.assemble_exactly(pattern, terms, poses);
+            exact.add_priors(pattern.held, priors, poses, cost)
+        });
         let scale = self.damping_scale();
         for (block, scale) in exact.diagonal.iter_mut().zip(&scale) {
             for axis in 0..DOF {

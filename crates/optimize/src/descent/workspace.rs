@@ -8,6 +8,7 @@ use super::outcome::Step;
 use super::phases::{Phases, timed};
 use super::stiff_tree::StiffTree;
 use crate::model::magnitude::{Magnitude, translations};
+use crate::model::prior::{self, Prior};
 use crate::model::residual::Term;
 use crate::normal_equations::{NormalEquations, Pattern};
 
@@ -23,6 +24,8 @@ pub(crate) struct Workspace<'a, G, const DOF: usize> {
     pub(crate) pattern: &'a Pattern,
     /// The reference values of tolerances.
     pub(crate) magnitude: Magnitude,
+    /// Measurements of single nodes, which belong to every cost that is minimised.
+    pub(crate) priors: Vec<Prior<G, DOF>>,
     pub(crate) equations: NormalEquations<DOF>,
     pub(crate) factor: Factor<DOF>,
     pub(crate) step: Vec<SVector<f64, DOF>>,
@@ -40,6 +43,7 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         Self {
             pattern,
             magnitude,
+            priors: Vec::new(),
             equations: NormalEquations::new(pattern),
             factor: Factor::with_memory(&pattern.symbolic, memory),
             step: vec![SVector::zeros(); pattern.variables],
@@ -48,6 +52,13 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
             exact: None,
             phases: Phases::default(),
         }
+    }
+
+    /// Adds priors to every cost.
+    pub(crate) fn with_priors(mut self, priors: &[Prior<G, DOF>]) -> Self {
+        self.magnitude = self.magnitude.with_priors(priors);
+        self.priors = priors.to_vec();
+        self
     }
 
     /// The cost that tolerances refer to: at least that of a graph without noise.
@@ -148,30 +159,42 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
 
     /// Assembles the equations at these poses and returns the cost.
     pub(crate) fn assemble<T: Term<G, DOF>>(&mut self, edges: &[T], poses: &[G]) -> f64 {
-        let Self { equations, pattern, phases, .. } = self;
-        timed(&mut phases.linearisation, || equations.assemble(pattern, edges, poses))
+        let Self { equations, pattern, phases, priors, .. } = self;
+        timed(&mut phases.linearisation, || {
+            let cost = equations.assemble(pattern, edges, poses);
+            equations.add_priors(pattern.held, priors, poses, cost)
+        })
+    }
+
+    /// Computes only the gradient and the cost; the matrix stays the same.
+    pub(crate) fn assemble_gradient<T: Term<G, DOF>>(&mut self, edges: &[T], poses: &[G]) -> f64 {
+        let Self { equations, pattern, phases, priors, .. } = self;
+        timed(&mut phases.linearisation, || {
+            let cost = equations.assemble_gradient(pattern, edges, poses);
+            equations.add_prior_gradients(pattern.held, priors, poses, cost)
+        })
     }
 
     /// Computes the gradient and the cost at the trial; the matrix stays the same.
     pub(crate) fn trial_gradient<T: Term<G, DOF>>(&mut self, edges: &[T]) -> f64 {
-        let Self { equations, pattern, trial, phases, .. } = self;
-        timed(&mut phases.linearisation, || equations.assemble_gradient(pattern, edges, trial))
-    }
-
-    /// Computes the gradient at these poses; the matrix stays the same.
-    pub(super) fn gradient_at<T: Term<G, DOF>>(&mut self, edges: &[T], poses: &[G]) {
-        let Self { equations, pattern, phases, .. } = self;
-        timed(&mut phases.linearisation, || equations.assemble_gradient(pattern, edges, poses));
+        let trial = std::mem::take(&mut self.trial);
+        let cost = self.assemble_gradient(edges, &trial);
+        self.trial = trial;
+        cost
     }
 
     /// The cost at the trial.
     pub(crate) fn trial_cost<T: Term<G, DOF>>(&mut self, edges: &[T]) -> f64 {
-        let Self { trial, phases, .. } = self;
-        timed(&mut phases.linearisation, || edges.iter().map(|edge| edge.cost(trial)).sum())
+        let Self { trial, phases, priors, .. } = self;
+        timed(&mut phases.linearisation, || {
+            let of_edges: f64 = edges.iter().map(|edge| edge.cost(trial)).sum();
+            if priors.is_empty() { of_edges } else { of_edges + prior::cost(priors, trial) }
+        })
     }
-}
 
-/// The cost that rounding errors alone may cause at these poses.
-pub(crate) fn rounding<G, T: Term<G, DOF>, const DOF: usize>(edges: &[T], poses: &[G]) -> f64 {
-    edges.iter().map(|edge| edge.rounding(poses)).sum()
+    /// The cost that rounding errors alone may cause at these poses.
+    pub(crate) fn rounding<T: Term<G, DOF>>(&self, edges: &[T], poses: &[G]) -> f64 {
+        let of_edges: f64 = edges.iter().map(|edge| edge.rounding(poses)).sum();
+        self.priors.iter().fold(of_edges, |sum, prior| sum + prior.rounding(&poses[prior.node]))
+    }
 }

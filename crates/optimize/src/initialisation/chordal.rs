@@ -93,19 +93,22 @@ fn polar_factor(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     None
 }
 
-/// Poses of a connected graph whose first poses are given in `held`; `None` if a linear system is singular.
+/// Poses of a connected graph whose first poses are given in `held`; `None` if a linear system is singular. If none is held,
+/// `anchor` is the pose of the first node.
 pub(crate) fn poses<G, const DOF: usize, const N: usize>(
     pattern: &Pattern,
     edges: &[Edge<G, DOF>],
     held: &[G],
+    anchor: &G,
     factor: &mut Factor<N>,
 ) -> Option<Vec<G>>
 where
     G: LieGroup<DOF> + MatrixPose<N>,
 {
     let mut equations = NormalEquations::<N>::new(pattern);
-    let rotations = rotations::<G, DOF, N>(pattern, edges, held, &mut equations, factor)?;
-    let translations = translations::<G, DOF, N>(pattern, edges, held, &rotations, &mut equations, factor)?;
+    let rotations = rotations::<G, DOF, N>(pattern, edges, held, anchor, &mut equations, factor)?;
+    let translations =
+        translations::<G, DOF, N>(pattern, edges, held, anchor, &rotations, &mut equations, factor)?;
     let mut poses: Vec<G> = rotations
         .iter()
         .zip(&translations)
@@ -122,6 +125,7 @@ fn rotations<G, const DOF: usize, const N: usize>(
     pattern: &Pattern,
     edges: &[Edge<G, DOF>],
     held: &[G],
+    anchor: &G,
     equations: &mut NormalEquations<N>,
     factor: &mut Factor<N>,
 ) -> Option<Vec<SMatrix<f64, N, N>>>
@@ -155,6 +159,14 @@ where
             _ => {}
         }
     }
+    if held.is_empty() {
+        // Any weight gives the same minimum up to a rotation of all nodes: the edges do not resist one.
+        let weight = equations.diagonal[0][(0, 0)];
+        equations.diagonal[0] += SMatrix::<f64, N, N>::identity() * weight;
+        for (row, right) in rows.iter_mut().enumerate() {
+            right[0] += anchor.rotation_matrix().row(row).transpose() * weight;
+        }
+    }
     factor.factorize(&pattern.symbolic, &equations.diagonal, &equations.off_diagonal, 0.0, [0.0; N]).ok()?;
     if let [first, second] = rows.as_mut_slice() {
         // Rotations of the plane commute, so the second row is the first one turned by a right angle.
@@ -184,6 +196,7 @@ fn translations<G, const DOF: usize, const N: usize>(
     pattern: &Pattern,
     edges: &[Edge<G, DOF>],
     held: &[G],
+    anchor: &G,
     rotations: &[SMatrix<f64, N, N>],
     equations: &mut NormalEquations<N>,
     factor: &mut Factor<N>,
@@ -213,6 +226,11 @@ where
             }
         }
         equations.add_off_diagonal(slot, &-weight);
+    }
+    if held.is_empty() {
+        let weight = equations.diagonal[0].trace();
+        equations.diagonal[0] += SMatrix::<f64, N, N>::identity() * weight;
+        right[0] += anchor.translation_vector() * weight;
     }
     factor.factorize(&pattern.symbolic, &equations.diagonal, &equations.off_diagonal, 0.0, [0.0; N]).ok()?;
     factor.solve(&pattern.symbolic, &mut right);

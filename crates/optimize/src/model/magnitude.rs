@@ -1,5 +1,8 @@
 //! The reference values of tolerances, which make them independent of the unit of length and of the scale of the information.
 
+use nalgebra::SMatrix;
+
+use super::prior::Prior;
 use super::problem::Edge;
 use posecut_geometry::LieGroup;
 
@@ -34,6 +37,12 @@ impl Magnitude {
         Self { length, cost: if cost.is_finite() { cost } else { 0.0 } }
     }
 
+    /// The magnitude of a graph with priors too. Their coordinates do not change the length, since the origin is arbitrary.
+    pub(crate) fn with_priors<G, const DOF: usize>(self, priors: &[Prior<G, DOF>]) -> Self {
+        let cost = priors.iter().fold(self.cost, |sum, prior| sum + size_of(&prior.information, self.length));
+        Self { cost: if cost.is_finite() { cost } else { 0.0 }, ..self }
+    }
+
     /// The cost below which only rounding errors remain.
     pub fn noiseless(&self) -> f64 {
         NOISELESS * self.cost
@@ -50,7 +59,11 @@ impl Magnitude {
 
 /// The cost of an edge whose residual is `length` along each axis of the translation and one radian about each rotation axis.
 pub fn size<G, const DOF: usize>(edge: &Edge<G, DOF>, length: f64) -> f64 {
-    let diagonal = edge.information.diagonal();
+    size_of(&edge.information, length)
+}
+
+fn size_of<const DOF: usize>(information: &SMatrix<f64, DOF, DOF>, length: f64) -> f64 {
+    let diagonal = information.diagonal();
     let (along, about) = diagonal.as_slice().split_at(translations(DOF));
     length * length * along.iter().sum::<f64>() + about.iter().sum::<f64>()
 }

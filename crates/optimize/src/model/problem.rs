@@ -6,6 +6,7 @@ use posecut_geometry::covariance::{Definiteness, definiteness};
 use thiserror::Error;
 
 use super::kernel::Kernel;
+use super::prior::{Prior, PriorError};
 
 /// The origin of an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,6 +127,9 @@ pub enum ProblemError {
         /// Number of nodes.
         nodes: usize,
     },
+    /// A prior cannot be used.
+    #[error(transparent)]
+    Prior(#[from] PriorError),
     /// A kernel's parameter is not a positive number.
     #[error("the robust kernel of edge {edge} has the parameter {parameter}: it must be positive and finite")]
     KernelParameter {
@@ -142,12 +146,13 @@ pub struct Problem<G, const DOF: usize> {
     poses: Vec<G>,
     edges: Vec<Edge<G, DOF>>,
     held: Vec<bool>,
+    priors: Vec<Prior<G, DOF>>,
     semidefinite: Vec<usize>,
 }
 
 impl<G: LieGroup<DOF>, const DOF: usize> Problem<G, DOF> {
     /// Checks a graph. `poses` are the given initial poses. The first node of each connected component keeps its pose, unless
-    /// the component has held nodes ([`hold`](Self::hold)).
+    /// the component has held nodes ([`hold`](Self::hold)) or priors ([`with_priors`](Self::with_priors)).
     ///
     /// Matrices that are semidefinite up to the digits of a printed file (smallest eigenvalue within 1e-9 times the largest)
     /// are accepted unchanged and listed. Takes O(nodes + edges).
@@ -162,7 +167,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Problem<G, DOF> {
             }
         }
         let held = vec![false; poses.len()];
-        Ok(Self { poses, edges, held, semidefinite })
+        Ok(Self { poses, edges, held, priors: Vec::new(), semidefinite })
     }
 
     /// Holds these nodes at their given poses, as constants: g2o's `FIX`. One held node only moves the minima of its
@@ -173,6 +178,26 @@ impl<G: LieGroup<DOF>, const DOF: usize> Problem<G, DOF> {
             *self.held.get_mut(node).ok_or(ProblemError::MissingHeld { node, nodes: count })? = true;
         }
         Ok(self)
+    }
+
+    /// Adds measurements of single nodes. In a component with priors no node is held except those of [`hold`](Self::hold): one
+    /// pose fixes the component, and so do the positions of two nodes in the plane, or of three in space that are not on a line.
+    pub fn with_priors(mut self, priors: Vec<Prior<G, DOF>>) -> Result<Self, ProblemError> {
+        for (index, prior) in priors.iter().enumerate() {
+            prior.check(index, self.poses.len())?;
+        }
+        self.priors = priors;
+        Ok(self)
+    }
+
+    /// The same without checks.
+    pub(crate) fn with_checked_priors(self, priors: Vec<Prior<G, DOF>>) -> Self {
+        Self { priors, ..self }
+    }
+
+    /// The measurements of single nodes.
+    pub fn priors(&self) -> &[Prior<G, DOF>] {
+        &self.priors
     }
 
     /// Whether each node is held at its given pose.
@@ -197,7 +222,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Problem<G, DOF> {
 
     /// A graph made of edges and poses that were checked before.
     pub fn from_checked(poses: Vec<G>, edges: Vec<Edge<G, DOF>>, held: Vec<bool>) -> Self {
-        Self { poses, edges, held, semidefinite: Vec::new() }
+        Self { poses, edges, held, priors: Vec::new(), semidefinite: Vec::new() }
     }
 }
 

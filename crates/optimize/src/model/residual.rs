@@ -11,6 +11,7 @@ use posecut_geometry::LieGroup;
 use super::curvature::curve;
 use super::kernel::charge;
 use super::magnitude::translations;
+use super::prior;
 use super::problem::{Edge, Problem};
 
 /// `e = Log(Z^-1 X_from^-1 X_to)`.
@@ -18,14 +19,16 @@ pub fn residual<G: LieGroup<DOF>, const DOF: usize>(measurement: &G, from: &G, t
     measurement.between(&from.between(to)).log()
 }
 
-/// The sum of `e^T Omega e` over the edges, without kernels.
+/// The sum of `e^T Omega e` over edges and priors, without kernels.
 pub fn chi_square<G: LieGroup<DOF>, const DOF: usize>(problem: &Problem<G, DOF>, poses: &[G]) -> f64 {
-    problem.edges().iter().map(|edge| squared(edge, poses)).sum()
+    let edges: f64 = problem.edges().iter().map(|edge| squared(edge, poses)).sum();
+    problem.priors().iter().fold(edges, |sum, prior| sum + prior.squared(&poses[prior.node]))
 }
 
-/// The sum of `rho(e^T Omega e)` over the edges.
-pub(crate) fn cost<G: LieGroup<DOF>, const DOF: usize>(edges: &[Edge<G, DOF>], poses: &[G]) -> f64 {
-    edges.iter().map(|edge| charge(edge.kernel, squared(edge, poses)).0).sum()
+/// The sum of `rho(e^T Omega e)` over edges and priors.
+pub(crate) fn cost<G: LieGroup<DOF>, const DOF: usize>(problem: &Problem<G, DOF>, poses: &[G]) -> f64 {
+    let edges: f64 = problem.edges().iter().map(|edge| charge(edge.kernel, squared(edge, poses)).0).sum();
+    if problem.priors().is_empty() { edges } else { edges + prior::cost(problem.priors(), poses) }
 }
 
 /// `e^T Omega e` of one edge.

@@ -28,7 +28,7 @@ pub(super) fn certify_or_improve<G: PoseGroup<DOF>, const DOF: usize>(
 ) -> Certified {
     let before = solution.cost;
     let (certificates, refined) = certify_and_refine(problem, &solution.poses);
-    if !problem.held().is_empty() {
+    if !problem.held().is_empty() || !problem.priors().is_empty() {
         return Certified { certificates, descended: None, before };
     }
     let options = Options { initialisation: Initialisation::Given, ..*options };
@@ -49,6 +49,7 @@ pub(super) fn note(certified: &Certified, parts: &[ComponentReport], context: &m
         info!("a descent from the minimum of SE-Sync's cost lowers the cost from {before} to {descended}");
     }
     let constrained = parts.iter().filter(|part| part.held > 1).count();
+    let with_priors = parts.iter().filter(|part| part.priors > 0).count();
     // The certificate speaks for the solution only if the descent from the poses it is for does not end above it.
     let elsewhere = descended.is_some_and(|descended| descended > before * (1.0 + SAME_COST));
     let global = !elsewhere && certificates.iter().all(|certificate| certificate.global);
@@ -63,6 +64,11 @@ pub(super) fn note(certified: &Certified, parts: &[ComponentReport], context: &m
             format!(
                 "it does not apply to {} with more than one fixed node, because it covers edges only; certify without fixed nodes",
                 counted(constrained, "component")
+            )
+        } else if with_priors > 0 {
+            format!(
+                "it does not apply to {} with priors, because it covers edges only; certify without priors",
+                counted(with_priors, "component")
             )
         } else {
             "a lower minimum may exist, so start elsewhere (--initialisation) and check the landmark edges"

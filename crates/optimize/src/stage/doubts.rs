@@ -14,7 +14,7 @@ pub(super) fn of_solution<G>(graph: &PoseGraph, solution: &Solution<G>, context:
     let components = &solution.components;
     doubt_disconnected(
         components.len(),
-        components.iter().filter(|report| report.held == 0).count(),
+        components.iter().filter(|report| report.held == 0 && report.priors == 0).count(),
         context,
     );
     undetermined(graph, components, context);
@@ -64,7 +64,23 @@ pub fn doubt_disconnected(components: usize, floating: usize, context: &mut Cont
 }
 
 fn undetermined(graph: &PoseGraph, components: &[ComponentReport], context: &mut Context) {
-    let found: Vec<(usize, usize)> = components.iter().filter_map(|report| report.undetermined).collect();
+    // If the priors of a component leave it free, its equations are singular, whatever rounding makes of them.
+    let free: Vec<&ComponentReport> = components.iter().filter(|report| report.free).collect();
+    if let [first, ..] = free[..] {
+        context.doubt(
+            Doubt::Undetermined,
+            format!(
+                "the priors do not determine how {} of {} {} turned (first: that of node {}), and damping keeps the rotation near that \
+                 of the start; add the prior of a pose or of a further position, or fix a node",
+                free.len(),
+                counted(components.len(), "component"),
+                if free.len() == 1 { "is" } else { "are" },
+                graph.nodes[first.gauge].id
+            ),
+        );
+    }
+    let found: Vec<(usize, usize)> =
+        components.iter().filter(|report| !report.free).filter_map(|report| report.undetermined).collect();
     if let [(node, axis), ..] = found[..] {
         context.doubt(
             Doubt::Undetermined,

@@ -15,7 +15,7 @@ use crate::{Marginals, PoseGroup, Problem, Solution};
 pub enum MarginalsOf {
     /// `predicted_covariance` of the relative pose of its nodes on every landmark edge with a measurement, rejected or not
     Landmark,
-    /// `covariance` of the pose on every node, relative to the first node of its component or given its fixed nodes
+    /// `covariance` of the pose on every node, relative to the first node of its component or given its fixed nodes and priors
     Poses,
     /// Both
     All,
@@ -29,7 +29,7 @@ pub(super) fn write<G: PoseGroup<DOF>, const DOF: usize>(
     graph: &mut PoseGraph,
     statistics: &mut Statistics,
 ) {
-    let mut marginals = Marginals::new(problem, &solution.poses, &solution.weights);
+    let mut marginals = Marginals::new(problem, &solution.poses, &solution.all_weights());
     if matches!(of, MarginalsOf::Landmark | MarginalsOf::All) {
         let is_asked =
             |edge: &&posecut_graph::Edge| edge.kind == EdgeKind::Landmark && edge.measurement.is_some();

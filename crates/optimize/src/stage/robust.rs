@@ -4,7 +4,7 @@ use posecut_graph::PoseGraph;
 use posecut_stage::{Context, Doubt, Statistics, counted};
 use serde::{Serialize, Serializer};
 
-use crate::{Edge, EdgeKind, Graduated, Kernel};
+use crate::{Edge, EdgeKind, Graduated, Kernel, Prior};
 
 /// The cost that graduated non-convexity ends with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
@@ -52,7 +52,12 @@ pub struct RobustOptions {
     #[serde(flatten)]
     pub kernels: KernelOptions,
 
-    /// Reduce the weights of false landmark edges by graduated non-convexity, which needs no good start; write COST after an equals sign [default with --gnc alone: truncated-least-squares]
+    /// Put a robust kernel on priors, named as for `--kernel-odometry` [default: that of landmark edges]
+    #[arg(long, value_name = "NAME[:WIDTH]", help_heading = "Robust kernels")]
+    #[serde(serialize_with = "kernel_word", skip_serializing_if = "Option::is_none")]
+    pub kernel_prior: Option<Kernel>,
+
+    /// Reduce the weights of false landmark edges and priors by graduated non-convexity, which needs no good start; write COST after an equals sign [default with --gnc alone: truncated-least-squares]
     #[arg(
         long,
         value_enum,
@@ -60,18 +65,18 @@ pub struct RobustOptions {
         num_args = 0..=1,
         require_equals = true,
         default_missing_value = "truncated-least-squares",
-        conflicts_with = "kernel_landmark",
+        conflicts_with_all = ["kernel_landmark", "kernel_prior"],
         help_heading = "Robust kernels"
     )]
     pub gnc: Option<Graduation>,
 
-    /// Set the largest residual of a correct landmark edge for `--gnc`, standard deviations [default: the 0.99 quantile, 3.368 in the plane and 4.100 in space]
+    /// Set the largest residual of a correct landmark edge or prior for `--gnc`, standard deviations [default: the 0.99 quantile, 3.368 in the plane and 4.100 in space]
     #[arg(long, value_name = "WIDTH", requires = "gnc", help_heading = "Robust kernels")]
     pub gnc_width: Option<f64>,
 
-    /// Reject landmark edges whose final weight is below this; 0.5 is usual.
+    /// Reject landmark edges and priors whose final weight is below this; 0.5 is usual.
     ///
-    /// Without this option, landmark edges are weighted but not rejected.
+    /// Without this option, they are weighted but not rejected.
     #[arg(long, value_name = "WEIGHT", help_heading = "Robust kernels")]
     pub reject_below: Option<f64>,
 }
@@ -79,6 +84,23 @@ pub struct RobustOptions {
 #[allow(clippy::ref_option, reason = "serde hands a field over as it stands")]
 fn kernel_word<S: Serializer>(kernel: &Option<Kernel>, serializer: S) -> Result<S::Ok, S::Error> {
     kernel.map(|kernel| kernel.to_string()).serialize(serializer)
+}
+
+/// How many records a kernel weighed, and with what result.
+#[derive(Default)]
+struct Counts {
+    below_half: usize,
+    weighed: usize,
+    rejected: usize,
+}
+
+fn check_weight(weight: f64, name: impl Fn() -> String) -> anyhow::Result<()> {
+    anyhow::ensure!(
+        weight.is_finite(),
+        "{}: the weight of its residual is not a number; give its measurement and information finite, moderate values",
+        name()
+    );
+    Ok(())
 }
 
 impl RobustOptions {
@@ -97,7 +119,7 @@ impl RobustOptions {
                 "--reject-below is {weight}, but must be above 0 and at most 1"
             );
             anyhow::ensure!(
-                self.gnc.is_some() || self.kernels.kernel_landmark.is_some(),
+                self.gnc.is_some() || self.of_priors().is_some(),
                 "--reject-below needs the weights of landmark edges, which only --gnc or --kernel-landmark give; add one of them"
             );
         }
@@ -107,62 +129,110 @@ impl RobustOptions {
         }))
     }
 
-    /// Sets the kernels of the edges.
-    pub(super) fn set_kernels<G, const DOF: usize>(&self, edges: &mut [Edge<G, DOF>]) {
+    /// The kernel of priors: their own, or that of landmark edges.
+    fn of_priors(&self) -> Option<Kernel> {
+        self.kernel_prior.or(self.kernels.kernel_landmark)
+    }
+
+    /// Sets the kernels of edges and priors.
+    pub(super) fn set_kernels<G, const DOF: usize>(
+        &self,
+        edges: &mut [Edge<G, DOF>],
+        priors: &mut [Prior<G, DOF>],
+    ) {
         for edge in edges {
             edge.kernel = self.kernels.of(edge.kind);
         }
+        for prior in priors {
+            prior.kernel = self.of_priors();
+        }
     }
 
-    /// Writes the weight of every edge with a kernel to its field `weight`, and marks landmark edges of too low a weight as
-    /// rejected. `places` are the edges' indices in the graph.
+    /// Writes the weight of every edge and prior with a kernel to its field `weight`, and marks landmark edges and priors of too
+    /// low a weight as rejected. Weights come with the indices of their records in the graph.
     pub(super) fn write_weights(
         &self,
         graph: &mut PoseGraph,
-        places: &[usize],
-        weights: &[f64],
+        edges: (&[usize], &[f64]),
+        priors: (&[usize], &[f64]),
         context: &mut Context,
     ) -> anyhow::Result<()> {
-        let (mut below_half, mut weighed, mut rejected) = (0_usize, 0_usize, 0_usize);
+        let mut counts = Counts::default();
+        let (places, weights) = edges;
         for (&place, &weight) in places.iter().zip(weights) {
             let edge = &mut graph.edges[place];
-            let under_kernel = match edge.kind {
-                posecut_graph::EdgeKind::Odometry => self.kernels.kernel_odometry.is_some(),
-                posecut_graph::EdgeKind::Landmark => {
-                    self.kernels.kernel_landmark.is_some() || self.gnc.is_some()
-                }
+            let landmark = edge.kind == posecut_graph::EdgeKind::Landmark;
+            let under_kernel = if landmark {
+                self.kernels.kernel_landmark.is_some() || self.gnc.is_some()
+            } else {
+                self.kernels.kernel_odometry.is_some()
             };
             if under_kernel {
-                anyhow::ensure!(
-                    weight.is_finite(),
-                    "{}: the weight of its residual is not a number; give its measurement and information finite, moderate values",
-                    edge.name()
-                );
-                below_half += usize::from(weight < 0.5);
+                check_weight(weight, || edge.name())?;
+                counts.below_half += usize::from(weight < 0.5);
                 edge.extra.insert("weight".to_owned(), weight.into());
-                let landmark = edge.kind == posecut_graph::EdgeKind::Landmark;
-                weighed += usize::from(landmark);
+                counts.weighed += usize::from(landmark);
                 if landmark && self.reject_below.is_some_and(|bound| weight < bound) {
                     edge.reject("optimize");
-                    rejected += 1;
+                    counts.rejected += 1;
                 }
             }
         }
-        if let Some(bound) = self.reject_below.filter(|_| weighed > 0 && rejected == weighed) {
+        self.write_prior_weights(graph, priors, context)?;
+        if let Some(bound) =
+            self.reject_below.filter(|_| counts.weighed > 0 && counts.rejected == counts.weighed)
+        {
             context.doubt(
                 Doubt::NothingKept,
                 format!(
                     "0 of {} kept: all weights are below {bound}; check the units of the information, or use a wider kernel",
-                    counted(weighed, "landmark edge")
+                    counted(counts.weighed, "landmark edge")
                 ),
             );
         }
         let statistics = &mut context.statistics;
         if *self != Self::default() {
-            statistics.note("edges_below_half_weight", below_half);
+            statistics.note("edges_below_half_weight", counts.below_half);
         }
         if self.reject_below.is_some() {
-            statistics.note("rejected", rejected);
+            statistics.note("rejected", counts.rejected);
+        }
+        Ok(())
+    }
+
+    fn write_prior_weights(
+        &self,
+        graph: &mut PoseGraph,
+        (places, weights): (&[usize], &[f64]),
+        context: &mut Context,
+    ) -> anyhow::Result<()> {
+        if places.is_empty() || (self.of_priors().is_none() && self.gnc.is_none()) {
+            return Ok(());
+        }
+        let mut counts = Counts { weighed: places.len(), ..Counts::default() };
+        for (&place, &weight) in places.iter().zip(weights) {
+            let prior = &mut graph.priors[place];
+            check_weight(weight, || prior.name())?;
+            counts.below_half += usize::from(weight < 0.5);
+            prior.extra.insert("weight".to_owned(), weight.into());
+            if self.reject_below.is_some_and(|bound| weight < bound) {
+                prior.reject("optimize");
+                counts.rejected += 1;
+            }
+        }
+        if let Some(bound) = self.reject_below.filter(|_| counts.rejected == counts.weighed) {
+            context.doubt(
+                Doubt::NothingKept,
+                format!(
+                    "0 of {} kept: all weights are below {bound}, so nothing fixes the frame of the map; check their frame and the \
+                     units of their information, or use a wider kernel",
+                    counted(counts.weighed, "prior")
+                ),
+            );
+        }
+        context.statistics.note("priors_below_half_weight", counts.below_half);
+        if self.reject_below.is_some() {
+            context.statistics.note("priors_rejected", counts.rejected);
         }
         Ok(())
     }
@@ -175,6 +245,9 @@ impl RobustOptions {
         let landmark = graduated.map(Graduated::kernel).or(self.kernels.kernel_landmark);
         statistics.note("kernel_odometry", self.kernels.kernel_odometry.map(|kernel| kernel.to_string()));
         statistics.note("kernel_landmark", landmark.map(|kernel| kernel.to_string()));
+        if self.kernel_prior.is_some() {
+            statistics.note("kernel_prior", self.kernel_prior.map(|kernel| kernel.to_string()));
+        }
         statistics.note("graduated_non_convexity", self.gnc);
     }
 }

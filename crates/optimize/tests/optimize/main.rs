@@ -20,6 +20,7 @@ mod long_routes;
 mod marginals;
 mod metamorphic;
 mod noisy_rotations;
+mod priors;
 mod scale;
 mod solutions;
 mod stage;
