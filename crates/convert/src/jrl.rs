@@ -7,6 +7,7 @@
 //!   those between successive keys are odometry ([`Odometry`](crate::Odometry)).
 //! - `outlier_factors` become labels: landmark edges in that list are incorrect, the others correct.
 //! - A prior on the first pose of a robot anchors the graph: the first one becomes `fixed`, further ones are counted and left out.
+//!   A prior on another pose becomes a prior.
 //! - Covariances of `Pose3` have gtsam's order, rotation first; ours have translation first. Both belong to right perturbations.
 //! - Stamps that are times since 1970 (in seconds, or thousandths, millionths or billionths of them) become `utime`; others stay as the
 //!   field `stamp` of nodes.

@@ -2,7 +2,7 @@
 
 use anyhow::bail;
 use posecut_graph::PoseGraph;
-use posecut_stage::{Context, counted, info};
+use posecut_stage::{Context, counted, info, warn};
 
 use crate::tum::Poses;
 use crate::{FileFormat, g2o, jrl, kitti, toro, tum};
@@ -54,6 +54,7 @@ pub fn write(
         FileFormat::Toro => toro::write(graph, options.keep_rejected)?,
     };
     report(summary.rejected, summary.unmeasured, context);
+    report_priors(summary.rejected_priors, summary.priors, context);
     Ok(bytes)
 }
 
@@ -75,8 +76,30 @@ fn write_dataset(
             }
         );
     }
+    if summary.anchors > 0 {
+        info!(
+            "{} on the first pose of a robot, which readers of JRL take for the anchor of the map",
+            counted(summary.anchors, "prior")
+        );
+    }
     report(summary.rejected, summary.unmeasured, context);
+    report_priors(summary.rejected_priors, summary.positions, context);
     Ok(bytes)
+}
+
+/// Reports the priors that are not in the file.
+fn report_priors(rejected: usize, impossible: usize, context: &mut Context) {
+    if rejected > 0 {
+        info!("omitted {} (--keep-rejected writes them)", counted(rejected, "rejected prior"));
+        context.statistics.note("rejected_priors_left_out", rejected);
+    }
+    if impossible > 0 {
+        warn!(
+            "omitted {}, which the format cannot hold; write g2o or JSON Lines to keep them",
+            counted(impossible, "prior")
+        );
+        context.statistics.note("priors_left_out", impossible);
+    }
 }
 
 /// Reports the edges that are not in the file.

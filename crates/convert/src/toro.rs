@@ -76,6 +76,7 @@ pub fn write(graph: &PoseGraph, keep_rejected: bool) -> Result<(Vec<u8>, WriteSu
         numbers.extend(pack(dimension, &(perturbation.transpose() * information * perturbation)));
         line(&mut text, edge_tag, &[edge.from, edge.to], &numbers);
     }
+    summary.priors = graph.priors.iter().filter(|prior| prior.in_use() || keep_rejected).count();
     Ok((text.into_bytes(), summary))
 }
 

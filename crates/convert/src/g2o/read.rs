@@ -1,9 +1,14 @@
 //! Reading g2o.
 
+mod priors;
+
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::io::BufRead;
 
-use posecut_graph::{Dimension, Edge, EdgeKind, FIXED, Header, Node, PoseGraph, negative_eigenvalue};
+use posecut_geometry::SE3;
+use posecut_graph::{
+    Dimension, Edge, EdgeKind, FIXED, Header, Node, PoseGraph, Prior, PriorOf, negative_eigenvalue,
+};
 use serde_json::Value;
 
 use super::kind_of_comment;
@@ -72,6 +77,8 @@ struct Earlier {
     edges: usize,
     /// Positions in `edges` by the two vertices of an edge.
     by_ends: HashMap<(u64, u64), Vec<usize>>,
+    /// Positions in `priors` by the node of a prior.
+    priors: HashMap<u64, Vec<usize>>,
 }
 
 struct Reader<'a> {
@@ -82,6 +89,9 @@ struct Reader<'a> {
     dimension: Option<Dimension>,
     vertices: BTreeMap<u64, Vec<f64>>,
     edges: Vec<Edge>,
+    priors: Vec<Prior>,
+    /// The parameters `PARAMS_SE3OFFSET` of the file.
+    offsets: HashMap<u64, SE3>,
     /// The kind that a comment gives to the next edge.
     kind: Option<(u64, u64, EdgeKind)>,
     /// Whether a comment gave the kind of each edge.
@@ -125,6 +135,8 @@ pub(crate) fn read_dialect(
         dimension: None,
         vertices: BTreeMap::new(),
         edges: Vec::new(),
+        priors: Vec::new(),
+        offsets: HashMap::new(),
         kind: None,
         stated: Vec::new(),
         fixed: BTreeMap::new(),
@@ -158,6 +170,11 @@ impl Reader<'_> {
             self.earlier.by_ends.entry((edge.from, edge.to)).or_default().push(index);
         }
         self.earlier.edges = self.edges.len();
+        self.offsets.clear();
+        self.earlier.priors.clear();
+        for (index, prior) in self.priors.iter().enumerate() {
+            self.earlier.priors.entry(prior.node).or_default().push(index);
+        }
     }
 
     /// Whether an earlier file has this edge with the same numbers.
@@ -189,6 +206,10 @@ impl Reader<'_> {
                 }
                 Ok(())
             }
+            (Dialect::G2o, "EDGE_PRIOR_SE2") => self.planar_prior(PriorOf::Pose, fields),
+            (Dialect::G2o, "EDGE_PRIOR_SE2_XY") => self.planar_prior(PriorOf::Position, fields),
+            (Dialect::G2o, "EDGE_SE3_PRIOR") => self.spatial_prior(fields),
+            (Dialect::G2o, "PARAMS_SE3OFFSET") => self.offset(fields),
             _ if self.options.skip_unknown => {
                 *self.summary.skipped.entry(tag.to_owned()).or_default() += 1;
                 Ok(())
@@ -197,7 +218,7 @@ impl Reader<'_> {
                 format!("the tag {tag} is unknown"),
                 match self.dialect {
                     Dialect::G2o => {
-                        "pose graphs have VERTEX_SE2, EDGE_SE2, VERTEX_SE3:QUAT, EDGE_SE3:QUAT and FIX; --skip-unknown skips others"
+                        "pose graphs have VERTEX_SE2, EDGE_SE2, VERTEX_SE3:QUAT, EDGE_SE3:QUAT, FIX, and the priors EDGE_PRIOR_SE2, EDGE_PRIOR_SE2_XY and EDGE_SE3_PRIOR; --skip-unknown skips others"
                     }
                     Dialect::Toro => {
                         "TORO has VERTEX2, EDGE2, VERTEX3 and EDGE3; --skip-unknown skips others"
@@ -366,6 +387,7 @@ impl Reader<'_> {
             .keys()
             .copied()
             .chain(self.edges.iter().flat_map(|edge| [edge.from, edge.to]))
+            .chain(self.priors.iter().map(|prior| prior.node))
             .collect();
         let mut graph = PoseGraph::new(Header::new(dimension));
         for id in &ids {
@@ -388,6 +410,7 @@ impl Reader<'_> {
             ));
         }
         graph.edges = self.edges;
+        graph.priors = self.priors;
         self.summary.next_ids = set_kinds(self.options.odometry, &ids, &mut graph.edges, &self.stated);
         Ok((graph, self.summary))
     }

@@ -5,9 +5,10 @@ mod values;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use posecut_graph::{Dimension, Edge, EdgeKind, EdgeTruth, FIXED, Header, Node, NodeTruth, PoseGraph};
+use posecut_graph::{Dimension, Edge, EdgeKind, EdgeTruth, FIXED, Header, Node, NodeTruth, PoseGraph, Prior};
 use serde_json::Value;
 
+use super::covariance::information;
 use super::document::{Document, Values};
 use crate::odometry::{frame, robot, set_kinds};
 use crate::{ConvertError, NextIds, Odometry};
@@ -210,7 +211,7 @@ impl Reader<'_> {
         measured.stamps.set(&mut graph.nodes);
     }
 
-    /// Fixes the node of the first prior on the first pose of a robot.
+    /// Fixes the node of the first prior on the first pose of a robot. A prior on another pose stays a prior.
     fn anchor(&mut self, graph: &mut PoseGraph, measured: &Measured) -> Result<(), ConvertError> {
         let mut first: BTreeMap<Option<char>, u64> = BTreeMap::new();
         for node in &graph.nodes {
@@ -219,14 +220,18 @@ impl Reader<'_> {
         let mut anchored = false;
         for prior in &measured.priors {
             if first.get(&robot(prior.key)) != Some(&prior.key) {
-                self.skip(
-                    prior.kind,
-                    &prior.place,
-                    &format!(
-                        "{} is not the first pose of its robot, and only there a prior anchors the graph",
-                        symbol(prior.key)
-                    ),
-                )?;
+                let found = information(graph.header.dimension, &prior.covariance);
+                let information = found.map_err(|problem| {
+                    let (problem, remedy) = problem.split_once("; ").unwrap_or((&problem, "correct it"));
+                    self.refuse(&prior.place, problem, remedy)
+                })?;
+                graph.priors.push(Prior {
+                    id: graph.priors.len() as u64,
+                    node: prior.key,
+                    measurement: prior.pose.clone(),
+                    information: Some(information),
+                    ..Prior::default()
+                });
             } else if std::mem::replace(&mut anchored, true) {
                 self.summary.priors += 1;
             } else if let Some(node) = graph.nodes.iter_mut().find(|node| node.id == prior.key) {

@@ -4,7 +4,7 @@ mod keys;
 
 use std::collections::BTreeMap;
 
-use posecut_graph::{Dimension, Edge, EdgeKind, Node, PoseGraph};
+use posecut_graph::{Dimension, Edge, EdgeKind, Node, PoseGraph, Prior, PriorOf};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -26,6 +26,12 @@ pub struct WriteSummary {
     pub unlabelled: usize,
     /// The robots whose letter is not the name of their session.
     pub renamed: Vec<(char, String)>,
+    /// Priors left out because a stage has rejected them.
+    pub rejected_priors: usize,
+    /// Priors of positions, left out because the format has none.
+    pub positions: usize,
+    /// Priors on the first pose of a robot, which are read as anchors.
+    pub anchors: usize,
 }
 
 #[derive(Serialize)]
@@ -64,6 +70,15 @@ pub fn write(graph: &PoseGraph, keep_rejected: bool) -> Result<(Vec<u8>, WriteSu
             summary.unmeasured += 1;
         } else {
             writer.edge(edge)?;
+        }
+    }
+    for prior in &graph.priors {
+        if !prior.in_use() && !keep_rejected {
+            summary.rejected_priors += 1;
+        } else if prior.of(graph.header.dimension) == Some(PriorOf::Pose) {
+            summary.anchors += usize::from(writer.prior(prior)?);
+        } else {
+            summary.positions += 1;
         }
     }
     summary.unlabelled = if writer.labelled > 0 { writer.unlabelled } else { 0 };
@@ -116,7 +131,7 @@ impl<'a> Writer<'a> {
                 )
             })?;
             if let Some(pose) = node.pose.as_deref().filter(|_| fixed) {
-                measurements.push(prior(key.key(), graph.header.dimension, pose));
+                measurements.push(anchor(key.key(), graph.header.dimension, pose));
             }
             observed.entry(key.letter).or_default().push(index);
             entries.entry(key.letter).or_default().push(Entry { stamp: stamps[index], measurements });
@@ -143,14 +158,7 @@ impl<'a> Writer<'a> {
         let (from, to) = (index(edge.from)?, index(edge.to)?);
         let (first, second) = (&self.keys.nodes[from], &self.keys.nodes[to]);
         let packed = self.graph.information(edge).unwrap_or_default();
-        let covariance = covariance(dimension, packed).map_err(|problem| {
-            // Without the remedy that follows the problem: there is a better one here.
-            let problem = problem.split("; ").next().unwrap_or_default();
-            ConvertError::graph(
-                format!("{}: the information matrix has no covariance: {problem}", edge.name()),
-                "JRL holds covariances; write g2o, which holds information matrices",
-            )
-        })?;
+        let covariance = self.covariance_of(&edge.name(), packed)?;
         // An edge between two robots belongs to the first. Within a robot it is measured when the later pose is known.
         let (owner, entry) = if first.letter == second.letter {
             (first.letter, first.entry.max(second.entry))
@@ -186,6 +194,35 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
+    /// Writes the prior of a pose into the entry of its node. Returns whether that is the first pose of a robot.
+    fn prior(&mut self, prior: &Prior) -> Result<bool, ConvertError> {
+        let dimension = self.graph.header.dimension;
+        let index = self.graph.node_index(prior.node).ok_or_else(|| {
+            ConvertError::graph(format!("{}: there is no node {}", prior.name(), prior.node), "add the node")
+        })?;
+        let key = &self.keys.nodes[index];
+        let packed = self.graph.information_of_prior(prior).unwrap_or_default();
+        let covariance = self.covariance_of(&prior.name(), packed)?;
+        let entry = self.entries.get_mut(&key.letter).and_then(|entries| entries.get_mut(key.entry));
+        if let Some(entry) = entry {
+            entry.measurements.push(prior_factor(key.key(), dimension, &prior.measurement, &covariance));
+        }
+        let first = self.observed.get(&key.letter).and_then(|observed| observed.first());
+        Ok(first == Some(&index))
+    }
+
+    /// The covariance of an information matrix of the record with this name.
+    fn covariance_of(&self, name: &str, packed: &[f64]) -> Result<Vec<f64>, ConvertError> {
+        covariance(self.graph.header.dimension, packed).map_err(|problem| {
+            // Without the remedy that follows the problem: there is a better one here.
+            let problem = problem.split("; ").next().unwrap_or_default();
+            ConvertError::graph(
+                format!("{name}: the information matrix has no covariance: {problem}"),
+                "JRL holds covariances; write g2o, which holds information matrices",
+            )
+        })
+    }
+
     /// Poses of all nodes that a robot's measurements name; `None` if no node has one.
     fn values(&self, of: impl Fn(&Node) -> Option<&[f64]>) -> Option<BTreeMap<char, Vec<Value>>> {
         let dimension = self.graph.header.dimension;
@@ -210,15 +247,20 @@ impl<'a> Writer<'a> {
     }
 }
 
-fn prior(key: u64, dimension: Dimension, at: &[f64]) -> Value {
+/// The prior of a fixed node.
+fn anchor(key: u64, dimension: Dimension, at: &[f64]) -> Value {
     let side = dimension.degrees_of_freedom();
     let variance = |place: usize| if place.is_multiple_of(side + 1) { FIXED_VARIANCE } else { 0.0 };
+    prior_factor(key, dimension, at, &(0..side * side).map(variance).collect::<Vec<f64>>())
+}
+
+fn prior_factor(key: u64, dimension: Dimension, at: &[f64], covariance: &[f64]) -> Value {
     let number = dimension.number();
     json!({
         "type": format!("PriorFactorPose{number}"),
         "key": key,
         "prior": pose(dimension, at),
-        "covariance": (0..side * side).map(variance).collect::<Vec<f64>>(),
+        "covariance": covariance,
     })
 }
 

@@ -86,8 +86,11 @@ fn fields_are_named() {
             &["initialization.a, key a0", "occurs twice"],
         ),
         (
-            changed(|dataset| dataset["measurements"]["a"][0]["measurements"][0]["key"] = json!(key('a', 1))),
-            &["a PriorFactorPose2 cannot be used", "a1 is not the first pose"],
+            changed(|dataset| {
+                let prior = &mut dataset["measurements"]["a"][0]["measurements"][0];
+                (prior["key"], prior["covariance"]) = (json!(key('a', 1)), json!([1.0]));
+            }),
+            &["measurements.a[0].measurements[0]", "1 numbers instead of 9"],
         ),
     ] {
         let said = refused(&dataset);

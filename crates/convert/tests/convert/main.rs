@@ -9,6 +9,7 @@ mod hostile_lines;
 mod jrl;
 mod jrl_refused;
 mod odometry_rules;
+mod priors;
 mod program;
 mod round_trip;
 mod sessions;

@@ -24,10 +24,11 @@ pub(super) struct Flags {
 
 /// A prior on a pose.
 pub(super) struct Prior {
-    pub(super) kind: &'static str,
     pub(super) place: String,
     pub(super) key: u64,
     pub(super) pose: Vec<f64>,
+    /// Row by row; empty if the factor has none.
+    pub(super) covariance: Vec<f64>,
 }
 
 /// The measurements of all robots.
@@ -144,8 +145,8 @@ impl Reader<'_> {
         match factor.kind.as_str() {
             "BetweenFactorPose2" => self.between(name, place, factor, flags, Dimension::Two, measured),
             "BetweenFactorPose3" => self.between(name, place, factor, flags, Dimension::Three, measured),
-            "PriorFactorPose2" => self.prior("PriorFactorPose2", place, factor, Dimension::Two, measured),
-            "PriorFactorPose3" => self.prior("PriorFactorPose3", place, factor, Dimension::Three, measured),
+            "PriorFactorPose2" => self.prior(place, factor, Dimension::Two, measured),
+            "PriorFactorPose3" => self.prior(place, factor, Dimension::Three, measured),
             other => self.skip(
                 other,
                 place,
@@ -156,7 +157,6 @@ impl Reader<'_> {
 
     fn prior(
         &mut self,
-        kind: &'static str,
         place: &str,
         factor: &Factor,
         dimension: Dimension,
@@ -172,7 +172,8 @@ impl Reader<'_> {
         self.agree(dimension, place)?;
         let pose =
             pose(value, dimension).map_err(|(problem, remedy)| self.refuse(place, &problem, remedy))?;
-        measured.priors.push(Prior { kind, place: place.to_owned(), key, pose });
+        let covariance = factor.covariance.clone().unwrap_or_default();
+        measured.priors.push(Prior { place: place.to_owned(), key, pose, covariance });
         Ok(())
     }
 
