@@ -21,6 +21,7 @@
 
 mod angle;
 pub mod covariance;
+pub mod geodetic;
 pub mod interpolation;
 mod lie_group;
 mod se2;

@@ -7,6 +7,7 @@ use posecut_graph::{Dimension, Edge, EdgeKind, Header, Node, NodeTruth, NoiseMod
 use crate::clock::{ClockSource, keyframe_times};
 use crate::distance_factor::DistanceFactor;
 use crate::frozen::remove_frozen_ends;
+use crate::gps;
 use crate::odometry::{self, Odometry, Reader, from_row};
 use crate::summary::{CovarianceSource, Origin, Summary};
 use crate::{Choice, Event, FileKind, IngestError, Options, SessionFiles, Table, Trajectory, Warning};
@@ -44,7 +45,8 @@ pub fn ingest(
     }
     let (clock, times) = keyframes(&mut reader, &odometry, options)?;
     let builder = Builder { session: &session, odometry: &odometry, truth: truth.as_ref(), options };
-    let graph = builder.graph(&times)?;
+    let mut graph = builder.graph(&times)?;
+    gps::add(&mut reader, &mut graph, options)?;
     let gaps = odometry.trajectory.gaps.len();
     if gaps > 0 {
         let longest_silence = options.longest_silence;

@@ -7,7 +7,7 @@ use crate::{Event, Options, SessionFiles, Summary, ingest};
 use clap::Parser;
 use posecut_graph::InputDigest;
 use posecut_stage::{
-    CommonArguments, Doubt, Examples, Identity, Outcome, Phase, Place, Statistics, digest, info,
+    CommonArguments, Doubt, Examples, Identity, Outcome, Phase, Place, Statistics, counted, digest, info,
     run_with_doubts, warn,
 };
 
@@ -74,6 +74,11 @@ pub fn main() -> ExitCode {
             progress.finish_and_clear();
             context.inputs.extend(inputs);
             note(&ingested.summary, &mut context.statistics);
+            if command.options.gps.is_some() {
+                let (priors, keyframes) = (ingested.graph.priors.len(), ingested.graph.nodes.len());
+                context.statistics.note("priors", priors);
+                info!("{} of positions from GPS, {keyframes} keyframes", counted(priors, "prior"));
+            }
             if let Some((translation, rotation)) = ingested.invented {
                 context.doubt(
                     Doubt::CovarianceInvented,

@@ -82,6 +82,21 @@ impl Reader<'_> {
         Ok(table)
     }
 
+    /// Reads the fixes of a receiver: mode, satellites, latitude, longitude. Rows without a fix are left out.
+    pub(crate) fn table_of_fixes(&mut self, kind: FileKind) -> Result<Table, IngestError> {
+        let found = self.files.found();
+        let Some(content) = self.files.content(kind)? else {
+            return Err(IngestError::session(
+                self.files.place(),
+                format!("there is no {}; found {found}", kind.file_name()),
+                "complete the session with scripts/fetch-nclt.sh, or choose another receiver with --gps, or leave it out",
+            ));
+        };
+        (self.report)(Event::Opened { name: &content.name, bytes: &content.bytes });
+        let mut parsed = |bytes| (self.report)(Event::Parsed(bytes));
+        Table::parse(&content.shown, &content.bytes, 4, &mut parsed)
+    }
+
     pub(crate) fn warn(&mut self, warning: Warning) {
         (self.report)(Event::Warning(warning));
     }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::{HeadingSource, IngestError, OdometrySource};
+use crate::{GpsSource, HeadingSource, IngestError, OdometrySource};
 
 /// What shapes the session's graph.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -39,6 +39,16 @@ pub struct Options {
     #[cfg_attr(feature = "cli", arg(long, value_name = "RADIANS", help_heading = "Odometry"))]
     pub sigma_rotation: Option<f64>,
 
+    /// Write GPS as priors of positions in the local frame of the ground truth: for each keyframe the nearest fix within 0.5 s
+    #[cfg_attr(feature = "cli", arg(long, value_enum, value_name = "RECEIVER", help_heading = "GPS"))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gps: Option<GpsSource>,
+
+    /// Set the standard deviation of GPS, metres per axis [default by fix mode: gps 5 with altitude and 15 without, rtk 1 and 5]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", requires = "gps", help_heading = "GPS"))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sigma_gps: Option<f64>,
+
     /// Keep every N-th image as a keyframe (the paper's 10 reduces 5 Hz to 0.5 Hz)
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Options::DEFAULT.keep_every, value_parser = clap::value_parser!(u32).range(1..), help_heading = "Keyframes"))]
     pub keep_every: u32,
@@ -68,6 +78,8 @@ impl Options {
         wheel_scale: 1.0,
         sigma_translation: None,
         sigma_rotation: None,
+        gps: None,
+        sigma_gps: None,
         keep_every: 10,
         period: 0.2,
         longest_silence: 5.0,
@@ -82,6 +94,7 @@ impl Options {
             ("--wheel-scale", Some(self.wheel_scale)),
             ("--sigma-translation", self.sigma_translation),
             ("--sigma-rotation", self.sigma_rotation),
+            ("--sigma-gps", self.sigma_gps),
             ("--period", Some(self.period)),
             ("--longest-silence", Some(self.longest_silence)),
         ];

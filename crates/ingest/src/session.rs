@@ -34,6 +34,10 @@ pub enum FileKind {
     Euler,
     /// `kvh.csv`: heading of the fibre-optic gyro.
     FibreOpticGyro,
+    /// `gps.csv`: fixes of the consumer receiver.
+    Gps,
+    /// `gps_rtk.csv`: fixes of the receiver with real-time kinematics.
+    GpsRtk,
 }
 
 impl FileKind {
@@ -49,6 +53,8 @@ impl FileKind {
             Self::Imu => "ms25.csv",
             Self::Euler => "ms25_euler.csv",
             Self::FibreOpticGyro => "kvh.csv",
+            Self::Gps => "gps.csv",
+            Self::GpsRtk => "gps_rtk.csv",
         }
     }
 
@@ -63,6 +69,8 @@ impl FileKind {
             "ms25.csv" => Self::Imu,
             "ms25_euler.csv" => Self::Euler,
             "kvh.csv" => Self::FibreOpticGyro,
+            "gps.csv" => Self::Gps,
+            "gps_rtk.csv" => Self::GpsRtk,
             _ if name.starts_with("groundtruth_") && csv => Self::GroundTruth,
             _ => return None,
         })

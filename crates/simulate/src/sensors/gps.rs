@@ -1,5 +1,6 @@
 //! `gps.csv`: consumer GPS.
 
+use posecut_geometry::geodetic;
 use posecut_random::ChaCha8Rng;
 
 use super::Row;
@@ -7,12 +8,7 @@ use crate::drive::Instant;
 use crate::noise::{Wander, normal};
 use crate::session::time;
 
-/// The origin of the local frame: latitude and longitude in radians, altitude in metres.
-const ORIGIN: [f64; 3] = [0.738_2, -1.461_0, 270.0];
-/// Metres per radian of latitude and (at the equator) of longitude.
-const EARTH_RADIUS: f64 = 6_371_000.0;
-
-/// Rows of mode, satellites, latitude, longitude (rad), altitude, track, speed, at most five a second. The error varies
+/// Rows of mode, satellites, latitude, longitude (rad), altitude, track, speed, at most five a second, in NCLT's local frame. The error varies
 /// by metres. Between buildings the receiver loses its fix, and the rows have mode 0.
 pub fn gps(drive: &[Instant], start: i64, period: f64, draw: &mut ChaCha8Rng) -> Vec<Row> {
     let every = ((0.2 / period).round() as usize).max(1);
@@ -27,9 +23,8 @@ pub fn gps(drive: &[Instant], start: i64, period: f64, draw: &mut ChaCha8Rng) ->
             let blocked = sky.step(draw, step) < -1.6;
             let x = place.x + north.step(draw, step);
             let y = place.y + east.step(draw, step);
-            let latitude = ORIGIN[0] + x / EARTH_RADIUS;
-            let longitude = ORIGIN[1] + y / (EARTH_RADIUS * ORIGIN[0].cos());
-            let altitude = ORIGIN[2] - place.z + normal(draw, 4.0);
+            let [latitude, longitude, altitude] = geodetic::from_local([x, y, place.z]);
+            let altitude = altitude + normal(draw, 4.0);
             let (mode, satellites) = if blocked { (0.0, 2.0) } else { (3.0, 8.0) };
             let track = instant.pose.to_planar().angle().rem_euclid(std::f64::consts::TAU);
             (
