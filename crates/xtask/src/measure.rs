@@ -6,6 +6,7 @@ mod multicut;
 mod optimize;
 mod pcm;
 mod peers;
+mod priors;
 mod proofs;
 mod simulation;
 mod verify;
@@ -33,6 +34,7 @@ enum What {
     Multicut(multicut::Multicut),
     MulticutProofs(proofs::Proofs),
     Simulation(simulation::Simulation),
+    Priors(priors::Priors),
 }
 
 impl Measure {
@@ -47,6 +49,7 @@ impl Measure {
             What::Multicut(task) => task.run(),
             What::MulticutProofs(task) => task.run(),
             What::Simulation(task) => task.run(),
+            What::Priors(task) => task.run(),
         }
     }
 }

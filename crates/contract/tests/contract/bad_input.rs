@@ -58,6 +58,21 @@ fn faults() -> Vec<(&'static str, String, &'static [&'static str])> {
             &["line 5", "landmark 5", "line 4"],
         ),
         (
+            "dangling prior",
+            with(r#"{"kind":"prior","id":5,"node":9,"measurement":[1,2],"information":[1,0,1]}"#),
+            &["line 4", "prior 5", "\"node\"", "no node 9"],
+        ),
+        (
+            "indefinite prior",
+            with(r#"{"kind":"prior","id":5,"node":0,"measurement":[1,2],"information":[1,2,1]}"#),
+            &["line 4", "prior 5", "\"information\"", "not positive semidefinite"],
+        ),
+        (
+            "prior of neither pose nor position",
+            with(r#"{"kind":"prior","id":5,"node":0,"measurement":[1,2,0,0],"information":[1,0,1]}"#),
+            &["line 4", "prior 5", "\"measurement\"", "found 4"],
+        ),
+        (
             "dangling edge",
             with(r#"{"kind":"landmark","id":5,"from":0,"to":9}"#),
             &["line 4", "landmark 5", "\"to\"", "no node 9"],

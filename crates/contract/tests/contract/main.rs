@@ -21,6 +21,7 @@ mod inputs_survive;
 mod interruption;
 mod manifests;
 mod metamorphic;
+mod priors;
 mod readmission;
 mod schema;
 mod standard_output;
