@@ -58,11 +58,6 @@ fn faults() -> Vec<(&'static str, String, &'static [&'static str])> {
             &["line 5", "landmark 5", "line 4"],
         ),
         (
-            "dangling prior",
-            with(r#"{"kind":"prior","id":5,"node":9,"measurement":[1,2],"information":[1,0,1]}"#),
-            &["line 4", "prior 5", "\"node\"", "no node 9"],
-        ),
-        (
             "indefinite prior",
             with(r#"{"kind":"prior","id":5,"node":0,"measurement":[1,2],"information":[1,2,1]}"#),
             &["line 4", "prior 5", "\"information\"", "not positive semidefinite"],
