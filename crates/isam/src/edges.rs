@@ -5,16 +5,17 @@
     reason = "loops take the vector instructions of the caller they are inlined into"
 )]
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use posecut_geometry::LieGroup;
-use posecut_optimize::Edge;
 use posecut_optimize::model::{Linearised, distance, size};
+use posecut_optimize::{Edge, EdgeKind};
 
 use crate::IncrementalError;
 use crate::elimination::Incidence;
 use crate::estimate::Estimate;
 use crate::linear_model::LinearModel;
+use crate::marginalise::AbsorbedEdge;
 
 /// An edge as seen from one of its ends.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +26,7 @@ struct Incident {
 }
 
 struct Slot<G, const DOF: usize> {
+    id: u64,
     edge: Edge<G, DOF>,
     model: LinearModel<DOF>,
     /// Whether the edge waits in the list of edges to linearise.
@@ -60,6 +62,8 @@ pub(crate) struct Edges<G, const DOF: usize> {
     free: Vec<usize>,
     by_id: HashMap<u64, usize>,
     next_id: u64,
+    /// The ends of the edges that priors have absorbed, by number: what an error about them says.
+    absorbed: HashMap<u64, [usize; 2]>,
     at: Vec<Vec<Incident>>,
     outdated: Vec<usize>,
     sums: Share,
@@ -79,6 +83,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Edges<G, DOF> {
             free: Vec::new(),
             by_id: HashMap::new(),
             next_id: 0,
+            absorbed: HashMap::new(),
             at: Vec::new(),
             outdated: Vec::new(),
             sums: Share::default(),
@@ -98,8 +103,14 @@ impl<G: LieGroup<DOF>, const DOF: usize> Edges<G, DOF> {
     pub(crate) fn add(&mut self, edge: Edge<G, DOF>) -> u64 {
         let id = self.next_id;
         self.next_id += 1;
-        let slot =
-            Slot { edge, model: LinearModel::none(), outdated: true, share: Share::default(), checked: 0 };
+        let slot = Slot {
+            id,
+            edge,
+            model: LinearModel::none(),
+            outdated: true,
+            share: Share::default(),
+            checked: 0,
+        };
         let index = if let Some(index) = self.free.pop() {
             self.slots[index] = slot;
             index
@@ -116,7 +127,9 @@ impl<G: LieGroup<DOF>, const DOF: usize> Edges<G, DOF> {
 
     pub(crate) fn remove(&mut self, id: u64) -> Result<Edge<G, DOF>, IncrementalError> {
         let Some(index) = self.by_id.remove(&id) else {
-            return Err(if id < self.next_id {
+            return Err(if let Some(&[from, to]) = self.absorbed.get(&id) {
+                IncrementalError::AbsorbedEdge { edge: id, from, to }
+            } else if id < self.next_id {
                 IncrementalError::RemovedEdge { edge: id }
             } else {
                 IncrementalError::UnknownEdge { edge: id }
@@ -126,10 +139,54 @@ impl<G: LieGroup<DOF>, const DOF: usize> Edges<G, DOF> {
         for node in [edge.from, edge.to] {
             self.at[node].retain(|incident| incident.slot != index);
         }
+        self.release(index);
+        Ok(edge)
+    }
+
+    fn release(&mut self, index: usize) {
         self.slots[index].outdated = false;
         self.sums.exchange(&mut self.slots[index].share, Share::default());
         self.free.push(index);
-        Ok(edge)
+    }
+
+    /// Takes out all edges at these nodes, with their models, in the order of their numbers. They can no longer be removed.
+    pub(crate) fn absorb(&mut self, nodes: &[usize]) -> Vec<AbsorbedEdge<G, DOF>> {
+        let incidents = nodes.iter().flat_map(|&node| &self.at[node]);
+        let taken: BTreeMap<u64, usize> =
+            incidents.map(|incident| (self.slots[incident.slot].id, incident.slot)).collect();
+        let slots: HashSet<usize> = taken.values().copied().collect();
+        let mut edges = Vec::with_capacity(taken.len());
+        for (id, index) in taken {
+            self.by_id.remove(&id);
+            let slot = &mut self.slots[index];
+            let edge = slot.edge;
+            let model = std::mem::replace(&mut slot.model, LinearModel::none()).blocks;
+            self.release(index);
+            for node in [edge.from, edge.to] {
+                self.at[node].retain(|incident| !slots.contains(&incident.slot));
+            }
+            self.absorbed.insert(id, [edge.from, edge.to]);
+            edges.push((edge, model));
+        }
+        for &node in nodes {
+            self.at[node] = Vec::new();
+        }
+        edges
+    }
+
+    /// Number of edges that priors have absorbed.
+    pub(crate) fn absorbed(&self) -> usize {
+        self.absorbed.len()
+    }
+
+    /// Number of current edges.
+    pub(crate) fn count(&self) -> usize {
+        self.by_id.len()
+    }
+
+    /// Whether a node has a landmark edge.
+    pub(crate) fn has_landmark(&self, node: usize) -> bool {
+        self.at[node].iter().any(|incident| self.slots[incident.slot].edge.kind == EdgeKind::Landmark)
     }
 
     /// The other ends of the edges at a node.
@@ -213,6 +270,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Edges<G, DOF> {
             + incidents * size_of::<Incident>()
             + (self.free.capacity() + self.outdated.capacity()) * size_of::<usize>()
             + self.by_id.capacity() * size_of::<(u64, usize)>()
+            + self.absorbed.capacity() * size_of::<(u64, [usize; 2])>()
     }
 }
 

@@ -5,6 +5,8 @@
     reason = "loops take the vector instructions of the caller they are inlined into"
 )]
 
+use std::collections::HashMap;
+
 use faer::dyn_stack::MemBuffer;
 use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::{SMatrix, SVector};
@@ -31,6 +33,30 @@ struct Failure {
 pub(crate) trait Incidence<const D: usize> {
     /// Calls back with the edge's other end, the model, and whether the node is the edge's `from`.
     fn for_each(&self, node: usize, each: impl FnMut(usize, &Linearised<D>, bool));
+}
+
+/// Some linearised edges, listed at their ends.
+pub(crate) struct Restricted<'a, const D: usize>(HashMap<usize, Vec<(usize, &'a Linearised<D>, bool)>>);
+
+impl<'a, const D: usize> Restricted<'a, D> {
+    /// Lists edges, each with its `from`, its `to` and its model.
+    pub(crate) fn new(edges: impl Iterator<Item = (usize, usize, &'a Linearised<D>)>) -> Self {
+        let mut at: HashMap<usize, Vec<_>> = HashMap::new();
+        for (from, to, model) in edges {
+            at.entry(from).or_default().push((to, model, true));
+            at.entry(to).or_default().push((from, model, false));
+        }
+        Self(at)
+    }
+}
+
+impl<const D: usize> Incidence<D> for Restricted<'_, D> {
+    #[inline(always)]
+    fn for_each(&self, node: usize, mut each: impl FnMut(usize, &Linearised<D>, bool)) {
+        for &(other, model, is_from) in self.0.get(&node).into_iter().flatten() {
+            each(other, model, is_from);
+        }
+    }
 }
 
 /// The working memory of elimination.

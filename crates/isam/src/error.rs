@@ -35,4 +35,55 @@ pub enum IncrementalError {
         /// Its number.
         edge: u64,
     },
+    /// The edge was absorbed when one of its poses was marginalised.
+    #[error(
+        "edge {edge} from pose {from} to pose {to} cannot be removed: it is part of the marginalised past; remove an edge before its poses are marginalised, or marginalise later"
+    )]
+    AbsorbedEdge {
+        /// Its number.
+        edge: u64,
+        /// One of its poses.
+        from: usize,
+        /// The other one.
+        to: usize,
+    },
+    /// A new edge ends at a marginalised pose.
+    #[error(
+        "edge {edge} from pose {from} to pose {to} cannot be added: pose {pose} was marginalised; add edges before their poses are marginalised, or keep the pose"
+    )]
+    MarginalisedPose {
+        /// The number that the edge would get.
+        edge: u64,
+        /// Its first pose.
+        from: usize,
+        /// Its second pose.
+        to: usize,
+        /// The one that was marginalised.
+        pose: usize,
+    },
+    /// The pose to marginalise does not exist.
+    #[error("pose {pose} cannot be marginalised: there are only {poses} poses")]
+    UnknownPose {
+        /// Its number.
+        pose: usize,
+        /// Number of poses.
+        poses: usize,
+    },
+    /// The pose was marginalised before.
+    #[error("pose {pose} cannot be marginalised: it was marginalised before")]
+    MarginalisedTwice {
+        /// Its number.
+        pose: usize,
+    },
+    /// The pose to marginalise is a constant.
+    #[error(
+        "pose {pose} cannot be marginalised: it is {}; leave it out, a fixed pose is a constant and costs nothing",
+        if *held { "held" } else { "the gauge that gives its component a position" }
+    )]
+    FixedPose {
+        /// Its number.
+        pose: usize,
+        /// Whether it is held for good. Otherwise it is the gauge of its component.
+        held: bool,
+    },
 }

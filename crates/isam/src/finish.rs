@@ -1,8 +1,13 @@
 //! Full solutions: the final one, and fresh starts.
 
+use std::collections::BTreeMap;
+
 use nalgebra::SVector;
 use posecut_optimize::model::{Magnitude, Term as _, translations};
-use posecut_optimize::{Initialisation, Options, PoseGroup, Problem, optimize};
+use posecut_optimize::{Edge, EdgeKind, Initialisation, Options, PoseGroup, Problem, optimize};
+
+use crate::prior::Prior;
+use crate::tree::Clique;
 
 use crate::{FinishReport, IncrementalSolver};
 
@@ -64,12 +69,12 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         for _ in 0..MOST_ITERATIONS {
             report.iterations += 1;
             let (_, update) = self.relinearise_all();
-            let steps = self.estimate.deltas.iter();
+            let steps = self.gauges.live().iter().map(|&node| &self.estimate.deltas[node]);
             let step =
                 steps.map(|step| magnitude.largest(step.iter(), translations(DOF))).fold(0.0, f64::max);
             let next = self.cost();
             if !(next.is_finite() && next <= cost + BETTER * cost.max(magnitude.noiseless())) {
-                self.go_to(self.estimate.points.clone());
+                self.go_to_points();
                 return;
             }
             report.converged = step <= STEP_TOLERANCE || (step <= ROUNDING && step > 0.5 * last_step);
@@ -93,23 +98,46 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
 
     /// Does [`restart`](Self::restart), and returns how it went.
     pub(crate) fn fresh_start(&mut self) -> FreshStart {
-        let estimates = self.estimates();
-        let cost = self.cost_at(&estimates);
-        let edges = self.edges.list().map(|(_, edge)| *edge).collect();
-        let problem = Problem::from_checked(estimates, edges, self.gauges.fixed.clone());
+        let cost = self.cost();
+        let nodes = self.gauges.live().to_vec();
+        let problem = self.live_problem(&nodes);
         let solution =
             optimize(&problem, &Options { initialisation: Initialisation::Best, ..Options::default() });
         let gain = BETTER * cost.max(self.magnitude().noiseless());
-        let is_better = solution.cost < cost - gain || !cost.is_finite();
+        let mut is_better = solution.cost < cost - gain || !cost.is_finite();
+        if self.priors.list().next().is_some() {
+            // The batch solver has approximated the priors by edges.
+            let poses: BTreeMap<usize, G> =
+                nodes.iter().copied().zip(solution.poses.iter().copied()).collect();
+            is_better = self.cost_at(|node| poses[&node]) < cost - gain || !cost.is_finite();
+        }
         if is_better {
-            self.go_to(solution.poses);
+            for (&node, pose) in nodes.iter().zip(solution.poses) {
+                self.go_to(node, pose);
+            }
+            let reached = self.cost();
             self.relinearise_all();
             // Where the batch solver had to damp, an undamped step from its result can lead uphill.
-            if !(self.cost() <= solution.cost + gain) {
-                self.go_to(self.estimate.points.clone());
+            if !(self.cost() <= reached + gain) {
+                self.go_to_points();
             }
         }
         FreshStart { is_better, converged: solution.converged, steps: solution.iterations }
+    }
+
+    /// The live poses, the edges and, for every prior, edges from its anchor, for the batch solver.
+    fn live_problem(&self, nodes: &[usize]) -> Problem<G, DOF> {
+        let places: BTreeMap<usize, usize> =
+            nodes.iter().enumerate().map(|(place, &node)| (node, place)).collect();
+        let place = |node| places[&node];
+        let edges =
+            self.edges.list().map(|(_, edge)| Edge { from: place(edge.from), to: place(edge.to), ..*edge });
+        let stars = self.stars();
+        let stars = stars.map(|star| Edge { from: place(star.from), to: place(star.to), ..star });
+        let edges = edges.chain(stars).collect();
+        let estimates = nodes.iter().map(|&node| self.estimate(node)).collect();
+        let fixed = nodes.iter().map(|&node| self.gauges.fixed[node]).collect();
+        Problem::from_checked(estimates, edges, fixed)
     }
 
     /// The largest `|g_k| / sqrt(H_kk cost)` over all components of the poses that are not fixed, as in
@@ -128,6 +156,19 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
                 equations[node][1] += block.diagonal();
             }
         }
+        for prior in self.priors.list() {
+            let mut model = Clique::default();
+            prior.expand(&poses, |_| true, &mut model);
+            let order = model.variables.len() * DOF + 1;
+            for (place, &node) in model.variables.iter().enumerate() {
+                for component in 0..DOF {
+                    let column = (place * DOF + component) * order;
+                    equations[node][0][component] -= model.update[column + order - 1];
+                    equations[node][1][component] += model.update[column + place * DOF + component];
+                }
+            }
+            cost += prior.cost(|node| poses[node]);
+        }
         let free = equations.iter().zip(&self.gauges.fixed).filter(|&(_, &fixed)| !fixed);
         let squares = free.flat_map(|([gradient, diagonal], _)| {
             gradient.iter().zip(diagonal).map(|(g, h)| if *g == 0.0 { 0.0 } else { g * (g / h) })
@@ -135,17 +176,31 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         (squares.fold(0.0, f64::max) / cost).sqrt()
     }
 
+    /// Edges from the anchors of the priors to their other poses.
+    fn stars(&self) -> impl Iterator<Item = Edge<G, DOF>> + '_ {
+        let stars = self.priors.list().flat_map(Prior::star);
+        stars.map(|(anchor, node, measurement, information)| {
+            Edge::new(anchor, node, measurement, information, EdgeKind::Odometry)
+        })
+    }
+
     /// The magnitude that tolerances refer to. O(edges).
     fn magnitude(&self) -> Magnitude {
-        let edges: Vec<_> = self.edges.list().map(|(_, edge)| *edge).collect();
+        let edges: Vec<_> = self.edges.list().map(|(_, edge)| *edge).chain(self.stars()).collect();
         Magnitude::of(edges.iter())
     }
 
-    /// Sets both the estimates and the points of linearisation to these poses.
-    pub(crate) fn go_to(&mut self, poses: Vec<G>) {
-        for (node, pose) in poses.into_iter().enumerate() {
-            self.estimate.reset(node, pose);
-            self.movement.reset(node);
+    /// Sets both the estimate and the point of linearisation of a node to a pose.
+    fn go_to(&mut self, node: usize, pose: G) {
+        self.estimate.reset(node, pose);
+        self.movement.reset(node);
+    }
+
+    /// Sets the estimates to the points of linearisation.
+    pub(crate) fn go_to_points(&mut self) {
+        for place in 0..self.gauges.live().len() {
+            let node = self.gauges.live()[place];
+            self.go_to(node, self.estimate.points[node]);
         }
     }
 }

@@ -13,6 +13,9 @@ pub(crate) struct Gauges {
     pub(crate) fixed: Vec<bool>,
     /// The poses held for good. The gauge of a component with held poses is one of them.
     held: Vec<bool>,
+    marginalised: Vec<bool>,
+    /// The poses that were not marginalised, ascending.
+    live: Vec<usize>,
     /// Components split off since the last report.
     splits: Vec<Split>,
 }
@@ -21,6 +24,8 @@ impl Gauges {
     /// Adds a pose without edges: a component of its own, and its gauge.
     pub(crate) fn add_node(&mut self, held: bool) {
         self.parts.add_node();
+        self.live.push(self.held.len());
+        self.marginalised.push(false);
         self.fixed.push(true);
         self.held.push(held);
     }
@@ -45,6 +50,25 @@ impl Gauges {
         self.held[node]
     }
 
+    /// Notes that poses were marginalised: constants that belong to their component, but have no edges.
+    pub(crate) fn marginalise(&mut self, nodes: &BTreeSet<usize>) {
+        for &node in nodes {
+            self.marginalised[node] = true;
+            self.fixed[node] = true;
+        }
+        self.live.retain(|node| !nodes.contains(node));
+    }
+
+    /// Whether a pose was marginalised.
+    pub(crate) fn is_marginalised(&self, node: usize) -> bool {
+        self.marginalised[node]
+    }
+
+    /// The poses that were not marginalised, ascending.
+    pub(crate) fn live(&self) -> &[usize] {
+        &self.live
+    }
+
     /// Decides which of two components stays when they are joined: the one of lower rank.
     pub(crate) fn rank(&self, node: usize) -> (bool, usize) {
         let gauge = self.of(node);
@@ -63,7 +87,7 @@ impl Gauges {
         second: usize,
         neighbours: impl Fn(usize) -> I,
     ) -> Option<usize> {
-        let (gauge, nodes) = self.parts.split(first, second, &self.held, neighbours)?;
+        let (gauge, nodes) = self.parts.split([first, second], &self.held, &self.marginalised, neighbours)?;
         self.splits.push(Split { gauge, nodes });
         Some(gauge)
     }

@@ -52,6 +52,7 @@
 #[cfg(feature = "cli")]
 pub mod cli;
 mod cliques;
+mod covariance;
 mod degrees;
 mod edges;
 mod elimination;
@@ -59,11 +60,15 @@ mod error;
 mod estimate;
 mod finish;
 mod gauges;
+mod lag;
 mod linear_model;
+mod marginalise;
 mod movement;
 mod options;
 mod order;
 mod parts;
+mod prior;
+mod priors;
 mod report;
 mod restarts;
 mod solver;

@@ -24,11 +24,20 @@ pub struct IncrementalOptions {
     /// Maximum number of linear solutions in one update. Above 1, relinearisation and solution are repeated while variables
     /// exceed the thresholds.
     pub iterations: usize,
+    /// Bounds memory and time per update: at the end of an update, poses that are older than the newest so many are
+    /// [marginalised](crate::IncrementalSolver::marginalise), in blocks of a tenth of this number. Fixed poses stay: they are
+    /// constants. `None` keeps all poses as variables.
+    pub lag: Option<usize>,
+    /// With a lag: keep every pose whose number is a multiple of this as a variable, so that edges can still reach it.
+    pub keep_every: Option<usize>,
+    /// With a lag: keep the poses that have a landmark edge when the lag passes them. The others have odometry edges only, so
+    /// that each prior joins two poses, as an edge does, and nothing fills in.
+    pub keep_landmark_poses: bool,
 }
 
 impl Default for IncrementalOptions {
     /// Relinearisation beyond 0.05 m or 0.01 rad, checked in every update, once linearisation errors exceed 1e-5 of the cost;
-    /// propagation of changes beyond 1e-4; two solutions.
+    /// propagation of changes beyond 1e-4; two solutions; no lag.
     fn default() -> Self {
         Self {
             relinearise_translation: 0.05,
@@ -37,6 +46,9 @@ impl Default for IncrementalOptions {
             propagate: 1e-4,
             linearisation_error: 1e-5,
             iterations: 2,
+            lag: None,
+            keep_every: None,
+            keep_landmark_poses: false,
         }
     }
 }
@@ -57,6 +69,8 @@ impl IncrementalOptions {
         for (name, value) in [
             ("updates from one relinearisation to the next", self.relinearise_every),
             ("linear solutions in an update", self.iterations),
+            ("poses in the lag", self.lag.unwrap_or(1)),
+            ("poses from one keyframe to the next", self.keep_every.unwrap_or(1)),
         ] {
             if value == 0 {
                 return Err(IncrementalError::Zero { name });

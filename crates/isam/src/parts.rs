@@ -68,12 +68,13 @@ impl Parts {
 
     /// Checks whether two nodes of a component are still connected. If not, makes the side without the gauge a component of
     /// its own, and returns its new gauge and its number of nodes. The gauge is the lowest held node or, if none is held, the
-    /// lowest node. The search alternates between both sides, so that the smaller one bounds the work.
+    /// lowest node. The search alternates between both sides, so that the smaller one bounds the work. Nodes that were
+    /// marginalised have no edges; they stay on the side of the gauge.
     pub(crate) fn split<'a, I: Iterator<Item = usize> + 'a>(
         &mut self,
-        first: usize,
-        second: usize,
+        [first, second]: [usize; 2],
         held: &[bool],
+        marginalised: &[bool],
         neighbours: impl Fn(usize) -> I,
     ) -> Option<(usize, usize)> {
         self.stamp += 1;
@@ -99,8 +100,9 @@ impl Parts {
         let inside = mark_of(self.stamp, exhausted);
         let gauge_inside = self.mark[self.all[old].gauge] == inside;
         let Part { gauge, nodes } = std::mem::take(&mut self.all[old]);
-        let (kept, gone): (Vec<usize>, Vec<usize>) =
-            nodes.into_iter().partition(|&node| (self.mark[node] == inside) == gauge_inside);
+        let (kept, gone): (Vec<usize>, Vec<usize>) = nodes
+            .into_iter()
+            .partition(|&node| marginalised[node] || (self.mark[node] == inside) == gauge_inside);
         self.all[old] = Part { gauge, nodes: kept };
         let new_gauge = gone.iter().copied().min_by_key(|&node| (!held[node], node)).unwrap_or(second);
         let count = gone.len();

@@ -17,6 +17,8 @@ pub struct UpdateReport {
     pub splits: Vec<Split>,
     /// Whether a step was refused because it led too far uphill, so that the batch solver started anew.
     pub restarted: bool,
+    /// Poses that the option [`lag`](crate::IncrementalOptions::lag) marginalised at the end of this update.
+    pub marginalised: usize,
     /// Nodes that the edges leave undetermined in some direction, ascending. They keep their value in this direction.
     pub undetermined: Vec<usize>,
 }

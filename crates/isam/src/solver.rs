@@ -1,13 +1,15 @@
 //! The incremental solver.
 
-use posecut_optimize::model::{Term as _, check_edge, distance, is_finite};
-use posecut_optimize::{Edge, PoseGroup, ProblemError};
+use posecut_optimize::model::{charge, check_edge, distance, is_finite};
+use posecut_optimize::{Edge, PoseGroup, ProblemError, residual};
 
 use crate::edges::Edges;
 use crate::elimination::Elimination;
 use crate::estimate::Estimate;
 use crate::gauges::Gauges;
+use crate::lag::Lag;
 use crate::movement::Movement;
+use crate::priors::Priors;
 use crate::restarts::Restarts;
 use crate::substitution::Substitution;
 use crate::top::Top;
@@ -27,6 +29,7 @@ pub struct IncrementalSolver<G, const DOF: usize> {
     pub(crate) options: IncrementalOptions,
     pub(crate) estimate: Estimate<G, DOF>,
     pub(crate) edges: Edges<G, DOF>,
+    pub(crate) priors: Priors<G, DOF>,
     pub(crate) gauges: Gauges,
     pub(crate) tree: Tree,
     pub(crate) top: Top,
@@ -34,6 +37,7 @@ pub struct IncrementalSolver<G, const DOF: usize> {
     pub(crate) substitution: Substitution<DOF>,
     pub(crate) movement: Movement<DOF>,
     pub(crate) restarts: Restarts,
+    pub(crate) lag: Lag,
     pub(crate) updates: usize,
 }
 
@@ -45,6 +49,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
             options,
             estimate: Estimate::default(),
             edges: Edges::new(),
+            priors: Priors::new(),
             gauges: Gauges::default(),
             tree: Tree::default(),
             top: Top::default(),
@@ -52,6 +57,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
             substitution: Substitution::default(),
             movement: Movement::new(&options),
             restarts: Restarts::default(),
+            lag: Lag::default(),
             updates: 0,
         })
     }
@@ -85,12 +91,16 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     }
 
     /// Adds an edge. The errors are those of [`Problem::new`](posecut_optimize::Problem::new); they name the edge by the
-    /// number that it would get.
+    /// number that it would get. An edge to a marginalised pose is an error, too.
     ///
     /// If the edge joins two components, the one with the later gauge moves rigidly so that the edge's residual is zero. This
     /// takes time proportional to its nodes. Components with held poses do not move.
     pub fn add_edge(&mut self, edge: Edge<G, DOF>) -> Result<EdgeId, IncrementalError> {
         check_edge(self.edges.next_id() as usize, &edge, self.poses())?;
+        let Edge { from, to, .. } = edge;
+        if let Some(pose) = [from, to].into_iter().find(|&node| self.gauges.is_marginalised(node)) {
+            return Err(IncrementalError::MarginalisedPose { edge: self.edges.next_id(), from, to, pose });
+        }
         if !self.gauges.are_one(edge.from, edge.to) {
             self.join(&edge);
         }
@@ -100,7 +110,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         Ok(EdgeId(self.edges.add(edge)))
     }
 
-    /// Removes an edge and returns it, so that it can be added again.
+    /// Removes an edge and returns it, so that it can be added again. An edge that was at a marginalised pose cannot be removed.
     ///
     /// If this splits a component, the side without a gauge keeps its poses. Its first node is fixed from now on, unless
     /// other nodes of it are held, and the next [`UpdateReport`](crate::UpdateReport) names it. The search for another
@@ -109,8 +119,9 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         let edge = self.edges.remove(id.0)?;
         self.top.touch([edge.from, edge.to]);
         self.restarts.strained = true;
-        let edges = &self.edges;
-        if let Some(gauge) = self.gauges.split(edge.from, edge.to, |node| edges.neighbours(node)) {
+        let (edges, priors) = (&self.edges, &self.priors);
+        let neighbours = |node| edges.neighbours(node).chain(priors.neighbours(node));
+        if let Some(gauge) = self.gauges.split(edge.from, edge.to, neighbours) {
             self.fix(gauge, true);
         }
         Ok(edge)
@@ -157,7 +168,9 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     fn touch(&mut self, node: usize) {
         self.top.touch([node]);
         self.top.touch(self.edges.neighbours(node));
+        self.top.touch(self.priors.neighbours(node));
         self.edges.outdate(node);
+        self.priors.outdate(node);
     }
 
     /// The current estimate of a pose.
@@ -190,18 +203,46 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         self.gauges.floating()
     }
 
-    /// Sum of `rho(e^T Omega e)` over the edges at the estimate.
+    /// Sum of `rho(e^T Omega e)` over the edges at the estimate, and the cost of the priors that marginalised edges have left.
     pub fn cost(&self) -> f64 {
-        self.cost_at(&self.estimates())
+        self.cost_at(|node| self.estimate(node))
     }
 
-    pub(crate) fn cost_at(&self, poses: &[G]) -> f64 {
-        self.edges.list().map(|(_, edge)| edge.cost(poses)).fold(0.0, |sum, cost| sum + cost)
+    /// The cost of an edge at the estimate.
+    pub(crate) fn cost_of(&self, edge: &Edge<G, DOF>) -> f64 {
+        cost_between(edge, &self.estimate(edge.from), &self.estimate(edge.to))
+    }
+
+    pub(crate) fn cost_at(&self, pose: impl Fn(usize) -> G) -> f64 {
+        let costs = self.edges.list().map(|(_, edge)| cost_between(edge, &pose(edge.from), &pose(edge.to)));
+        let edges = costs.fold(0.0, |sum, cost| sum + cost);
+        edges + self.priors.cost(pose)
     }
 
     /// Memory used for cliques and edges, bytes. It depends on the graph and on its largest size so far, not on how often
     /// edges were added and removed.
     pub fn bytes(&self) -> usize {
-        self.tree.scalars() * size_of::<f64>() + self.edges.bytes() + self.movement.bytes() + self.top.bytes()
+        let cliques = self.tree.scalars() * size_of::<f64>() + self.priors.bytes();
+        cliques + self.edges.bytes() + self.movement.bytes() + self.top.bytes()
     }
+
+    /// Number of edges that marginalisation has turned into priors.
+    pub fn absorbed_edges(&self) -> usize {
+        self.edges.absorbed()
+    }
+
+    /// Number of scalar blocks, pose by pose, that the cliques of the tree hold.
+    pub fn tree_blocks(&self) -> usize {
+        self.tree.blocks()
+    }
+
+    /// Number of current edges. O(1).
+    pub fn edge_count(&self) -> usize {
+        self.edges.count()
+    }
+}
+
+fn cost_between<G: PoseGroup<DOF>, const DOF: usize>(edge: &Edge<G, DOF>, from: &G, to: &G) -> f64 {
+    let error = residual(&edge.measurement, from, to);
+    charge(edge.kernel, error.dot(&(edge.information * error))).0
 }

@@ -142,6 +142,7 @@ impl StageOptions {
             propagate: self.propagate,
             linearisation_error: self.linearisation_error,
             iterations: self.solutions,
+            ..IncrementalOptions::default()
         }
     }
 

@@ -54,11 +54,12 @@ impl Top {
     }
 
     /// Removes the cliques of the touched nodes and their ancestors, and plans new ones. Returns the plans, children before
-    /// parents, and the roots of the subtrees that stay.
+    /// parents, and the roots of the subtrees that stay. `loose` are cliques that hang on no other one yet.
     pub(crate) fn rebuild<G: LieGroup<DOF>, const DOF: usize>(
         &mut self,
         tree: &mut Tree,
         edges: &Edges<G, DOF>,
+        loose: Vec<usize>,
         fixed: &[bool],
         report: &mut UpdateReport,
     ) -> (Vec<usize>, Vec<usize>) {
@@ -74,7 +75,7 @@ impl Top {
                 nodes.push(node);
             }
         }
-        let mut orphans = Vec::new();
+        let mut orphans = loose;
         tree.remove(&marked, &mut nodes, &mut orphans);
         nodes.retain(|&node| {
             tree.of[node] = NONE;

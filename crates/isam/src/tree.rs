@@ -63,10 +63,12 @@ impl Tree {
 
     /// Adds a clique without children.
     pub(crate) fn add(&mut self) -> usize {
-        self.free.pop().unwrap_or_else(|| {
+        let index = self.free.pop().unwrap_or_else(|| {
             self.cliques.push(Clique::default());
             self.cliques.len() - 1
-        })
+        });
+        self.cliques[index].parent = NONE;
+        index
     }
 
     /// Marks a clique and its ancestors, and lists those that were not marked yet.
@@ -85,22 +87,51 @@ impl Tree {
             orphans.extend(clique.children.iter().copied().filter(|&child| !self.cliques[child].marked));
         }
         for &index in marked {
-            let clique = &mut self.cliques[index];
-            for memory in [&mut clique.panel, &mut clique.update] {
-                memory.clear();
-                if memory.capacity() > KEPT_SCALARS {
-                    *memory = Vec::new();
-                }
-            }
-            clique.variables.clear();
-            clique.children.clear();
-            clique.undetermined.clear();
-            clique.marked = false;
-            self.free.push(index);
+            self.free(index);
         }
         for &orphan in orphans.iter() {
             self.cliques[orphan].parent = NONE;
         }
+    }
+
+    fn free(&mut self, index: usize) {
+        let clique = &mut self.cliques[index];
+        for memory in [&mut clique.panel, &mut clique.update] {
+            memory.clear();
+            if memory.capacity() > KEPT_SCALARS {
+                *memory = Vec::new();
+            }
+        }
+        clique.variables.clear();
+        clique.frontals = 0;
+        clique.children.clear();
+        clique.undetermined.clear();
+        clique.marked = false;
+        self.free.push(index);
+    }
+
+    /// Takes a clique without parent out of the tree for good.
+    pub(crate) fn extract(&mut self, index: usize) -> Clique {
+        self.free.push(index);
+        self.take(index)
+    }
+
+    /// Removes a clique without children, whose parent is about to be made again.
+    pub(crate) fn discard(&mut self, index: usize) {
+        let parent = std::mem::replace(&mut self.cliques[index].parent, NONE);
+        if parent != NONE {
+            self.cliques[parent].children.retain(|&child| child != index);
+        }
+        self.free(index);
+    }
+
+    /// Blocks of all cliques: `frontals * variables` of the panel, `separator^2` of the update matrix.
+    pub(crate) fn blocks(&self) -> usize {
+        let blocks = |clique: &Clique| {
+            let separator = clique.variables.len() - clique.frontals;
+            clique.frontals * clique.variables.len() + separator * separator
+        };
+        self.cliques.iter().map(blocks).sum()
     }
 
     /// Memory used, in scalars.

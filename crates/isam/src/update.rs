@@ -22,7 +22,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         // Another relinearisation would lead uphill again, until a restart finds a better start.
         let due = due && (!self.restarts.stuck || self.restarts.is_due(self.updates + 1));
         self.updates += 1;
-        self.restarts.allow(self.poses());
+        self.restarts.allow(self.gauges.live().len());
         if due {
             self.check(&mut report);
         }
@@ -42,13 +42,14 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
         let is_due = self.restarts.is_due(self.updates);
         self.restarts.stuck = is_uphill && !is_due;
         if self.restarts.stuck {
-            self.go_to(self.estimate.points.clone());
+            self.go_to_points();
         } else if is_uphill {
             report.restarted = true;
             let fresh = self.fresh_start();
-            self.restarts.count(fresh, self.updates, self.poses());
+            self.restarts.count(fresh, self.updates, self.gauges.live().len());
         }
         self.top.end_update();
+        report.marginalised = self.marginalise_old();
         report.undetermined.sort_unstable();
         report.undetermined.dedup();
         report
@@ -57,7 +58,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     /// Whether the last solution was a step too long to be trusted and led uphill.
     fn is_uphill(&mut self) -> bool {
         self.restarts.strained |= self.movement.long_step;
-        self.movement.long_step && !(self.cost() <= self.cost_at(&self.estimate.points))
+        self.movement.long_step && !(self.cost() <= self.cost_at(|node| self.estimate.points[node]))
     }
 
     /// Checks the edges of variables that have moved. If linearisation errors exceed the limit or the last step was long,
@@ -84,7 +85,10 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     fn solve(&mut self, report: &mut UpdateReport, threshold: f64) {
         self.movement.long_step = false;
         report.linearised += self.edges.linearise(&self.estimate.points);
-        let (made, orphans) = self.top.rebuild(&mut self.tree, &self.edges, &self.gauges.fixed, report);
+        self.priors.refresh(&self.estimate.points, &self.gauges.fixed, &mut self.tree);
+        let loose = self.priors.loose(&self.tree);
+        let (made, orphans) =
+            self.top.rebuild(&mut self.tree, &self.edges, loose, &self.gauges.fixed, report);
         self.elimination.eliminate(&mut self.tree, &made, &self.edges, &self.estimate.deltas);
         for &clique in &made {
             report.undetermined.extend_from_slice(&self.tree.clique(clique).undetermined);
@@ -97,7 +101,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     /// length of the next Gauss-Newton step.
     pub fn relinearise_all(&mut self) -> (f64, UpdateReport) {
         let mut report = UpdateReport { splits: self.gauges.take_splits(), ..UpdateReport::default() };
-        for node in 0..self.poses() {
+        for node in self.gauges.live().to_vec() {
             if !self.gauges.fixed[node] {
                 self.relinearise(node);
                 report.relinearised += 1;

@@ -55,7 +55,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> World<G, DOF> {
 
 /// Two dense Gauss-Newton steps with the gauges held. They refine the batch solution, which stops where the cost can no
 /// longer tell steps apart, at the root of the unit round-off.
-fn refine<G: LieGroup<DOF>, const DOF: usize>(
+pub(crate) fn refine<G: LieGroup<DOF>, const DOF: usize>(
     mut poses: Vec<G>,
     edges: &[Edge<G, DOF>],
     gauges: &[usize],

@@ -18,6 +18,7 @@ mod held;
 mod ill_conditioned;
 mod incremental;
 mod incremental_benchmarks;
+mod marginalise;
 mod metamorphic;
 mod scale;
 mod stage;

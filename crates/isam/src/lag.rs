@@ -1,0 +1,52 @@
+//! Which poses the option `lag` marginalises, and when.
+
+use posecut_optimize::PoseGroup;
+
+use crate::IncrementalSolver;
+
+/// Poses are marginalised in blocks of this share of the lag: the poses around a block are eliminated again once a block, not
+/// once a step, and a pose stays for at most this share longer.
+const BLOCKS: usize = 10;
+
+/// The poses that the lag has passed.
+#[derive(Debug, Default)]
+pub(crate) struct Lag {
+    /// The first pose not yet considered.
+    next: usize,
+    /// Poses that were fixed when the lag passed them. A gauge becomes a variable when its component is joined to another.
+    waiting: Vec<usize>,
+}
+
+impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
+    /// Marginalises the poses that the option `lag` lets go, and returns their number.
+    pub(crate) fn marginalise_old(&mut self) -> usize {
+        let Some(lag) = self.options.lag else { return 0 };
+        let end = self.poses().saturating_sub(lag);
+        if end < self.lag.next + (lag / BLOCKS).max(1) {
+            return 0;
+        }
+        let mut passed = std::mem::take(&mut self.lag.waiting);
+        passed.extend(self.lag.next..end);
+        self.lag.next = end;
+        let mut old = Vec::with_capacity(passed.len());
+        for pose in passed {
+            if self.gauges.is_marginalised(pose) || self.is_keyframe(pose) {
+                continue;
+            }
+            if self.gauges.fixed[pose] {
+                self.lag.waiting.push(pose);
+            } else {
+                old.push(pose);
+            }
+        }
+        let marginalised = self.marginalise(&old);
+        debug_assert!(marginalised.is_ok(), "poses that are variables can be marginalised: {marginalised:?}");
+        old.len()
+    }
+
+    /// Whether the options keep a pose beyond the lag.
+    fn is_keyframe(&self, pose: usize) -> bool {
+        let is_multiple = self.options.keep_every.is_some_and(|every| pose.is_multiple_of(every));
+        is_multiple || (self.options.keep_landmark_poses && self.edges.has_landmark(pose))
+    }
+}
