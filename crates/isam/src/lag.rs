@@ -6,7 +6,7 @@ use crate::IncrementalSolver;
 
 /// Poses are marginalised in blocks of this share of the lag: the poses around a block are eliminated again once a block, not
 /// once a step, and a pose stays for at most this share longer.
-const BLOCKS: usize = 10;
+pub(crate) const BLOCKS: usize = 10;
 
 /// The poses that the lag has passed.
 #[derive(Debug, Default)]
@@ -22,12 +22,16 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     pub(crate) fn marginalise_old(&mut self) -> usize {
         let Some(lag) = self.options.lag else { return 0 };
         let end = self.poses().saturating_sub(lag);
-        if end < self.lag.next + (lag / BLOCKS).max(1) {
-            return 0;
-        }
+        if end < self.lag.next + (lag / BLOCKS).max(1) { 0 } else { self.marginalise_before(end) }
+    }
+
+    /// Marginalises the poses with numbers below `end`, as the option [`lag`](crate::IncrementalOptions::lag) does, for a lag
+    /// that is not counted in poses. Fixed poses stay, and so do keyframes. Returns the number of marginalised poses.
+    pub fn marginalise_before(&mut self, end: usize) -> usize {
+        let end = end.min(self.poses());
         let mut passed = std::mem::take(&mut self.lag.waiting);
         passed.extend(self.lag.next..end);
-        self.lag.next = end;
+        self.lag.next = self.lag.next.max(end);
         let mut old = Vec::with_capacity(passed.len());
         for pose in passed {
             if self.gauges.is_marginalised(pose) || self.is_keyframe(pose) {

@@ -1,5 +1,6 @@
 //! Incremental optimisation as a stage.
 
+mod lag;
 mod replay;
 mod session;
 
@@ -14,12 +15,13 @@ use posecut_graph::{InputDigest, PoseGraph, RecordReader, for_dimension};
 use posecut_optimize::PoseGroup;
 use posecut_optimize::stage::{KernelOptions, doubt_disconnected, significant, warn_of_unmeasured};
 use posecut_stage::{
-    CommonArguments, Context, Doubt, Examples, Identity, Outcome, Phase, Place, Source, counted, info, open,
-    run_with_doubts, warn, write_atomically,
+    CommonArguments, Context, Doubt, Examples, Identity, Outcome, Phase, Place, Source, Statistics, counted,
+    info, open, run_with_doubts, warn, write_atomically,
 };
 use serde::Serialize;
 
 use crate::{FinishReport, IncrementalOptions};
+pub use lag::{BeyondLag, LagOptions};
 use replay::{Located, empty, for_each};
 use session::{Arrival, Session};
 
@@ -105,6 +107,11 @@ pub struct StageOptions {
     #[arg(long)]
     pub unfinished: bool,
 
+    /// Bounded memory.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub bounds: LagOptions,
+
     /// Robust kernels.
     #[command(flatten)]
     #[serde(flatten)]
@@ -135,7 +142,7 @@ struct Checkpoint<'a> {
 
 impl StageOptions {
     fn library_options(&self) -> IncrementalOptions {
-        IncrementalOptions {
+        self.bounds.add_to(IncrementalOptions {
             relinearise_translation: self.relinearise_translation,
             relinearise_rotation: self.relinearise_rotation,
             relinearise_every: self.relinearise_every,
@@ -143,12 +150,13 @@ impl StageOptions {
             linearisation_error: self.linearisation_error,
             iterations: self.solutions,
             ..IncrementalOptions::default()
-        }
+        })
     }
 
     /// Follows a session and returns the graph with its last estimates.
     fn run(&self, input: &Source, context: &mut Context) -> anyhow::Result<PoseGraph> {
         anyhow::ensure!(self.every != Some(0), "--every is 0, but must be a positive number of steps");
+        self.bounds.check()?;
         let Some(path) = &self.estimates else { return self.dispatch(input, None, context) };
         context.check_further_output("--estimates", path)?;
         let mut graph = None;
@@ -182,7 +190,8 @@ impl StageOptions {
         mut estimates: Option<&mut dyn Write>,
         context: &mut Context,
     ) -> anyhow::Result<PoseGraph> {
-        let mut session = Session::<G, DOF>::new(empty(&reader), self.library_options(), self.kernels)?;
+        let options = self.library_options();
+        let mut session = Session::<G, DOF>::new(empty(&reader), options, self.kernels, self.bounds)?;
         let mut unknown = Vec::new();
         for_each(source, reader, &mut unknown, |Located { line, arrival }| {
             if matches!(arrival, Arrival::Node(_)) {
@@ -257,6 +266,12 @@ fn tell<G: PoseGroup<DOF>, const DOF: usize>(
         );
     }
     warn_of_unmeasured(session.unmeasured);
+    if session.beyond_lag > 0 {
+        warn!(
+            "{} beyond the lag rejected, because a node was marginalised before; increase the lag to use them",
+            counted(session.beyond_lag, "edge")
+        );
+    }
     doubt_disconnected(session.solver.parts(), session.solver.floating_parts(), context);
     let converged = finish.is_none_or(|finish| finish.converged);
     if let Some(finish) = finish.filter(|finish| !finish.converged) {
@@ -269,8 +284,14 @@ fn tell<G: PoseGroup<DOF>, const DOF: usize>(
             ),
         );
     }
+    let marginalised = session.solver.poses() - session.solver.live_poses().len();
+    let past = if marginalised > 0 {
+        format!(", {} marginalised", counted(marginalised, "pose"))
+    } else {
+        String::new()
+    };
     info!(
-        "cost {} after {}, {}, {} retracted, {} re-admitted{}",
+        "cost {} after {}, {}, {} retracted, {} re-admitted{past}{}",
         significant(session.solver.cost()),
         counted(session.steps.len(), "step"),
         counted(session.solver.parts(), "component"),
@@ -293,6 +314,7 @@ fn note<G: PoseGroup<DOF>, const DOF: usize>(
     statistics.note("components", session.solver.parts());
     statistics.note("splits", &session.splits);
     statistics.note("restarts", session.restarts);
+    note_lag(session, statistics);
     statistics.note("cost_before_finish", finish.map(|finish| finish.cost_before));
     statistics.note("finish_iterations", finish.map(|finish| finish.iterations));
     statistics.note("converged", finish.map(|finish| finish.converged));
@@ -311,4 +333,19 @@ fn note<G: PoseGroup<DOF>, const DOF: usize>(
         statistics.note(name, quantile(share));
     }
     statistics.note("steps", &session.steps);
+}
+
+/// What a lag has done. Nodes that are not among the live ones are final.
+fn note_lag<G: PoseGroup<DOF>, const DOF: usize>(session: &Session<G, DOF>, statistics: &mut Statistics) {
+    let live = session.solver.live_poses();
+    let marginalised = session.solver.poses() - live.len();
+    statistics.note("marginalised", marginalised);
+    statistics.note("absorbed_edges", session.solver.absorbed_edges());
+    statistics.note("beyond_lag", session.beyond_lag);
+    statistics.note("live_nodes_max", session.most_live);
+    statistics.note("prior_nodes", session.solver.prior_sizes());
+    if marginalised > 0 {
+        let ids: Vec<u64> = live.iter().map(|&node| session.graph.nodes[node].id).collect();
+        statistics.note("live_nodes", ids);
+    }
 }

@@ -10,7 +10,8 @@ use posecut_optimize::pose_graph::{is_fixed, measured_edge};
 use posecut_optimize::stage::{KernelOptions, refuse_unless_finite};
 use serde::Serialize;
 
-use crate::{EdgeId, IncrementalOptions, IncrementalSolver};
+use super::lag::{BeyondLag, LagOptions, TimeWindow};
+use crate::{EdgeId, IncrementalError, IncrementalOptions, IncrementalSolver};
 
 /// A record of a session.
 #[derive(Clone, Debug)]
@@ -66,6 +67,8 @@ pub(super) struct Session<G, const DOF: usize> {
     pub(super) graph: PoseGraph,
     pub(super) solver: IncrementalSolver<G, DOF>,
     kernels: KernelOptions,
+    lag: LagOptions,
+    window: TimeWindow,
     /// Number in the solver, and line, of each pose.
     nodes: HashMap<u64, (usize, u64)>,
     edges: HashMap<u64, Standing>,
@@ -78,10 +81,15 @@ pub(super) struct Session<G, const DOF: usize> {
     pub(super) retracted: usize,
     pub(super) readmitted: usize,
     pub(super) restarts: usize,
+    /// Edges rejected because one of their nodes was marginalised.
+    pub(super) beyond_lag: usize,
+    pub(super) most_live: usize,
 }
 
 /// The value of `rejected_by` of a retracted edge.
 const RETRACT: &str = "retract";
+/// The same of an edge that reaches a marginalised node.
+const LAG: &str = "lag";
 
 impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
     /// A session without poses; `graph` has only a header.
@@ -89,11 +97,14 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
         graph: PoseGraph,
         options: IncrementalOptions,
         kernels: KernelOptions,
+        lag: LagOptions,
     ) -> anyhow::Result<Self> {
         Ok(Self {
             graph,
             solver: IncrementalSolver::new(options)?,
             kernels,
+            lag,
+            window: TimeWindow::new(lag.lag_time),
             nodes: HashMap::new(),
             edges: HashMap::new(),
             times: HashMap::new(),
@@ -104,6 +115,8 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
             retracted: 0,
             readmitted: 0,
             restarts: 0,
+            beyond_lag: 0,
+            most_live: 0,
         })
     }
 
@@ -134,6 +147,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
             }
             *last = time;
         }
+        self.window.add(&node)?;
         let pose = G::from_components(&node.pose_or_identity(self.graph.header.dimension))
             .with_context(|| format!("{name}: its pose cannot be used"))?;
         let place =
@@ -172,11 +186,31 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
         self.graph.edges.push(edge);
         self.edges.insert(id, Standing { place, line, used: None });
         if is_used && measures {
-            self.use_edge(id, place, ends)?;
+            if self.refuse_past(place, ends)? {
+                self.graph.edges[place].rejected_by = Some(LAG.to_owned());
+            } else {
+                self.use_edge(id, place, ends)?;
+            }
         } else if is_used && replaces.is_none() {
             self.unmeasured += 1;
         }
         Ok(())
+    }
+
+    /// Whether an edge reaches into the marginalised past and is to be rejected for that; an error if it is to be refused.
+    fn refuse_past(&mut self, place: usize, ends: (usize, usize)) -> anyhow::Result<bool> {
+        let Some(pose) = [ends.0, ends.1].into_iter().find(|&pose| self.solver.is_marginalised(pose)) else {
+            return Ok(false);
+        };
+        if self.lag.beyond_lag == BeyondLag::Refuse {
+            bail!(
+                "{}: node {} was marginalised and takes no more edges; increase the lag, keep keyframes (--keep-landmark-poses, --keep-every), or reject such edges (--beyond-lag reject)",
+                self.graph.edges[place].name(),
+                self.graph.nodes[pose].id
+            );
+        }
+        self.beyond_lag += 1;
+        Ok(true)
     }
 
     fn use_edge(&mut self, id: u64, place: usize, ends: (usize, usize)) -> anyhow::Result<()> {
@@ -208,7 +242,17 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
                 None => bail!("edge {id} has no measurement and was never used; retract only edges in use"),
             }
         };
-        self.solver.remove_edge(used)?;
+        if let Err(error) = self.solver.remove_edge(used) {
+            if let IncrementalError::AbsorbedEdge { .. } = error {
+                bail!(
+                    "{} from node {} to node {} is part of the marginalised past and cannot be retracted; increase the lag, or retract edges before their nodes leave it",
+                    edge.name(),
+                    edge.from,
+                    edge.to
+                );
+            }
+            return Err(error.into());
+        }
         edge.rejected_by = Some(RETRACT.to_owned());
         self.edges.entry(id).and_modify(|standing| standing.used = None);
         self.retracted += 1;
@@ -227,7 +271,11 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
             );
         }
         let edge = &self.graph.edges[place];
-        self.use_edge(id, place, (self.nodes[&edge.from].0, self.nodes[&edge.to].0))?;
+        let ends = (self.nodes[&edge.from].0, self.nodes[&edge.to].0);
+        if self.refuse_past(place, ends)? {
+            return Ok(());
+        }
+        self.use_edge(id, place, ends)?;
         self.graph.edges[place].readmit();
         self.readmitted += 1;
         Ok(())
@@ -239,6 +287,10 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
             return false;
         };
         let report = self.solver.update();
+        self.most_live = self.most_live.max(self.solver.live_poses().len() + report.marginalised);
+        if let Some(end) = self.window.due() {
+            self.solver.marginalise_before(end);
+        }
         let at = node.id;
         for split in &report.splits {
             let gauge = self.graph.nodes[split.gauge].id;

@@ -18,6 +18,7 @@ mod held;
 mod ill_conditioned;
 mod incremental;
 mod incremental_benchmarks;
+mod lag_stage;
 mod marginalise;
 mod metamorphic;
 mod scale;

@@ -10,14 +10,14 @@ use posecut_geometry::{LieGroup as _, SE2};
 use posecut_graph::PoseGraph;
 use posecut_optimize::{Options, Problem, optimize};
 
-const HEADER: &str = r#"{"kind":"header","format":"posecut","version":1,"dimension":2}"#;
+pub(crate) const HEADER: &str = r#"{"kind":"header","format":"posecut","version":1,"dimension":2}"#;
 const INFORMATION: &str = "[100,0,0,100,0,400]";
 
-fn node(id: u64, utime: i64) -> String {
+pub(crate) fn node(id: u64, utime: i64) -> String {
     format!(r#"{{"kind":"node","id":{id},"session":"a","utime":{utime},"pose":[0,0,0]}}"#)
 }
 
-fn edge(kind: &str, id: u64, from: u64, to: u64, measurement: &str) -> String {
+pub(crate) fn edge(kind: &str, id: u64, from: u64, to: u64, measurement: &str) -> String {
     format!(
         r#"{{"kind":"{kind}","id":{id},"from":{from},"to":{to},"measurement":{measurement},"information":{INFORMATION}}}"#
     )
@@ -54,14 +54,14 @@ pub(crate) fn run(lines: &[String], arguments: &[&str]) -> Output {
 }
 
 /// Standard output of a run that must succeed.
-fn follow(lines: &[String], arguments: &[&str]) -> String {
+pub(crate) fn follow(lines: &[String], arguments: &[&str]) -> String {
     let output = run(lines, arguments);
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
 }
 
 /// Standard error of a run that must fail.
-fn refuse(lines: &[String], arguments: &[&str]) -> String {
+pub(crate) fn refuse(lines: &[String], arguments: &[&str]) -> String {
     let output = run(lines, arguments);
     assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stdout));
     assert!(output.stdout.is_empty());
@@ -69,7 +69,7 @@ fn refuse(lines: &[String], arguments: &[&str]) -> String {
 }
 
 /// The poses of the nodes.
-fn poses(graph: &str) -> Vec<Vec<f64>> {
+pub(crate) fn poses(graph: &str) -> Vec<Vec<f64>> {
     let pose = |line: &str| {
         let record: serde_json::Value = serde_json::from_str(line).unwrap();
         (record["kind"] == "node").then(|| serde_json::from_value(record["pose"].clone()).unwrap())
@@ -96,7 +96,7 @@ fn batch(lines: &[String]) -> Vec<Vec<f64>> {
     optimize(&problem, &Options::default()).poses.iter().map(SE2::components).collect()
 }
 
-fn temporary(name: &str) -> PathBuf {
+pub(crate) fn temporary(name: &str) -> PathBuf {
     std::env::temp_dir().join(format!("posecut-{}-{name}", std::process::id()))
 }
 
