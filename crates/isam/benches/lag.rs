@@ -1,9 +1,9 @@
 //! A simulated session of many poses with a lag: times per step, memory, and distance from the batch optimum.
 //!
-//! `cargo bench -p posecut-isam --bench lag [poses=N] [lag=N] [keep=N] [seed=N] [export=FILE.g2o]`
+//! `cargo bench -p posecut-isam --bench lag [poses=N] [lag=N] [keep=N] [error=SHARE] [share=SHARE] [seed=N] [export=FILE.g2o]`
 //!
-//! A walk on a Manhattan grid with noisy odometry. A pose gets a landmark edge to an earlier pose near it with probability 1/2,
-//! at most `lag` back. `export` writes the graph, with the batch optimum as poses. Prints one JSON object.
+//! A walk on a Manhattan grid with noisy odometry. A pose that returns to a place within the lag gets a landmark edge to an
+//! earlier pose there, or only a `share` of these poses does. `export` writes the graph, with the batch optimum as poses. Prints one JSON object.
 
 #![allow(clippy::print_stdout, reason = "a bench prints its figures")]
 
@@ -64,6 +64,14 @@ fn distance(found: &[SE2], expected: &[SE2], nodes: impl Iterator<Item = usize> 
     (squares.sum::<f64>() / nodes.count() as f64).sqrt()
 }
 
+/// The same in the frame of the last pose: how far the window is bent, wherever it is. Without the fixed first pose.
+fn shape(found: &[SE2], expected: &[SE2], nodes: &[usize]) -> f64 {
+    let in_last = |poses: &[SE2]| -> Vec<SE2> {
+        nodes[1..].iter().map(|&node| poses[poses.len() - 1].between(&poses[node])).collect()
+    };
+    distance(&in_last(found), &in_last(expected), 0..nodes.len() - 1)
+}
+
 fn export(path: &str, poses: &[SE2], arrivals: &Arrivals) -> Outcome<()> {
     let mut file = std::io::BufWriter::new(std::fs::File::create(path)?);
     for (node, pose) in poses.iter().enumerate() {
@@ -87,20 +95,29 @@ fn export(path: &str, poses: &[SE2], arrivals: &Arrivals) -> Outcome<()> {
 
 fn main() -> Outcome<()> {
     let (mut poses, mut lag, mut keep, mut seed, mut file) = (100_000, 1000, None, 1, None);
+    let mut error = IncrementalOptions::default().linearisation_error;
+    let mut share = 1.0;
     for word in std::env::args().skip(1).filter(|word| !word.starts_with("--")) {
         match word.split_once('=') {
             Some(("poses", value)) => poses = value.parse()?,
             Some(("lag", value)) => lag = value.parse()?,
             Some(("keep", value)) => keep = Some(value.parse()?),
+            Some(("error", value)) => error = value.parse()?,
+            Some(("share", value)) => share = value.parse()?,
             Some(("seed", value)) => seed = value.parse()?,
             Some(("export", value)) => file = Some(value.to_owned()),
             _ => return Err(format!("there is no option '{word}'").into()),
         }
     }
-    let arrivals = world::session(seed, poses, lag);
+    let arrivals = world::session(seed, poses, lag, share);
     let edges: Vec<Edge<SE2, 3>> = arrivals.iter().flatten().copied().collect();
     let landmark_edges = edges.iter().filter(|edge| edge.kind == EdgeKind::Landmark).count();
-    let options = IncrementalOptions { lag: Some(lag), keep_every: keep, ..IncrementalOptions::default() };
+    let options = IncrementalOptions {
+        lag: Some(lag),
+        keep_every: keep,
+        linearisation_error: error,
+        ..IncrementalOptions::default()
+    };
     let Measured { mut milliseconds, solver, largest, largest_prior, restarts } = run(&arrivals, options)?;
 
     let problem = Problem::new(solver.estimates(), edges)?;
@@ -116,13 +133,14 @@ fn main() -> Outcome<()> {
     let quantile = |share: f64| milliseconds[((milliseconds.len() - 1) as f64 * share).round() as usize];
     println!(
         "{{\"poses\":{poses},\"lag\":{lag},\"landmark_edges\":{landmark_edges},\"total_s\":{total:.3},\"median_ms\":{:.4},\"p99_ms\":{:.4},\"max_ms\":{:.3},\
-         \"megabytes\":{:.3},\"largest_prior\":{largest_prior},\"restarts\":{restarts},\"live_m\":{:.3e},\"all_m\":{:.3e},\"truth_m\":{:.3e},\"batch_truth_m\":{:.3e},\
+         \"megabytes\":{:.3},\"largest_prior\":{largest_prior},\"restarts\":{restarts},\"live_m\":{:.3e},\"shape_m\":{:.3e},\"all_m\":{:.3e},\"truth_m\":{:.3e},\"batch_truth_m\":{:.3e},\
          \"cost\":{:.9e},\"batch_cost\":{:.9e},\"batch_converged\":{}}}",
         quantile(0.5),
         quantile(0.99),
         quantile(1.0),
         largest as f64 / 1e6,
         distance(&found, &batch.poses, solver.live_poses().iter().copied()),
+        shape(&found, &batch.poses, solver.live_poses()),
         distance(&found, &batch.poses, 0..poses),
         distance(&found, &world::truth(seed, poses), 0..poses),
         distance(&batch.poses, &world::truth(seed, poses), 0..poses),

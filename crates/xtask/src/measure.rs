@@ -1,6 +1,7 @@
 //! `cargo xtask measure`: measures time and memory of programs, and writes tables of documents.
 
 mod incremental;
+mod lag;
 mod memory;
 mod multicut;
 mod optimize;
@@ -31,6 +32,7 @@ enum What {
     Verify(verify::Verify),
     Optimize(optimize::Optimize),
     Incremental(incremental::Incremental),
+    Lag(lag::Lag),
     Multicut(multicut::Multicut),
     MulticutProofs(proofs::Proofs),
     Simulation(simulation::Simulation),
@@ -46,6 +48,7 @@ impl Measure {
             What::Verify(task) => task.run(),
             What::Optimize(task) => task.run(),
             What::Incremental(task) => task.run(),
+            What::Lag(task) => task.run(),
             What::Multicut(task) => task.run(),
             What::MulticutProofs(task) => task.run(),
             What::Simulation(task) => task.run(),

@@ -10,7 +10,7 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
 /// Half the side of the square city, metres. At its border the walk turns back.
-const CITY: i64 = 200;
+const CITY: i64 = 50;
 /// Poses closer in time than this get no landmark edge.
 const LEAST_AGE: usize = 10;
 /// Standard deviations: metres along each axis, and radians.
@@ -35,9 +35,9 @@ pub(crate) fn truth(seed: u64, poses: usize) -> Vec<SE2> {
     walk
 }
 
-/// Each pose's edges: odometry, and with probability 1/2 a landmark edge to an earlier pose at the same crossing or street
-/// position, at most `reach` back.
-pub(crate) fn session(seed: u64, poses: usize, reach: usize) -> Vec<Vec<Edge<SE2, 3>>> {
+/// Each pose's edges: odometry, and for a share of the returns a landmark edge to one of the earlier poses in the same place, at most
+/// `reach` back.
+pub(crate) fn session(seed: u64, poses: usize, reach: usize, share: f64) -> Vec<Vec<Edge<SE2, 3>>> {
     let walk = truth(seed, poses);
     let mut random = ChaCha8Rng::seed_from_u64(seed ^ 0x5eed);
     let mut visits: HashMap<[i64; 2], VecDeque<usize>> = HashMap::new();
@@ -53,7 +53,7 @@ pub(crate) fn session(seed: u64, poses: usize, reach: usize) -> Vec<Vec<Edge<SE2
             earlier.pop_front();
         }
         let old: Vec<usize> = earlier.iter().copied().filter(|other| node - other >= LEAST_AGE).collect();
-        if !old.is_empty() && random.random_bool(0.5) {
+        if !old.is_empty() && random.random_bool(share) {
             let other = old[random.random_range(0..old.len())];
             edges.push(measure(&walk, [other, node], EdgeKind::Landmark, &mut random));
         }

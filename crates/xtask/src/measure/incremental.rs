@@ -34,7 +34,7 @@ pub(crate) struct Incremental {
     write: bool,
 }
 
-const PAGE: &str = "docs/results/incremental.md";
+pub(super) const PAGE: &str = "docs/results/incremental.md";
 /// Name, lowest known cost and dimension of each graph.
 const GRAPHS: [(&str, f64, &str); 3] = [
     ("M3500", 137.914_878_247, "2"),
@@ -91,7 +91,7 @@ impl Incremental {
         let names = if self.graphs.is_empty() { all() } else { self.graphs };
         let python = python(&["gtsam"])?;
         let data = shared_data()?.join("g2o");
-        let bench = self.bench.map_or_else(built, Ok)?;
+        let bench = self.bench.map_or_else(|| built("incremental"), Ok)?;
         let mut measured = Vec::new();
         for name in names {
             let Some((name, best, dimension)) = GRAPHS.iter().find(|(known, ..)| *known == name) else {
@@ -114,23 +114,15 @@ impl Incremental {
     }
 }
 
-/// The bench program, built by Cargo.
-fn built() -> anyhow::Result<PathBuf> {
+/// A bench program of the incremental solver, built by Cargo.
+pub(super) fn built(bench: &str) -> anyhow::Result<PathBuf> {
     let mut cargo = Command::new("cargo");
-    cargo.args([
-        "bench",
-        "-p",
-        "posecut-isam",
-        "--bench",
-        "incremental",
-        "--no-run",
-        "--message-format=json",
-    ]);
+    cargo.args(["bench", "-p", "posecut-isam", "--bench", bench, "--no-run", "--message-format=json"]);
     let output = String::from_utf8(must(cargo.current_dir(root()))?)?;
     let messages = output.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
-    let program = messages.filter(|message| message["target"]["name"] == "incremental");
+    let program = messages.filter(|message| message["target"]["name"] == bench);
     let mut paths = program.filter_map(|message| message["executable"].as_str().map(PathBuf::from));
-    paths.next_back().context("`cargo bench` names no program for the bench incremental")
+    paths.next_back().with_context(|| format!("`cargo bench` names no program for the bench {bench}"))
 }
 
 fn row(name: &str, solver: &str, total: f64, quantiles: [f64; 4], gaps: [Option<f64>; 3]) -> Vec<String> {
