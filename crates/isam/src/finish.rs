@@ -7,7 +7,6 @@ use posecut_optimize::model::{Magnitude, Term as _, translations};
 use posecut_optimize::{Edge, EdgeKind, Initialisation, Options, PoseGroup, Problem, optimize};
 
 use crate::prior::Prior;
-use crate::tree::Clique;
 
 use crate::{FinishReport, IncrementalSolver};
 
@@ -157,16 +156,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
             }
         }
         for prior in self.priors.list() {
-            let mut model = Clique::default();
-            prior.expand(&poses, |_| true, &mut model);
-            let order = model.variables.len() * DOF + 1;
-            for (place, &node) in model.variables.iter().enumerate() {
-                for component in 0..DOF {
-                    let column = (place * DOF + component) * order;
-                    equations[node][0][component] -= model.update[column + order - 1];
-                    equations[node][1][component] += model.update[column + place * DOF + component];
-                }
-            }
+            prior.add_to(&mut equations, &poses);
             cost += prior.cost(|node| poses[node]);
         }
         let free = equations.iter().zip(&self.gauges.fixed).filter(|&(_, &fixed)| !fixed);

@@ -24,6 +24,10 @@
 //!   the later one moves rigidly so that the edge fits; since errors are right perturbations, nothing is relinearised. When a
 //!   removal splits a component, the side without a gauge keeps its poses and gets a gauge, and the report names it.
 //!
+//! - Marginalised poses ([`IncrementalSolver::marginalise`], [`IncrementalOptions::lag`]) leave a prior over the poses around
+//!   them: a clique without frontal variables, whose update matrix is the prior's quadratic model. To the rest of the tree it
+//!   is a subtree that stays.
+//!
 //! Removal is exact: after [`IncrementalSolver::finish`] the estimate is that of a fresh solution of the remaining edges.
 //!
 //! ```

@@ -130,6 +130,19 @@ impl<G: LieGroup<DOF>, const DOF: usize> Prior<G, DOF> {
         }
     }
 
+    /// Adds half the gradient at these poses, and the diagonal of the quadratic model, to those of each node.
+    pub(crate) fn add_to(&self, equations: &mut [[SVector<f64, DOF>; 2]], poses: &[G]) {
+        let mut model = Clique::default();
+        self.expand(poses, |_| true, &mut model);
+        let order = model.variables.len() * DOF + 1;
+        let columns = model.update.chunks_exact(order).take(order - 1).enumerate();
+        for (index, column) in columns {
+            let [gradient, diagonal] = &mut equations[model.variables[index / DOF]];
+            gradient[index % DOF] -= column[order - 1];
+            diagonal[index % DOF] += column[index];
+        }
+    }
+
     /// Memory used, scalars.
     pub(crate) fn scalars(&self) -> usize {
         self.matrix.len() + self.vector.len()
