@@ -169,3 +169,79 @@ impl Target<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use posecut_geometry::{SE2, SE3};
+
+    /// A prior over three poses and others far from those that it is frozen at.
+    fn prior<G: LieGroup<DOF>, const DOF: usize>(points: &[G]) -> Prior<G, DOF> {
+        let order = 3 * DOF + 1;
+        let entry = |i: usize, j: usize| ((i * 7 + j * 5 + i * j) % 11) as f64 * 0.1 - 0.4;
+        let root = DMatrix::from_fn(order, order, entry);
+        let update = (&root * root.transpose() + DMatrix::identity(order, order)).as_slice().to_vec();
+        let mut model = Clique::default();
+        model.variables = vec![0, 1, 2];
+        model.update = update;
+        Prior::freeze(&model, 1, points)
+    }
+
+    /// Compares the gradient of the expansion with central differences of the cost, and checks the invariance.
+    fn check<G: LieGroup<DOF>, const DOF: usize>(frozen: &[G], poses: &[G]) {
+        let prior = prior::<G, DOF>(frozen);
+        let mut model = Clique::default();
+        prior.expand(poses, |_| true, &mut model);
+        assert_eq!(model.variables, [1, 0, 2]);
+        let order = 3 * DOF + 1;
+        for index in 0..3 * DOF {
+            let node = model.variables[index / DOF];
+            let at =
+                |offset: f64| {
+                    let mut tangent = SVector::<f64, DOF>::zeros();
+                    tangent[index % DOF] = offset;
+                    prior.cost(|other| {
+                        if other == node { poses[other].compose(&G::exp(&tangent)) } else { poses[other] }
+                    })
+                };
+            let half_gradient = (at(1e-5) - at(-1e-5)) / 4e-5;
+            let found = -model.update[index * order + order - 1];
+            assert!(
+                (found - half_gradient).abs() < 1e-6 * (1.0 + half_gradient.abs()),
+                "{index}: {found} {half_gradient}"
+            );
+        }
+        // A constant pose leaves out its rows and columns, and nothing else.
+        let mut part = Clique::default();
+        prior.expand(poses, |node| node != 0, &mut part);
+        assert_eq!(part.variables, [1, 2]);
+        let row = |index: usize| if index < DOF { index } else { index + DOF };
+        for column in 0..2 * DOF {
+            for index in column..=2 * DOF {
+                let (small, large) = (
+                    part.update[column * (2 * DOF + 1) + index],
+                    model.update[row(column) * order + row(index)],
+                );
+                assert!(small.to_bits() == large.to_bits(), "{column} {index}: {small} {large}");
+            }
+        }
+        let motion = poses[0].compose(&frozen[2]);
+        let moved = prior.cost(|node| motion.compose(&poses[node]));
+        let still = prior.cost(|node| poses[node]);
+        assert!((moved - still).abs() < 1e-9 * still.abs(), "{moved} {still}");
+    }
+
+    #[test]
+    fn expansions_match_finite_differences() {
+        let frozen = [SE2::new(1.0, 2.0, 0.3), SE2::new(-1.0, 0.5, -2.9), SE2::new(3.0, 1.0, 3.0)];
+        let poses = [SE2::new(1.3, 1.8, 0.7), SE2::new(-0.6, 0.1, -2.5), SE2::new(2.5, 1.2, -3.1)];
+        check::<SE2, 3>(&frozen, &poses);
+        let spatial = |offset: f64| {
+            let pose = |k: f64| {
+                SE3::from_euler(k, 1.0 - k, 0.5 * k, 0.4 * k + offset, -0.3 + offset, 0.9 * k - offset)
+            };
+            [pose(0.3), pose(-1.2), pose(2.1)]
+        };
+        check::<SE3, 6>(&spatial(0.0), &spatial(0.2));
+    }
+}
