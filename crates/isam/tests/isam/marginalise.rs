@@ -5,7 +5,7 @@
 use nalgebra::Matrix3;
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_graph::connectivity::connected_components;
-use posecut_isam::{EdgeId, IncrementalError, IncrementalOptions, IncrementalSolver};
+use posecut_isam::{EdgeId, IncrementalError, IncrementalOptions, IncrementalSolver, Split};
 use posecut_optimize::{Edge, EdgeKind, Marginals, PoseGroup, Problem};
 use proptest::prelude::*;
 use rand_chacha::ChaCha8Rng;
@@ -280,6 +280,29 @@ fn a_marginalised_end_leaves_no_prior() {
         .unwrap();
     solver.update();
     assert!(solver.finish().converged && solver.cost() < 1e-20);
+}
+
+/// A component that loses its connection gets a live pose as its gauge, though a marginalised one has a lower number.
+#[test]
+fn a_marginalised_pose_is_no_gauge() {
+    let mut solver = IncrementalSolver::new(IncrementalOptions::default()).unwrap();
+    for _ in 0..6 {
+        solver.add_pose(SE2::identity()).unwrap();
+    }
+    let step = SE2::new(1.0, 0.0, 0.1);
+    let mut join = |from, to| {
+        solver.add_edge(Edge::new(from, to, step, Matrix3::identity(), EdgeKind::Odometry)).unwrap()
+    };
+    let _ = join(0, 1);
+    let bridge = join(1, 5);
+    let _ = [join(5, 2), join(2, 3), join(3, 4)];
+    solver.update();
+    solver.marginalise(&[2]).unwrap();
+    solver.remove_edge(bridge).unwrap();
+    let report = solver.update();
+    assert_eq!(report.splits, [Split { gauge: 3, nodes: 3 }]);
+    assert!(report.undetermined.is_empty() && solver.finish().converged);
+    assert!(solver.covariance(5).unwrap().amax() > 0.0);
 }
 
 /// The cost counts the past: marginalisation does not change it, and later costs are those of all edges.
