@@ -15,7 +15,8 @@
 //! [`dual_simplex`] solves small programs again and again, as branch and cut adds inequalities ([`cut`]; [`hard_cycles`] finds
 //! cycles where edges are fixed) and fixes edges. [`interior_point`] solves large ones (Mehrotra, SIAM J. Optimization 2(4),
 //! 1992). Every dual point packs these conflicts into the capacities `|c|`, and therefore is a lower bound. [`packing`] also
-//! builds a packing greedily (Lange, Karrenbauer, Andres, ICML 2018, algorithm 1).
+//! builds a packing greedily (Lange, Karrenbauer, Andres, ICML 2018, algorithm 1), and [`rerouting`] improves one towards a
+//! proof that a given multicut is optimal, by negotiated congestion ([`negotiation`]).
 //!
 //! Depends on [`graph`](crate::graph).
 
@@ -27,7 +28,9 @@ pub(crate) mod dual_simplex;
 pub(crate) mod hard_cycles;
 pub(crate) mod interior_point;
 pub(crate) mod landmark_distances;
+pub(crate) mod negotiation;
 pub(crate) mod odd_wheel_separation;
 pub(crate) mod packing;
 pub(crate) mod parts_separation;
 pub(crate) mod relaxation;
+pub(crate) mod rerouting;

@@ -4,6 +4,7 @@
 //! odd wheels, edges fixed by residual cost, branching; [`cut_tree`] closes small kernels, with one linear program throughout. Depends on all the theory of this crate: [`reduce`](crate::reduce),
 //! [`heuristics`](crate::heuristics), [`bound`](crate::bound), [`certificate`](crate::certificate).
 
+mod bands;
 mod cut_tree;
 mod rounding;
 mod search;
@@ -181,6 +182,7 @@ fn close_all(components: &mut [Component], seed: u64, budget: &mut Budget) {
         }
         let component = &mut components[index];
         let piece = &component.decomposition.kernels[place];
+        bands::tighten(&piece.graph, &mut component.states[place], budget);
         improve(&piece.graph, &mut component.states[place], ROUNDS, seed, budget);
         close(&piece.graph, &mut component.states[place], seed, budget);
     }

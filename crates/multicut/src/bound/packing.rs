@@ -76,12 +76,12 @@ impl Packing {
     }
 
     /// The largest weight that still fits.
-    fn room(&self, uses: &[(u32, u32)]) -> f64 {
+    pub(crate) fn room(&self, uses: &[(u32, u32)]) -> f64 {
         let room = |&(edge, times): &(u32, u32)| self.residual[edge as usize] / f64::from(times);
         uses.iter().map(room).fold(f64::INFINITY, f64::min)
     }
 
-    fn add(&mut self, conflict: Conflict, uses: &[(u32, u32)], weight: f64) {
+    pub(crate) fn add(&mut self, conflict: Conflict, uses: &[(u32, u32)], weight: f64) {
         for &(edge, times) in uses {
             let residual = &mut self.residual[edge as usize];
             *residual = (*residual - f64::from(times) * weight).max(0.0);

@@ -89,6 +89,17 @@ impl State {
         }
     }
 
+    /// The packing of the kernel itself, which the bound may exceed.
+    pub(super) fn packing(&self) -> &Packing {
+        &self.packing
+    }
+
+    /// Replaces the packing.
+    pub(super) fn repack(&mut self, kernel: &Kernel, packing: Packing) {
+        self.raise(kernel.rounded(packing.bound), || Some(Proof::Packing(packing.conflicts.clone())));
+        self.packing = packing;
+    }
+
     pub(super) fn offer(&mut self, graph: &SignedGraph, labels: Vec<u32>) {
         let objective = graph.objective(&labels);
         if objective < self.objective {
