@@ -31,7 +31,7 @@ pub(crate) struct Effort {
 /// * an uncut repulsive edge, and a path inside its cluster;
 /// * a cut attractive edge, a cut repulsive edge between the same two clusters, and two paths inside them.
 ///
-/// Conflicts that are not tight leave the packing first, unless [`Effort::keep`] keeps their cycles. Then each step takes a paid edge with capacity left and packs the cheapest
+/// Conflicts that are not tight leave the packing first, unless they are many or [`Effort::keep`] keeps their cycles. Then each step takes a paid edge with capacity left and packs the cheapest
 /// tight cycle through it, even over edges that are used up: these lose other cycles, whose paid edges take their turn
 /// later. Edges get dearer each time that they are contested, so cycles settle where there is room (negotiated congestion:
 /// McMurchie, Ebeling, FPGA 1995). Returns the best packing on the way, or `start` if none is better.
@@ -46,10 +46,20 @@ pub(crate) fn reroute(
 ) -> Packing {
     let mut routes = Routes::new(kernel, labels);
     let mut negotiation = Negotiation::new(kernel);
-    for packed in &start.conflicts {
-        let uses = packed.conflict.uses(kernel);
-        let payment: u32 = uses.iter().filter(|&&(edge, _)| routes.paid(edge)).map(|&(_, times)| times).sum();
-        if matches!(packed.conflict, Conflict::Cycle(_)) && (effort.keep || payment == 1) {
+    let payment = |uses: &[(u32, u32)]| -> u32 {
+        uses.iter().filter(|entry| routes.paid(entry.0)).map(|entry| entry.1).sum()
+    };
+    let cycles: Vec<_> = start
+        .conflicts
+        .iter()
+        .filter(|packed| matches!(packed.conflict, Conflict::Cycle(_)))
+        .map(|packed| (packed, packed.conflict.uses(kernel)))
+        .map(|(packed, uses)| (packed, payment(&uses) == 1, uses))
+        .collect();
+    let loose: f64 = cycles.iter().filter(|cycle| !cycle.1).map(|cycle| cycle.0.weight).sum();
+    let keep = effort.keep || loose > LOOSE * (start.bound - kernel.negative_sum());
+    for (packed, tight, uses) in cycles {
+        if keep || tight {
             routes.add(packed.conflict.clone(), uses, packed.weight);
         }
     }
@@ -60,8 +70,9 @@ pub(crate) fn reroute(
     let patience = |open: usize| effort.patience * (PATIENCE.0 * open + PATIENCE.1);
     let mut steps = patience(turn.len());
     let mut left = TOTAL * steps;
+    let end = budget.spent() + effort.patience as u64 * WORK * kernel.edge_count() as u64;
     while let Some(edge) = turn.pop_front() {
-        if steps == 0 || left == 0 || budget.is_over() {
+        if steps == 0 || left == 0 || budget.spent() > end || budget.is_over() {
             break;
         }
         steps -= 1;
@@ -125,6 +136,12 @@ const SPLIT: f64 = 1e-9;
 
 /// Rises of the bound below this share of the payment are rounding errors, not success.
 const RISE: f64 = 1e-9;
+
+/// Share of the packed weight up to which cycles that are not tight leave a packing.
+const LOOSE: f64 = 0.05;
+
+/// Most work for each edge of the kernel, so that a solution far from optimal is improved before it is proved to be.
+const WORK: u64 = 200;
 
 /// Most steps in total, in multiples of the first patience: each keeps its cycle in memory.
 const TOTAL: usize = 50;

@@ -14,7 +14,8 @@ use crate::heuristics::segmentation::segment;
 /// Most rounds.
 const ROUNDS: usize = 40;
 
-/// Kernels with fewer edges get only rounds that pay: the relaxation closes them quickly.
+/// Kernels with fewer edges, or with costs that are not integers, get only rounds that pay: the relaxation closes them quickly,
+/// and without rounding up a packing must be exact.
 const SMALL: usize = 3_000;
 
 /// Rounds without a better solution or packing before the last one.
@@ -22,6 +23,9 @@ const PATIENCE: usize = 4;
 
 /// Most halvings of the weights that are rerouted.
 const HALVINGS: u32 = 4;
+
+/// Segments count as poor if they are worse by this share of the objective.
+const POOR: f64 = 0.02;
 
 /// Proposals for the clusters where the gap is.
 const PROPOSALS: usize = 4;
@@ -37,8 +41,12 @@ pub(crate) fn tighten(graph: &SignedGraph, state: &mut State, budget: &mut Budge
         return;
     }
     let kernel = Kernel::new(graph);
-    let labels = along_the_band(graph, budget);
-    offer_both(graph, state, labels, budget);
+    let mut labels = segments(graph, budget);
+    // Where the graph is no band, segments are too poor to be worth polishing.
+    if graph.objective(&labels) <= state.objective + POOR * state.objective.abs() {
+        kernighan_lin_with_joins(graph, &mut labels, budget);
+        offer_both(graph, state, labels, budget);
+    }
     let mean = kernel.costs.iter().map(|cost| cost.abs()).sum::<f64>() / kernel.edge_count() as f64;
     let (mut idle, mut halvings) = (0, 0);
     for round in 0..ROUNDS {
@@ -63,7 +71,7 @@ pub(crate) fn tighten(graph: &SignedGraph, state: &mut State, budget: &mut Budge
         state.offer(graph, labels);
         let better = state.objective < objective || state.packing().bound > bound;
         idle = if better { 0 } else { idle + 1 };
-        let patience = if kernel.edge_count() < SMALL { 0 } else { PATIENCE };
+        let patience = if kernel.edge_count() < SMALL || !kernel.integral { 0 } else { PATIENCE };
         if idle > patience {
             return;
         }
@@ -73,13 +81,11 @@ pub(crate) fn tighten(graph: &SignedGraph, state: &mut State, budget: &mut Budge
     }
 }
 
-/// The best segmentation of an order along the band, polished.
-fn along_the_band(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
+/// The best segmentation of an order along the band.
+fn segments(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
     let mut order = band_order(graph);
     shorten(graph, &mut order);
-    let mut labels = segment(graph, &order, budget);
-    kernighan_lin_with_joins(graph, &mut labels, budget);
-    labels
+    segment(graph, &order, budget)
 }
 
 /// Offers a solution, and its fusion with the best one.
