@@ -21,6 +21,7 @@ use crate::graph::union_find::UnionFind;
 use crate::heuristics::start::{contract, contract_and_move};
 use crate::options::{Options, Solver};
 use crate::reduce::decomposition::{Decomposition, decompose};
+use bands::HUGE;
 use search::{State, close, improve, survey};
 
 /// A multicut and its lower bound.
@@ -148,6 +149,7 @@ fn survey_all(components: &mut [Component], options: &Options, budget: &mut Budg
     for component in components.iter() {
         for piece in &component.decomposition.kernels {
             labels.push(match options.solver {
+                Solver::Exact if piece.graph.edges().count() > HUGE => bands::start(&piece.graph, budget),
                 Solver::Gaec => contract(&piece.graph, budget),
                 Solver::Klj | Solver::Exact => contract_and_move(&piece.graph, budget),
             });

@@ -101,15 +101,38 @@ mod tests {
 
     #[test]
     fn the_reported_change_is_that_of_the_sum() {
-        let edges = [(0, 3, 1.0), (1, 2, 2.0), (0, 4, 1.0), (2, 4, 1.0), (1, 4, -1.0), (3, 5, 2.0)];
+        let edges =
+            [(0, 3, 1.0), (1, 2, 2.0), (0, 4, 1.0), (2, 4, 1.0), (1, 4, -1.0), (3, 5, 2.0), (0, 1, 3.0)];
         let graph = SignedGraph::new(6, edges.into_iter());
+        let at = |order: &[u32], node: u32| order.iter().position(|&other| other == node).unwrap() as f64;
         let length = |order: &[u32]| -> f64 {
-            let at = |node: u32| order.iter().position(|&other| other == node).unwrap() as f64;
-            graph.edges().filter(|edge| edge.2 > 0.0).map(|(a, b, cost)| cost * (at(a) - at(b)).abs()).sum()
+            let attractive = graph.edges().filter(|edge| edge.2 > 0.0);
+            attractive.map(|(a, b, cost)| cost * (at(order, a) - at(order, b)).abs()).sum()
         };
-        let mut order = vec![4, 1, 0, 5, 2, 3];
-        let before = length(&order);
-        shorten(&graph, &mut order);
-        assert!(length(&order) < before, "{order:?}");
+        let mut moves = 0;
+        for start in [[4, 1, 0, 5, 2, 3], [0, 2, 4, 1, 3, 5], [5, 0, 1, 3, 4, 2]] {
+            for position in 0..6 {
+                for direction in [1.0, -1.0] {
+                    let mut order = start;
+                    let mut balance: Vec<f64> = (0..6).map(|node| balance_of(&graph, &order, node)).collect();
+                    let next = |at: usize| {
+                        if direction > 0.0 { (at < 5).then(|| at + 1) } else { at.checked_sub(1) }
+                    };
+                    let change = advance(&graph, &mut order, &mut balance, position, next, direction);
+                    assert_eq!(length(&order) - length(&start), change, "{order:?} from {start:?}");
+                    let expected: Vec<f64> = (0..6).map(|node| balance_of(&graph, &order, node)).collect();
+                    assert_eq!(balance, expected);
+                    moves += usize::from(change < 0.0);
+                }
+            }
+        }
+        assert!(moves > 5);
+    }
+
+    /// Attraction to the right minus that to the left, by the definition.
+    fn balance_of(graph: &SignedGraph, order: &[u32], node: u32) -> f64 {
+        let at = |node: u32| order.iter().position(|&other| other == node);
+        let arcs = graph.arcs(node).iter().filter(|arc| arc.cost > 0.0);
+        arcs.map(|arc| if at(arc.node) > at(node) { arc.cost } else { -arc.cost }).sum()
     }
 }

@@ -10,6 +10,7 @@ use crate::heuristics::kernighan_lin::kernighan_lin_with_joins;
 use crate::heuristics::linear_arrangement::shorten;
 use crate::heuristics::local_search::{fuse, fuse_proposals, solve_contracted};
 use crate::heuristics::segmentation::segment;
+use crate::heuristics::start::contract_and_move;
 
 /// Most rounds.
 const ROUNDS: usize = 40;
@@ -33,6 +34,21 @@ const PROPOSALS: usize = 4;
 /// Shares of an edge's cost below this count as used up.
 const SPARE: f64 = 1e-6;
 
+/// Number of edges above which segments are the start, and contraction is left out, if no multicut can be better by more than
+/// the share [`POOR`] of the negative costs.
+pub(super) const HUGE: usize = 1_000_000;
+
+/// The first solution of a huge kernel: by segments if they are good, otherwise by contraction and moves.
+pub(super) fn start(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
+    let mut labels = segments(graph, budget);
+    let least: f64 = graph.edges().map(|edge| edge.2.min(0.0)).sum();
+    if graph.objective(&labels) <= least * (1.0 - POOR) {
+        kernighan_lin_with_joins(graph, &mut labels, budget);
+        return labels;
+    }
+    contract_and_move(graph, budget)
+}
+
 /// Improves solution and bound of a kernel in turn. The best segmentation of an order along the band is fused with the
 /// solution. Then the solution guides the packing ([`reroute`]), and the capacity that the packing leaves guides the solution:
 /// were the packing tight, an optimum would cut no attractive edge with capacity left.
@@ -41,11 +57,13 @@ pub(crate) fn tighten(graph: &SignedGraph, state: &mut State, budget: &mut Budge
         return;
     }
     let kernel = Kernel::new(graph);
-    let mut labels = segments(graph, budget);
-    // Where the graph is no band, segments are too poor to be worth polishing.
-    if graph.objective(&labels) <= state.objective + POOR * state.objective.abs() {
-        kernighan_lin_with_joins(graph, &mut labels, budget);
-        offer_both(graph, state, labels, budget);
+    if kernel.edge_count() <= HUGE {
+        let mut labels = segments(graph, budget);
+        // Where the graph is no band, segments are too poor to be worth polishing.
+        if graph.objective(&labels) <= state.objective + POOR * state.objective.abs() {
+            kernighan_lin_with_joins(graph, &mut labels, budget);
+            offer_both(graph, state, labels, budget);
+        }
     }
     let mean = kernel.costs.iter().map(|cost| cost.abs()).sum::<f64>() / kernel.edge_count() as f64;
     let (mut idle, mut halvings) = (0, 0);

@@ -1,5 +1,6 @@
 //! Branch and cut on kernels.
 
+use super::bands::HUGE;
 use super::cut_tree;
 use super::rounding::round;
 use crate::bound::packing::Packing;
@@ -112,6 +113,8 @@ impl State {
 /// Work on the first packing: a constant, plus some for each edge. Long cycles in large kernels cost more than they gain.
 fn packing_effort(solver: Solver, edges: usize) -> u64 {
     let (each, besides) = match solver {
+        // In huge kernels, rerouting gains more for the same work.
+        Solver::Exact if edges > HUGE => (20, 20_000_000),
         Solver::Exact => (200, 20_000_000),
         Solver::Klj => (20, 100_000),
         Solver::Gaec => (5, 10_000),
