@@ -28,6 +28,9 @@ const HALVINGS: u32 = 4;
 /// Segments count as poor if they are worse by this share of the objective.
 const POOR: f64 = 0.02;
 
+/// In a huge kernel, an order whose segments miss more than this share of the negative costs is no band, and not shortened.
+const ROUGH: f64 = 0.15;
+
 /// Proposals for the clusters where the gap is.
 const PROPOSALS: usize = 4;
 
@@ -38,11 +41,16 @@ const SPARE: f64 = 1e-6;
 /// the share [`POOR`] of the negative costs.
 pub(super) const HUGE: usize = 1_000_000;
 
+/// Whether a kernel is huge, and a solution with this objective near its negative costs.
+pub(super) fn is_huge_band(graph: &SignedGraph, objective: f64) -> bool {
+    let least = || graph.edges().map(|edge| edge.2.min(0.0)).sum::<f64>();
+    graph.edges().count() > HUGE && objective <= least() * (1.0 - POOR)
+}
+
 /// The first solution of a huge kernel: by segments if they are good, otherwise by contraction and moves.
 pub(super) fn start(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
     let mut labels = segments(graph, budget);
-    let least: f64 = graph.edges().map(|edge| edge.2.min(0.0)).sum();
-    if graph.objective(&labels) <= least * (1.0 - POOR) {
+    if is_huge_band(graph, graph.objective(&labels)) {
         kernighan_lin_with_joins(graph, &mut labels, budget);
         return labels;
     }
@@ -102,6 +110,11 @@ pub(crate) fn tighten(graph: &SignedGraph, state: &mut State, budget: &mut Budge
 /// The best segmentation of an order along the band.
 fn segments(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
     let mut order = band_order(graph);
+    let rough = segment(graph, &order, budget);
+    let least: f64 = graph.edges().map(|edge| edge.2.min(0.0)).sum();
+    if graph.edges().count() > HUGE && graph.objective(&rough) > least * (1.0 - ROUGH) {
+        return rough;
+    }
     shorten(graph, &mut order);
     segment(graph, &order, budget)
 }

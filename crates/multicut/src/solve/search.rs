@@ -1,6 +1,6 @@
 //! Branch and cut on kernels.
 
-use super::bands::HUGE;
+use super::bands::is_huge_band;
 use super::cut_tree;
 use super::rounding::round;
 use crate::bound::packing::Packing;
@@ -113,8 +113,6 @@ impl State {
 /// Work on the first packing: a constant, plus some for each edge. Long cycles in large kernels cost more than they gain.
 fn packing_effort(solver: Solver, edges: usize) -> u64 {
     let (each, besides) = match solver {
-        // In huge kernels, rerouting gains more for the same work.
-        Solver::Exact if edges > HUGE => (20, 20_000_000),
         Solver::Exact => (200, 20_000_000),
         Solver::Klj => (20, 100_000),
         Solver::Gaec => (5, 10_000),
@@ -136,8 +134,10 @@ pub(crate) fn survey(
     }
     let kernel = Kernel::new(graph);
     let mut packing = Packing::new(&kernel);
-    packing.extend(&kernel, packing_effort(solver, kernel.edge_count()), budget);
     let objective = graph.objective(&labels);
+    // In a huge band, rerouting gains more for the same work.
+    let effort = if is_huge_band(graph, objective) { Solver::Klj } else { solver };
+    packing.extend(&kernel, packing_effort(effort, kernel.edge_count()), budget);
     let tolerance = TOLERANCE * magnitude(graph);
     let proof = record.then(|| Proof::Packing(packing.conflicts.clone()));
     let mut state =
