@@ -43,6 +43,11 @@ impl Damping {
         self.value <= self.largest
     }
 
+    /// Sets damping after a step that was taken all the same, as far as the limit allows.
+    pub(super) fn start(&mut self, value: f64) {
+        self.value = value.min(self.largest);
+    }
+
     /// Reduces damping after a step of this stiffness with this ratio of gain to promise. Nielsen's rule.
     pub(super) fn lower(&mut self, gain: f64, stiffness: f64) {
         self.value *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(0.1);

@@ -19,6 +19,8 @@ const NEARLY_FULL: f64 = 1e-3;
 
 /// Below this share of its promise, other steps are tried beside a step.
 const GOOD: f64 = 0.9;
+/// A step that keeps less than this share of its promise counts as failed for the steps after it, though it is taken.
+const POOR: f64 = 0.25;
 /// Factorisations after which Newton's step is tried, too. Most graphs need fewer, and far from a minimum it is no better.
 const PATIENCE: usize = 10;
 
@@ -148,16 +150,22 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         iteration: &mut Iteration,
         tried: &Tried,
     ) -> Option<Termination> {
-        let Iteration { damping, undamped_before, outcome, .. } = iteration;
+        let Iteration { damping, undamped_before, hard, outcome } = iteration;
         let Attempt { step, cost } = tried.attempt;
         let gain = tried.attempt.gain(outcome.cost);
-        damping.lower(gain, self.stiffness(&step, damping.value));
+        let stiffness = self.stiffness(&step, damping.value);
+        damping.lower(gain, stiffness);
         poses.copy_from_slice(&self.trial);
         outcome.cost = cost;
         if tried.met.is_some() {
             return tried.met;
         }
-        if tried.undamped {
+        if gain < POOR && outcome.factorizations > PATIENCE {
+            *hard = true;
+            if damping.value == 0.0 {
+                damping.start(first_damping(stiffness, gain));
+            }
+        } else if tried.undamped {
             // Only the factor of an undamped matrix gives steps that approach Newton's.
             if !tried.with_gradient {
                 self.trial_gradient(edges);
