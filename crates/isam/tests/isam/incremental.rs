@@ -138,7 +138,8 @@ proptest! {
     }
 }
 
-fn line(count: usize) -> (IncrementalSolver<SE2, 3>, Vec<EdgeId>) {
+/// Poses in a line, each joined to the one before and updated; the numbers of the edges.
+pub(crate) fn line(count: usize) -> (IncrementalSolver<SE2, 3>, Vec<EdgeId>) {
     let mut solver = IncrementalSolver::new(IncrementalOptions::default()).unwrap();
     solver.add_pose(SE2::identity()).unwrap();
     let mut ids = Vec::new();

@@ -11,6 +11,7 @@ use proptest::prelude::*;
 use rand_chacha::ChaCha8Rng;
 
 use crate::growing::{World, planar, refine, spatial};
+use crate::incremental::line;
 use crate::lagged::{apart_on_live, frozen, play, session};
 use crate::noisy_walk::bits;
 
@@ -186,20 +187,6 @@ proptest! {
         come_go_and_pass::<SE2, 3>(seed, steps, planar)?;
         come_go_and_pass::<SE3, 6>(seed, steps, spatial)?;
     }
-}
-
-fn line(count: usize) -> (IncrementalSolver<SE2, 3>, Vec<EdgeId>) {
-    let mut solver = IncrementalSolver::new(IncrementalOptions::default()).unwrap();
-    solver.add_pose(SE2::identity()).unwrap();
-    let mut ids = Vec::new();
-    for node in 1..count {
-        solver.add_pose(SE2::identity()).unwrap();
-        let step = SE2::new(1.0, 0.0, 0.1);
-        let edge = Edge::new(node - 1, node, step, Matrix3::identity(), EdgeKind::Odometry);
-        ids.push(solver.add_edge(edge).unwrap());
-        solver.update();
-    }
-    (solver, ids)
 }
 
 /// What decides the next results: poses, edges, components and priors.
