@@ -11,6 +11,7 @@
 //! Depends on the model, on `normal_equations`, and on `descent`, which refines poses for `F` first.
 
 pub(crate) mod chordal_cost;
+pub(crate) mod chordal_matrix;
 
 use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
@@ -22,7 +23,8 @@ use crate::model::problem::Edge;
 use crate::normal_equations::Pattern;
 use crate::options::Options;
 use chordal_cost::ChordalEdge;
-use posecut_cholesky::{Factor, Memory, Symbolic};
+use chordal_matrix::ChordalMatrix;
+use posecut_cholesky::{Factor, Memory};
 
 /// The matrix is raised by this share of the cost, spread over all rotations, before its sign is tested.
 const GAP: f64 = 1e-6;
@@ -76,7 +78,7 @@ where
     let magnitude = Magnitude::of(edges.iter());
     let outcome =
         Workspace::new(&pattern, magnitude, Memory::default()).minimise(&terms, &mut poses, &refine);
-    let (matrix, trace) = Matrix::<M>::new::<G, DOF, N>(&terms, &poses);
+    let (matrix, trace) = subtract_multipliers::<G, DOF, N, M>(&terms, &poses);
     let size = (N * poses.len()) as f64;
     // Without noise the cost itself is rounding.
     let rounding = 10.0 * magnitude.noiseless();
@@ -97,141 +99,65 @@ where
         global: shift <= tolerance && outcome.cost - lower_bound <= PROVEN * outcome.cost + rounding,
         cost: outcome.cost,
         lower_bound,
-        eigenvalue: matrix.least_eigenvalue(&mut factor, shift),
+        eigenvalue: least_eigenvalue(&matrix, &mut factor, shift),
         tolerance,
     };
     (certificate, poses)
 }
 
-/// `M - Lambda`, one block (translation, rotation) per pose; the first translation is held at zero.
-struct Matrix<const M: usize> {
-    symbolic: Symbolic,
-    diagonal: Vec<SMatrix<f64, M, M>>,
-    off_diagonal: Vec<SMatrix<f64, M, M>>,
+/// `M - Lambda`, and the sum of `tr(Lambda_i)`.
+fn subtract_multipliers<G, const DOF: usize, const N: usize, const M: usize>(
+    terms: &[ChordalEdge<N>],
+    poses: &[G],
+) -> (ChordalMatrix<M>, f64)
+where
+    G: LieGroup<DOF> + MatrixPose<N>,
+{
+    // Lambda before symmetrisation.
+    let mut multipliers = vec![SMatrix::<f64, N, N>::zeros(); poses.len()];
+    let identity = SMatrix::<f64, N, N>::identity();
+    for term in terms {
+        let (kappa, tau, z) = (term.kappa, term.tau, &term.translation);
+        let (from, to) = (&poses[term.from], &poses[term.to]);
+        let (turn, turned) = (from.rotation_matrix(), to.rotation_matrix());
+        let error = to.translation_vector() - from.translation_vector() - turn * z;
+        multipliers[term.from] += identity * kappa
+            - turn.tr_mul(&turned) * term.rotation.transpose() * kappa
+            - turn.tr_mul(&error) * z.transpose() * tau;
+        multipliers[term.to] += identity * kappa - turned.tr_mul(&turn) * term.rotation * kappa;
+    }
+    let mut matrix = ChordalMatrix::<M>::new::<N>(poses.len(), terms);
+    let mut trace = 0.0;
+    for (block, multiplier) in matrix.diagonal.iter_mut().zip(&multipliers) {
+        trace += multiplier.trace();
+        for row in 0..N {
+            for column in 0..N {
+                let half = multiplier[(row, column)] + multiplier[(column, row)];
+                block[(row + 1, column + 1)] -= 0.5 * half;
+            }
+        }
+    }
+    (matrix, trace)
 }
 
-impl<const M: usize> Matrix<M> {
-    /// The matrix and the sum of `tr(Lambda_i)`.
-    fn new<G, const DOF: usize, const N: usize>(terms: &[ChordalEdge<N>], poses: &[G]) -> (Self, f64)
-    where
-        G: LieGroup<DOF> + MatrixPose<N>,
-    {
-        let ends = |term: &ChordalEdge<N>| (term.from.min(term.to), term.from.max(term.to));
-        let mut pairs: Vec<_> = terms.iter().map(ends).collect();
-        pairs.sort_unstable();
-        pairs.dedup();
-        let mut diagonal = vec![SMatrix::<f64, M, M>::zeros(); poses.len()];
-        let mut off_diagonal = vec![SMatrix::<f64, M, M>::zeros(); pairs.len()];
-        // Lambda before symmetrisation.
-        let mut multipliers = vec![SMatrix::<f64, N, N>::zeros(); poses.len()];
-        let identity = SMatrix::<f64, N, N>::identity();
-        for term in terms {
-            let (kappa, tau, z) = (term.kappa, term.tau, &term.translation);
-            let (from, to) = (&poses[term.from], &poses[term.to]);
-            let (turn, turned) = (from.rotation_matrix(), to.rotation_matrix());
-            let error = to.translation_vector() - from.translation_vector() - turn * z;
-            multipliers[term.from] += identity * kappa
-                - turn.tr_mul(&turned) * term.rotation.transpose() * kappa
-                - turn.tr_mul(&error) * z.transpose() * tau;
-            multipliers[term.to] += identity * kappa - turned.tr_mul(&turn) * term.rotation * kappa;
-            let lever = z * tau;
-            let first = join(tau, &lever, &lever, &(identity * kappa + z * z.transpose() * tau));
-            let zero = SVector::zeros();
-            let mut between: SMatrix<f64, M, M> = join(-tau, &zero, &-lever, &(term.rotation * -kappa));
-            diagonal[term.from] += first;
-            diagonal[term.to] += join::<N, M>(tau, &zero, &zero, &(identity * kappa));
-            if term.from > term.to {
-                between = between.transpose();
-            }
-            if let Ok(index) = pairs.binary_search(&ends(term)) {
-                off_diagonal[index] += between;
-            }
+/// Inverse iteration on `S + shift I`: the rotations' part of the inverse is the inverse of the Schur complement.
+fn least_eigenvalue<const M: usize>(matrix: &ChordalMatrix<M>, factor: &mut Factor<M>, shift: f64) -> f64 {
+    let mut vector: Vec<SVector<f64, M>> = (0..matrix.diagonal.len())
+        .map(|node| SVector::from_fn(|row, _| ((node * M + row) as f64 * 1.618_034).sin()))
+        .collect();
+    let mut eigenvalue = f64::NAN;
+    for _ in 0..ITERATIONS {
+        for block in &mut vector {
+            block[0] = 0.0;
         }
-        let mut trace = 0.0;
-        for (block, multiplier) in diagonal.iter_mut().zip(&multipliers) {
-            trace += multiplier.trace();
-            for row in 0..N {
-                for column in 0..N {
-                    let half = multiplier[(row, column)] + multiplier[(column, row)];
-                    block[(row + 1, column + 1)] -= 0.5 * half;
-                }
-            }
+        let norm = vector.iter().map(SVector::norm_squared).sum::<f64>().sqrt();
+        for block in &mut vector {
+            *block /= norm;
         }
-        hold_translation(&mut diagonal[0], true);
-        for (block, pair) in off_diagonal.iter_mut().zip(&pairs) {
-            if pair.0 == 0 {
-                hold_translation(block, false);
-            }
-        }
-        (Self { symbolic: Symbolic::new(poses.len(), &pairs, M), diagonal, off_diagonal }, trace)
+        let before = vector.clone();
+        factor.solve(&matrix.symbolic, &mut vector);
+        let quotient: f64 = before.iter().zip(&vector).map(|(a, b)| a.dot(b)).sum();
+        eigenvalue = 1.0 / quotient - shift;
     }
-
-    /// The largest diagonal entry of a rotation. Translations do not count: they have another unit, and the first one is held
-    /// by a 1.
-    fn largest(&self) -> f64 {
-        let rotations =
-            |block: &SMatrix<f64, M, M>| (1..M).map(|axis| block[(axis, axis)].abs()).fold(0.0, f64::max);
-        self.diagonal.iter().map(rotations).fold(0.0, f64::max)
-    }
-
-    /// Factorises with the shift added to the rotations; returns whether the matrix is positive definite.
-    fn factorize(&self, factor: &mut Factor<M>, shift: f64) -> bool {
-        let mut shifted = self.diagonal.clone();
-        for block in &mut shifted {
-            for axis in 1..M {
-                block[(axis, axis)] += shift;
-            }
-        }
-        factor.factorize(&self.symbolic, &shifted, &self.off_diagonal, 0.0, [0.0; M]).is_ok()
-    }
-
-    /// Inverse iteration on `S + shift I`: the rotations' part of the inverse is the inverse of the Schur complement.
-    fn least_eigenvalue(&self, factor: &mut Factor<M>, shift: f64) -> f64 {
-        let mut vector: Vec<SVector<f64, M>> = (0..self.diagonal.len())
-            .map(|node| SVector::from_fn(|row, _| ((node * M + row) as f64 * 1.618_034).sin()))
-            .collect();
-        let mut eigenvalue = f64::NAN;
-        for _ in 0..ITERATIONS {
-            for block in &mut vector {
-                block[0] = 0.0;
-            }
-            let norm = vector.iter().map(SVector::norm_squared).sum::<f64>().sqrt();
-            for block in &mut vector {
-                *block /= norm;
-            }
-            let before = vector.clone();
-            factor.solve(&self.symbolic, &mut vector);
-            let quotient: f64 = before.iter().zip(&vector).map(|(a, b)| a.dot(b)).sum();
-            eigenvalue = 1.0 / quotient - shift;
-        }
-        eigenvalue
-    }
-}
-
-/// Joins a block from its parts.
-fn join<const N: usize, const M: usize>(
-    corner: f64,
-    row: &SVector<f64, N>,
-    column: &SVector<f64, N>,
-    rest: &SMatrix<f64, N, N>,
-) -> SMatrix<f64, M, M> {
-    SMatrix::from_fn(|i, j| match (i, j) {
-        (0, 0) => corner,
-        (0, j) => row[j - 1],
-        (i, 0) => column[i - 1],
-        (i, j) => rest[(i - 1, j - 1)],
-    })
-}
-
-/// Removes a translation from the equations.
-fn hold_translation<const M: usize>(block: &mut SMatrix<f64, M, M>, diagonal: bool) {
-    for index in 0..M {
-        block[(0, index)] = 0.0;
-        if diagonal {
-            block[(index, 0)] = 0.0;
-        }
-    }
-    if diagonal {
-        block[(0, 0)] = 1.0;
-    }
+    eigenvalue
 }

@@ -6,8 +6,8 @@
 //! A. S. Bandeira, "The non-convex Burer-Monteiro approach works on smooth semidefinite programs", 2016; D. M. Rosen, L. Carlone,
 //! A. S. Bandeira, J. J. Leonard, "SE-Sync", IJRR 38(2-3), 2019, algorithms 1 and 2).
 //!
-//! [`matrix`] has `M` and its factor, [`manifold`] the columns, and [`trust_region`] the iteration. Depends on `certificate::chordal_cost`,
-//! on [`initialisation`](crate::initialisation) for rotations as matrices, and on posecut-cholesky.
+//! [`matrix`] has the products with `M`, [`manifold`] the columns, and [`trust_region`] the iteration. Depends on `certificate` for `F` and
+//! `M`, on [`initialisation`](crate::initialisation) for rotations as matrices, and on posecut-cholesky.
 
 mod manifold;
 mod matrix;
@@ -19,10 +19,10 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
 use crate::certificate::chordal_cost::ChordalEdge;
+use crate::certificate::chordal_matrix::ChordalMatrix;
 use crate::initialisation::chordal::MatrixPose;
 use crate::model::problem::Edge;
 use manifold::{Lift, orthonormalise};
-use matrix::ChordalMatrix;
 
 /// Seed of the added entries: the result depends on the graph alone.
 const SEED: u64 = 1;

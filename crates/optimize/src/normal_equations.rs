@@ -128,7 +128,7 @@ impl<const D: usize> NormalEquations<D> {
     }
 
     /// Adds the model of an edge.
-    #[inline]
+    #[inline(always)]
     fn add(&mut self, slot: &Slot, model: &Linearised<D>) {
         if let Some(from) = slot.from {
             self.diagonal[from] += model.from_from;
@@ -254,15 +254,7 @@ impl<G: LieGroup<D>, T: Term<G, D>, const D: usize> WithSimd for Assemble<'_, G,
         for (edge, slot) in edges.iter().zip(&pattern.slots) {
             let model = edge.linearise(poses);
             cost += model.cost;
-            if let Some(from) = slot.from {
-                equations.diagonal[from] += model.from_from;
-                equations.gradient[from] += model.from_gradient;
-            }
-            if let Some(to) = slot.to {
-                equations.diagonal[to] += model.to_to;
-                equations.gradient[to] += model.to_gradient;
-            }
-            equations.add_off_diagonal(slot, &model.from_to);
+            equations.add(slot, &model);
         }
         cost
     }

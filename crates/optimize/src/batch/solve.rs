@@ -24,8 +24,8 @@ use posecut_graph::connectivity::connected_components;
 /// Minimises the cost of a graph over its poses.
 ///
 /// Every connected component is solved on its own. Held nodes keep their given poses at every start; in a component without
-/// held nodes and priors, the first node does. Priors move a start rigidly first, except the given poses. If edges leave a component undetermined, its equations are damped, and the report says
-/// so. The result depends only on the input: sums have a fixed order.
+/// held nodes and priors, the first node does. Priors move a start rigidly first, except the given poses. If edges leave a
+/// component undetermined, its equations are damped, and the report says so. The result depends only on the input: sums have a fixed order.
 pub fn optimize<G: PoseGroup<DOF>, const DOF: usize>(
     problem: &Problem<G, DOF>,
     options: &Options,
@@ -191,13 +191,9 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
             && (outcome.factorizations > HARD || !outcome.termination.converged());
         if hard && options.initialisation == Initialisation::Best && may_be_lifted(part, held) {
             let poses = timed(&mut phases.start, || G::lifted_poses(edges, &candidate.poses));
-            starts.extend(poses.map(|poses| Candidate {
-                start: Start::Lifted,
-                cost: cost(part, &poses),
-                poses,
-            }));
-            // Before the given poses and the tree.
-            starts.rotate_right(usize::from(starts.back().is_some_and(|last| last.start == Start::Lifted)));
+            if let Some(poses) = poses {
+                starts.push_front(Candidate { start: Start::Lifted, cost: cost(part, &poses), poses });
+            }
         }
         if best.is_none() || outcome.cost < report.cost {
             report.adopt(candidate.start, candidate.cost, &outcome);

@@ -153,8 +153,10 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         let Iteration { damping, undamped_before, hard, outcome } = iteration;
         let Attempt { step, cost } = tried.attempt;
         let gain = tried.attempt.gain(outcome.cost);
-        let stiffness = self.stiffness(&step, damping.value);
-        damping.lower(gain, stiffness);
+        let damped_by = damping.value;
+        if !tried.undamped {
+            damping.lower(gain, self.stiffness(&step, damped_by));
+        }
         poses.copy_from_slice(&self.trial);
         outcome.cost = cost;
         if tried.met.is_some() {
@@ -163,7 +165,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         if gain < POOR && outcome.factorizations > PATIENCE {
             *hard = true;
             if damping.value == 0.0 {
-                damping.start(first_damping(stiffness, gain));
+                damping.start(first_damping(self.stiffness(&step, damped_by), gain));
             }
         } else if tried.undamped {
             // Only the factor of an undamped matrix gives steps that approach Newton's.

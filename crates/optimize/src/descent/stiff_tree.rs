@@ -10,8 +10,9 @@
 use std::collections::VecDeque;
 
 use nalgebra::SVector;
-use petgraph::unionfind::UnionFind;
+use posecut_cholesky::Adjacency;
 use posecut_geometry::LieGroup;
+use posecut_graph::connectivity::Forest;
 
 use crate::model::residual::Term;
 
@@ -31,23 +32,19 @@ impl StiffTree {
     ) -> Self {
         let mut links: Vec<_> = terms.iter().filter_map(|term| term.link(length)).collect();
         links.sort_by(|a, b| a.variance.total_cmp(&b.variance).then((a.from, a.to).cmp(&(b.from, b.to))));
-        let mut joined = UnionFind::<usize>::new(nodes);
+        let mut forest = Forest::new(nodes);
         for root in 1..held {
-            joined.union(0, root);
+            forest.join(0, root);
         }
-        let mut near = vec![Vec::new(); nodes];
-        for link in links {
-            if joined.union(link.from, link.to) {
-                near[link.from].push(link.to);
-                near[link.to].push(link.from);
-            }
-        }
+        links.retain(|link| forest.join(link.from, link.to));
+        let arcs = links.iter().flat_map(|link| [(link.from, link.to), (link.to, link.from)]);
+        let neighbours = Adjacency::new(nodes, arcs);
         let mut edges = Vec::with_capacity(nodes);
         let mut seen = vec![false; nodes];
         seen[..held].fill(true);
         let mut queue: VecDeque<usize> = (0..held).collect();
         while let Some(parent) = queue.pop_front() {
-            for &child in &near[parent] {
+            for &child in neighbours.of(parent) {
                 if !std::mem::replace(&mut seen[child], true) {
                     edges.push((parent, child));
                     queue.push_back(child);

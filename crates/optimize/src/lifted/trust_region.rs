@@ -7,7 +7,7 @@ use nalgebra::SMatrix;
 use posecut_cholesky::Factor;
 
 use super::manifold::{Lift, add, dot, multipliers, project, retract};
-use super::matrix::ChordalMatrix;
+use crate::certificate::chordal_matrix::ChordalMatrix;
 
 /// Maximum numbers of steps, and of directions for one step.
 const STEPS: usize = 100;

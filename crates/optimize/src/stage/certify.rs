@@ -32,10 +32,9 @@ pub(super) fn certify_or_improve<G: PoseGroup<DOF>, const DOF: usize>(
         return Certified { certificates, descended: None, before };
     }
     let options = Options { initialisation: Initialisation::Given, ..*options };
-    let descended =
-        Problem::new(refined, problem.edges().to_vec()).map(|from| optimize(&from, &options)).ok();
-    let cost = descended.as_ref().map(|descended| descended.cost);
-    if let Some(descended) = descended.filter(|descended| descended.cost < before * (1.0 - SAME_COST)) {
+    let descended = optimize(&Problem::from_checked(refined, problem.edges().to_vec(), Vec::new()), &options);
+    let cost = Some(descended.cost);
+    if descended.cost < before * (1.0 - SAME_COST) {
         *solution = descended;
     }
     Certified { certificates, descended: cost, before }
