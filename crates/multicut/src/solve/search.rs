@@ -11,10 +11,10 @@ use crate::graph::kernel::Kernel;
 use crate::graph::signed_graph::SignedGraph;
 use crate::graph::sum::Sum;
 use crate::graph::union_find::UnionFind;
+use crate::heuristics::annealing::anneal;
 use crate::heuristics::kernighan_lin::kernighan_lin_with_joins;
 use crate::heuristics::local_search::{fuse_proposals, solve_contracted};
 use crate::heuristics::start::contract;
-use crate::heuristics::stir::stir;
 use crate::options::Solver;
 use crate::reduce::decomposition::decompose;
 
@@ -48,11 +48,11 @@ const SMALL: usize = 1_500;
 /// Kernels of up to this many edges go to it at once; the interior point method closes many larger ones faster.
 const TINY: usize = 500;
 
-/// Largest kernel, in nodes, whose solution is stirred, the work that this takes for each edge, also where the gap is wide, and
-/// the most work.
-const STIRRED: usize = 400;
-const STIRRING: (u64, u64) = (1_500, 15_000);
-const MOST_STIRRING: u64 = 60_000_000;
+/// Largest kernel, in nodes, that is annealed, the work that this takes for each edge, also where the gap is wide, and the most
+/// work.
+const ANNEALED: usize = 400;
+const ANNEALING: (u64, u64) = (1_500, 15_000);
+const MOST_ANNEALING: u64 = 60_000_000;
 /// Gap that counts as wide, as a share of the payment.
 const WIDE: f64 = 0.02;
 
@@ -148,6 +148,21 @@ pub(crate) fn survey(
     state
 }
 
+/// Improves the solution of a small kernel by annealing before anything else, because all that follows relies on a good one.
+pub(crate) fn prepare(graph: &SignedGraph, state: &mut State, seed: u64, budget: &mut Budget) {
+    if state.is_closed() || graph.node_count() > ANNEALED || budget.is_over() {
+        return;
+    }
+    // A wide gap means a long search, or none that ends.
+    let least: f64 = graph.edges().map(|edge| edge.2.min(0.0)).sum();
+    let wide = state.objective - state.bound > WIDE * (state.bound - least);
+    let each = if wide { ANNEALING.1 } else { ANNEALING.0 };
+    let effort = (each * graph.edges().count() as u64).min(MOST_ANNEALING);
+    let mut labels = state.labels.clone();
+    anneal(graph, &mut labels, effort, seed, budget);
+    state.offer(graph, labels);
+}
+
 /// Improves the solution of a kernel by local search.
 pub(crate) fn improve(graph: &SignedGraph, state: &mut State, rounds: usize, seed: u64, budget: &mut Budget) {
     if budget.is_over() {
@@ -170,9 +185,9 @@ pub(crate) fn improve(graph: &SignedGraph, state: &mut State, rounds: usize, see
 }
 
 /// Closes the gap of a kernel: relaxation, rounding, fixing, branching.
-pub(crate) fn close(graph: &SignedGraph, state: &mut State, seed: u64, budget: &mut Budget) {
+pub(crate) fn close(graph: &SignedGraph, state: &mut State, budget: &mut Budget) {
     let magnitude = magnitude(graph);
-    let tree = Tree { big: 1.0 + magnitude.ceil(), tolerance: INNER_TOLERANCE * magnitude, seed };
+    let tree = Tree { big: 1.0 + magnitude.ceil(), tolerance: INNER_TOLERANCE * magnitude };
     tree.close(graph, state, f64::INFINITY, budget);
 }
 
@@ -183,8 +198,6 @@ struct Tree {
     big: f64,
     /// Gap that counts as closed within the tree. It is absolute, because big costs would make a relative one too large.
     tolerance: f64,
-    /// Seed of the local search at the root.
-    seed: u64,
 }
 
 impl Tree {
@@ -195,11 +208,7 @@ impl Tree {
             return;
         }
         let kernel = Kernel::new(graph);
-        let root = cutoff == f64::INFINITY;
         if kernel.edge_count() <= TINY {
-            if root {
-                self.stir(graph, STIRRING.0 * kernel.edge_count() as u64, state, budget);
-            }
             return self.grow(graph, &kernel, state, cutoff, budget);
         }
         let packing = std::mem::take(&mut state.packing);
@@ -217,13 +226,6 @@ impl Tree {
         let bound = kernel.rounded(packing.bound);
         state.raise(bound, || Some(Proof::Packing(packing.conflicts.clone())));
         round(graph, &kernel, &relaxation, state, budget);
-        if root && state.bound < goal(state) {
-            // A wide gap means a long search, or none that ends.
-            let wide = goal(state) - state.bound > WIDE * (state.bound - kernel.negative_sum());
-            let each = if wide { STIRRING.1 } else { STIRRING.0 };
-            let effort = (each * kernel.edge_count() as u64).min(MOST_STIRRING);
-            self.stir(graph, effort, state, budget);
-        }
         if small {
             state.packing = packing;
             return self.grow(graph, &kernel, state, cutoff, budget);
@@ -243,14 +245,6 @@ impl Tree {
             }
         }
         state.packing = packing;
-    }
-
-    fn stir(&self, graph: &SignedGraph, effort: u64, state: &mut State, budget: &mut Budget) {
-        if graph.node_count() <= STIRRED && !budget.is_over() {
-            let mut labels = state.labels.clone();
-            stir(graph, &mut labels, effort, self.seed, budget);
-            state.offer(graph, labels);
-        }
     }
 
     /// Closes the gap of a small kernel with one linear program throughout.
