@@ -69,7 +69,7 @@ pub(super) struct Peer {
     memory: f64,
     pub(super) objective: f64,
     pub(super) solve_cpu_seconds: f64,
-    version: String,
+    pub(super) version: String,
 }
 
 /// Runs a process, and returns its JSON object with its CPU seconds and memory; `None` if it fails or exceeds the
@@ -112,21 +112,25 @@ fn solve_by_peer(python: &Path, path: &Path, solver: &str, limit: u64) -> anyhow
         .context("the output of scripts/peer-bioimage.py lacks fields of the tables")
 }
 
+/// What to measure of an instance.
+#[derive(Clone, Copy)]
+pub(super) struct Wanted<'a> {
+    pub(super) exact: bool,
+    /// The Python of the peer.
+    pub(super) peer: Option<&'a Path>,
+    pub(super) limits: Limits,
+}
+
 /// Measures an instance.
-pub(super) fn measure(
-    instance: &Instance,
-    peer: Option<&Path>,
-    limits: Limits,
-    folder: &Path,
-) -> anyhow::Result<Found> {
-    let path = &instance.path;
-    let exact = solve(path, "exact", limits.own, folder)?;
+pub(super) fn measure(instance: &Instance, wanted: Wanted, folder: &Path) -> anyhow::Result<Found> {
+    let (path, limits) = (&instance.path, wanted.limits);
+    let exact = if wanted.exact { solve(path, "exact", limits.own, folder)? } else { None };
     let both = |solver: &str| {
         let beside = |python| {
             let theirs = solve_by_peer(python, path, solver, limits.peer)?;
             anyhow::Ok((solve(path, solver, limits.own, folder)?, theirs))
         };
-        peer.map(beside).transpose()
+        wanted.peer.map(beside).transpose()
     };
     Ok(Found { name: instance.name.clone(), exact, peer: Peers { gaec: both("gaec")?, klj: both("klj")? } })
 }

@@ -19,6 +19,11 @@ const HEURISTICS: [&str; 9] = [
     "value",
 ];
 
+const HARD: [&str; 9] =
+    ["instance", "nodes", "edges", "CPU s", "MB", "objective", "known optimum", "lower bound", "proved"];
+
+const NO_PEER: &str = "Not measured: `--peer` measures bioimage-cpp.";
+
 /// Whether posecut's value is better than, equal to or worse than the peer's.
 fn compared(ours: &Solved, theirs: &Peer) -> &'static str {
     let difference = ours.objective - theirs.objective;
@@ -38,25 +43,29 @@ fn pairs(found: &[Found]) -> Vec<(&Solved, &Peer)> {
     both.filter_map(|(_, (ours, theirs))| Some((ours.as_ref()?, theirs.as_ref()?))).collect()
 }
 
-/// Summarises the result in a sentence or two.
+/// Summarises the proofs in a sentence.
 pub(super) fn summary(found: &[Found]) -> String {
     let proved = found.iter().filter(|found| found.exact.as_ref().is_some_and(|exact| exact.optimal)).count();
-    let mut text = format!("The solver proves {proved} of {} instances optimal.", found.len());
+    format!("The solver proves {proved} of {} instances optimal.", found.len())
+}
+
+/// Summarises the comparison with the peer.
+pub(super) fn summary_of_heuristics(found: &[Found]) -> String {
     let pairs = pairs(found);
     if pairs.is_empty() {
-        return text;
+        return NO_PEER.to_owned();
     }
     let count = |word: &str| pairs.iter().filter(|(ours, theirs)| compared(ours, theirs) == word).count();
     let words = ["better", "equal", "worse"].map(|word| format!("{word} in {}", count(word)));
     let faster = pairs.iter().filter(|(ours, theirs)| ours.cpu < theirs.cpu).count();
     let faster_alone = pairs.iter().filter(|(ours, theirs)| ours.cpu < theirs.solve_cpu_seconds).count();
-    text += &format!(
-        " In the {} runs that bioimage-cpp finished in time, posecut's value is {}. Its whole process, with lower bound, is faster \
+    format!(
+        "In the {} runs that bioimage-cpp {} finished in time, posecut's value is {}. Its whole process, with lower bound, is faster \
          than the whole process of bioimage-cpp in {faster} runs, and than the solver of bioimage-cpp alone in {faster_alone}.",
         pairs.len(),
+        pairs[0].1.version,
         words.join(", ")
-    );
-    text
+    )
 }
 
 fn percent(share: f64) -> String {
@@ -126,6 +135,41 @@ pub(super) fn exact(found: &[Found]) -> String {
     narrow(&markdown::table(&markdown::cells(&EXACT), EXACT.len(), &rows))
 }
 
+/// Counts, and a table with a row for each small and hard instance; `known` has the published optimum of each, if there is one.
+pub(super) fn hard(found: &[Found], known: &[Option<f64>]) -> String {
+    let solved =
+        || found.iter().zip(known).filter_map(|(found, known)| Some((found.exact.as_ref()?, *known)));
+    let proved = solved().filter(|(solved, _)| solved.optimal).count();
+    let reached = |(solved, known): &(&Solved, Option<f64>)| {
+        known.is_some_and(|known| solved.objective <= known + 1e-9 * known.abs())
+    };
+    let text = format!(
+        "{proved} of {} instances are proved; {} of {} published optima are reached.",
+        found.len(),
+        solved().filter(reached).count(),
+        known.iter().flatten().count()
+    );
+    let row = |(found, known): (&Found, &Option<f64>)| {
+        let mut cells = vec![found.name.clone()];
+        match &found.exact {
+            None => cells.extend(["–", "–", "failed", "", "", "", "", ""].map(str::to_owned)),
+            Some(solved) => cells.extend([
+                solved.nodes.to_string(),
+                solved.edges.to_string(),
+                format!("{:.2}", solved.cpu),
+                format!("{:.0}", solved.memory),
+                general(solved.objective, 10),
+                known.map_or_else(String::new, |known| general(known, 10)),
+                general(solved.lower_bound, 10),
+                if solved.optimal { "yes" } else { "no" }.to_owned(),
+            ]),
+        }
+        cells
+    };
+    let rows: Vec<Vec<String>> = found.iter().zip(known).map(row).collect();
+    format!("{text}\n\n{}", narrow(&markdown::table(&markdown::cells(&HARD), HARD.len(), &rows)))
+}
+
 /// A table with a row for each run of the peer.
 pub(super) fn heuristics(found: &[Found], limit: u64) -> String {
     let mut rows = Vec::new();
@@ -138,7 +182,7 @@ pub(super) fn heuristics(found: &[Found], limit: u64) -> String {
         }
     }
     if rows.is_empty() {
-        return "Not measured: `--peer` names the Python of an environment with bioimage-cpp.".to_owned();
+        return NO_PEER.to_owned();
     }
     narrow(&markdown::table(&markdown::cells(&HEURISTICS), HEURISTICS.len(), &rows))
 }
@@ -201,11 +245,20 @@ mod tests {
             "| A n=1000 0.5 | gaec | 0.011 | -1369 | 0.243 | 0.006 | -1320 | 22 | better |"
         );
         assert!(growth(&found).contains("\n| A | 0.5 | 29.81 s, 93 MB, 75 %, gap 0.44 % |\n"));
+        assert_eq!(summary(&found), "The solver proves 0 of 2 instances optimal.");
         assert_eq!(
-            summary(&found),
-            "The solver proves 0 of 2 instances optimal. In the 1 runs that bioimage-cpp finished in time, posecut's value is better in \
-             1, equal in 0, worse in 0. Its whole process, with lower bound, is faster than the whole process of bioimage-cpp in 1 runs, \
-             and than the solver of bioimage-cpp alone in 0."
+            summary_of_heuristics(&found),
+            "In the 1 runs that bioimage-cpp 1 finished in time, posecut's value is better in 1, equal in 0, worse in 0. Its whole \
+             process, with lower bound, is faster than the whole process of bioimage-cpp in 1 runs, and than the solver of \
+             bioimage-cpp alone in 0."
         );
+        let hard = hard(&found, &[None, Some(-1373.0)]);
+        assert!(
+            hard.starts_with(
+                "0 of 2 instances are proved; 1 of 1 published optima are reached.\n\n| instance"
+            )
+        );
+        assert!(hard.contains("\n| mod_karate | – | – | failed | | | | | |\n"));
+        assert_eq!(last(&hard), "| A n=1000 0.5 | 2000 | 4990 | 29.81 | 93 | -1373 | -1373 | -1379 | no |");
     }
 }
