@@ -16,7 +16,7 @@
 //! cycles where edges are fixed) and fixes edges. [`interior_point`] solves large ones (Mehrotra, SIAM J. Optimization 2(4),
 //! 1992). Every dual point packs these conflicts into the capacities `|c|`, and therefore is a lower bound. [`packing`] also
 //! builds a packing greedily (Lange, Karrenbauer, Andres, ICML 2018, algorithm 1), and [`rerouting`] improves one towards a
-//! proof that a given multicut is optimal, by negotiated congestion ([`negotiation`]).
+//! proof that a given multicut is optimal, by negotiated congestion ([`negotiation`]); [`spreading`] finds such packings in dense graphs.
 //!
 //! Depends on [`graph`](crate::graph).
 
@@ -34,3 +34,4 @@ pub(crate) mod packing;
 pub(crate) mod parts_separation;
 pub(crate) mod relaxation;
 pub(crate) mod rerouting;
+pub(crate) mod spreading;

@@ -23,7 +23,7 @@ use crate::heuristics::start::{contract, contract_and_move};
 use crate::options::{Options, Solver};
 use crate::reduce::decomposition::{Decomposition, decompose};
 use bands::HUGE;
-use search::{State, close, improve, prepare, survey};
+use search::{State, bound_by_spreading, close, improve, prepare, survey};
 
 /// A multicut and its lower bound.
 #[derive(Debug, Clone)]
@@ -186,6 +186,7 @@ fn close_all(components: &mut [Component], seed: u64, budget: &mut Budget) {
         let component = &mut components[index];
         let piece = &component.decomposition.kernels[place];
         prepare(&piece.graph, &mut component.states[place], seed, budget);
+        bound_by_spreading(&piece.graph, &mut component.states[place], budget);
         bands::tighten(&piece.graph, &mut component.states[place], budget);
         improve(&piece.graph, &mut component.states[place], ROUNDS, seed, budget);
         close(&piece.graph, &mut component.states[place], budget);

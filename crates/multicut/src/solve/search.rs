@@ -5,6 +5,7 @@ use super::cut_tree;
 use super::rounding::round;
 use crate::bound::packing::Packing;
 use crate::bound::relaxation::{Relaxation, solve_relaxation};
+use crate::bound::spreading::spread;
 use crate::budget::Budget;
 use crate::certificate::proof::{Proof, Reduced};
 use crate::graph::kernel::Kernel;
@@ -161,6 +162,24 @@ pub(crate) fn prepare(graph: &SignedGraph, state: &mut State, seed: u64, budget:
     let mut labels = state.labels.clone();
     anneal(graph, &mut labels, effort, seed, budget);
     state.offer(graph, labels);
+}
+
+/// Smallest share of all pairs of nodes that edges join in a dense kernel.
+const DENSE: f64 = 0.3;
+
+/// Bounds a dense kernel by tight conflicts of its solution. There are too many of them to start anything else from.
+pub(crate) fn bound_by_spreading(graph: &SignedGraph, state: &mut State, budget: &mut Budget) {
+    let nodes = graph.node_count() as f64;
+    let dense = graph.edges().count() as f64 >= DENSE * 0.5 * nodes * (nodes - 1.0);
+    if state.is_closed() || !dense || budget.is_over() {
+        return;
+    }
+    let kernel = Kernel::new(graph);
+    // Integers round up.
+    let target = state.objective - if kernel.integral { 0.999 } else { 0.5 * state.tolerance };
+    if let Some(packing) = spread(&kernel, &state.labels, target, budget) {
+        state.raise(kernel.rounded(packing.bound), || Some(Proof::Packing(packing.conflicts)));
+    }
 }
 
 /// Improves the solution of a kernel by local search.
