@@ -1,9 +1,10 @@
 //! Solves the whole graph, one conflicted component after the other.
 //!
 //! Each component is reduced to kernels. [`search`] closes a kernel by branch and cut: a packing, the cycle relaxation with
-//! odd wheels, edges fixed by residual cost, branching; [`cut_tree`] closes small kernels, with one linear program throughout,
-//! and [`bands`] improves solution and packing of long ones first. Depends on all the theory of this crate:
-//! [`reduce`](crate::reduce), [`heuristics`](crate::heuristics), [`bound`](crate::bound), [`certificate`](crate::certificate).
+//! odd wheels, edges fixed by residual cost, branching; [`cut_tree`] closes small kernels, with one linear program throughout.
+//! Before that, small kernels are annealed, dense ones bounded by spread conflicts, and solution and packing of long ones
+//! improved in turn ([`bands`]). Depends on all the theory of this crate: [`reduce`](crate::reduce),
+//! [`heuristics`](crate::heuristics), [`bound`](crate::bound), [`certificate`](crate::certificate).
 
 mod bands;
 mod cut_tree;

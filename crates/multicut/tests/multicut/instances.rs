@@ -51,3 +51,58 @@ fn published_optima_are_found_and_proved() {
         assert!(verify(&graph, text.as_slice()).unwrap().optimal, "{name}");
     }
 }
+
+/// Instances of CP-Lib that are proved quickly, and of cluster editing whose published optimum a little work reaches.
+const PROVED: [&str; 12] = [
+    "abr_cars",
+    "abr_cetacea",
+    "abr_companies",
+    "abr_lung-cancer",
+    "abr_micro",
+    "abr_soybean-21",
+    "abr_uno_1a",
+    "abr_uno_2b",
+    "abr_uno_3a",
+    "abr_wildcats",
+    "abr_workers",
+    "abr_zoo",
+];
+const REACHED: [&str; 6] = [
+    "clusedit_ce50-40",
+    "clusedit_ce60-20",
+    "clusedit_ce60-40",
+    "clusedit_ce70-20",
+    "clusedit_ce80-20",
+    "clusedit_ce80-60",
+];
+
+#[test]
+fn complete_graphs_of_cp_lib_reach_their_optima() {
+    let Some(folder) = data().map(|folder| folder.join("cplib")).filter(|folder| folder.is_dir()) else {
+        println!("skipped: no data: multicut/cplib");
+        return;
+    };
+    let optima = std::fs::read_to_string(folder.join("optima.txt")).unwrap();
+    let optimum = |name: &str| -> f64 {
+        let mut words = optima
+            .lines()
+            .map(|line| line.split(' '))
+            .find(|words| words.clone().next() == Some(name))
+            .unwrap();
+        words.nth(2).unwrap().parse().unwrap()
+    };
+    for (names, work, proved) in [(&PROVED[..], None, true), (&REACHED[..], Some(100_000_000), false)] {
+        for name in names {
+            let graph =
+                read_mc(std::fs::File::open(folder.join(name).with_extension("mc")).unwrap()).unwrap();
+            let options =
+                Options { time_limit: None, work_limit: work, certificate: true, ..Options::default() };
+            let solution = solve(&graph, &options);
+            assert!(solution.optimal || !proved, "{name}");
+            assert!((solution.objective - optimum(name)).abs() < 1e-9, "{name}: {}", solution.objective);
+            let mut text = Vec::new();
+            solution.certificate.unwrap().write(&mut text).unwrap();
+            assert_eq!(verify(&graph, text.as_slice()).unwrap().optimal, solution.optimal, "{name}");
+        }
+    }
+}
