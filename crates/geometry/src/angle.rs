@@ -15,6 +15,7 @@ use std::f64::consts::{PI, TAU};
 /// assert_eq!(wrap_angle(0.25), 0.25);
 /// assert!((wrap_angle(7.0) - (7.0 - 2.0 * PI)).abs() < 1e-15);
 /// ```
+#[inline]
 pub fn wrap_angle(angle: f64) -> f64 {
     if angle > -PI && angle <= PI {
         return angle;

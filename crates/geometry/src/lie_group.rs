@@ -1,5 +1,10 @@
 //! The operations that SE(2) and SE(3) share.
 
+#![allow(
+    clippy::inline_always,
+    reason = "loops take the vector instructions of the caller they are inlined into"
+)]
+
 use nalgebra::{SMatrix, SVector};
 
 /// A group of rigid motions with `DOF` degrees of freedom: 3 for [`SE2`](crate::SE2), 6 for [`SE3`](crate::SE3).
@@ -40,7 +45,7 @@ pub trait LieGroup<const DOF: usize>:
 
     /// The relative pose `self^-1 * other`: `other` in the frame of `self`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     fn between(&self, other: &Self) -> Self {
         self.inverse().compose(other)
     }
@@ -59,13 +64,13 @@ pub trait LieGroup<const DOF: usize>:
 
     /// Right Jacobian: `Exp(xi + d) = Exp(xi) Exp(J_r(xi) d)` to first order in `d`. Equations (41) and (75):
     /// `J_r(xi) = J_l(-xi)`.
-    #[inline]
+    #[inline(always)]
     fn right_jacobian(tangent: &SVector<f64, DOF>) -> SMatrix<f64, DOF, DOF> {
         Self::left_jacobian(&-tangent)
     }
 
     /// Inverse of the right Jacobian: `Log(T Exp(d)) = Log(T) + J_r^-1(Log(T)) d` to first order in `d`.
-    #[inline]
+    #[inline(always)]
     fn right_jacobian_inverse(tangent: &SVector<f64, DOF>) -> SMatrix<f64, DOF, DOF> {
         Self::left_jacobian_inverse(&-tangent)
     }

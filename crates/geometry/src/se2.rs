@@ -1,5 +1,10 @@
 //! Rigid motions of the plane.
 
+#![allow(
+    clippy::inline_always,
+    reason = "loops take the vector instructions of the caller they are inlined into"
+)]
+
 use nalgebra::{Complex, Matrix2, Matrix3, UnitComplex, Vector2, Vector3};
 
 use crate::lie_group::LieGroup;
@@ -23,6 +28,7 @@ impl SE2 {
     }
 
     /// Heading in `(-pi, pi]` radians.
+    #[inline]
     pub fn angle(&self) -> f64 {
         wrap_angle(self.rotation.angle())
     }
@@ -34,6 +40,7 @@ impl SE2 {
 }
 
 /// `V`, which maps the tangent's translation to the group's. Solà equation (158).
+#[inline(always)]
 fn translation_jacobian(theta: f64, functions: &Trigonometric) -> Matrix2<f64> {
     let sine = functions.c1;
     let versine = theta * functions.c2;
@@ -41,12 +48,14 @@ fn translation_jacobian(theta: f64, functions: &Trigonometric) -> Matrix2<f64> {
 }
 
 /// `V^-1 = [(a/2) cot(a/2), a/2; -a/2, (a/2) cot(a/2)]`.
+#[inline(always)]
 fn translation_jacobian_inverse(theta: f64) -> Matrix2<f64> {
     let diagonal = 1.0 - theta * theta * half_cotangent(theta * theta);
     Matrix2::new(diagonal, 0.5 * theta, -0.5 * theta, diagonal)
 }
 
 /// Last column of the left Jacobian above its 1. Solà equation (164).
+#[inline(always)]
 fn rotation_column(tangent: &Vector3<f64>, functions: &Trigonometric) -> Vector2<f64> {
     let along = tangent.z * functions.c3;
     let across = functions.c2;
@@ -54,6 +63,7 @@ fn rotation_column(tangent: &Vector3<f64>, functions: &Trigonometric) -> Vector2
 }
 
 /// The matrix `[block, column; 0, 1]`.
+#[inline(always)]
 fn bordered(block: &Matrix2<f64>, column: &Vector2<f64>) -> Matrix3<f64> {
     Matrix3::new(block.m11, block.m12, column.x, block.m21, block.m22, column.y, 0.0, 0.0, 1.0)
 }
@@ -76,7 +86,7 @@ impl LieGroup<3> for SE2 {
         vec![self.translation.x, self.translation.y, self.angle()]
     }
 
-    #[inline]
+    #[inline(always)]
     fn exp(tangent: &Vector3<f64>) -> Self {
         let functions = Trigonometric::of_squared_angle(tangent.z * tangent.z);
         Self {
@@ -85,14 +95,14 @@ impl LieGroup<3> for SE2 {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn log(&self) -> Vector3<f64> {
         let theta = self.angle();
         let translation = translation_jacobian_inverse(theta) * self.translation;
         Vector3::new(translation.x, translation.y, theta)
     }
 
-    #[inline]
+    #[inline(always)]
     fn compose(&self, other: &Self) -> Self {
         let product = self.rotation.complex() * other.rotation.complex();
         // One Newton step towards norm 1; otherwise long chains would drift away from rotations.
@@ -103,21 +113,21 @@ impl LieGroup<3> for SE2 {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn inverse(&self) -> Self {
         let rotation = self.rotation.inverse();
         Self { translation: -(rotation * self.translation), rotation }
     }
 
     /// `[R, (y, -x); 0, 1]`, Solà equation (159).
-    #[inline]
+    #[inline(always)]
     fn adjoint(&self) -> Matrix3<f64> {
         let rotation = self.rotation.to_rotation_matrix().into_inner();
         bordered(&rotation, &Vector2::new(self.translation.y, -self.translation.x))
     }
 
     /// `[theta J, (y, -x); 0, 0]` with the right angle `J`.
-    #[inline]
+    #[inline(always)]
     fn bracket(tangent: &Vector3<f64>) -> Matrix3<f64> {
         let (x, y, theta) = (tangent.x, tangent.y, tangent.z);
         Matrix3::new(0.0, -theta, y, theta, 0.0, -x, 0.0, 0.0, 0.0)
@@ -128,7 +138,7 @@ impl LieGroup<3> for SE2 {
         bordered(&translation_jacobian(tangent.z, &functions), &rotation_column(tangent, &functions))
     }
 
-    #[inline]
+    #[inline(always)]
     fn left_jacobian_inverse(tangent: &Vector3<f64>) -> Matrix3<f64> {
         let functions = Trigonometric::of_squared_angle(tangent.z * tangent.z);
         let inverse = translation_jacobian_inverse(tangent.z);

@@ -1,5 +1,10 @@
 //! Rigid motions of space.
 
+#![allow(
+    clippy::inline_always,
+    reason = "loops take the vector instructions of the caller they are inlined into"
+)]
+
 use nalgebra::{Matrix3, Matrix6, Quaternion, UnitQuaternion, Vector3, Vector6};
 
 use crate::lie_group::LieGroup;
@@ -52,7 +57,7 @@ impl SE3 {
 }
 
 /// The matrix `[diagonal, upper; 0, diagonal]`.
-#[inline]
+#[inline(always)]
 fn triangular(diagonal: &Matrix3<f64>, upper: &Matrix3<f64>) -> Matrix6<f64> {
     let mut matrix = Matrix6::zeros();
     matrix.fixed_view_mut::<3, 3>(0, 0).copy_from(diagonal);
@@ -62,7 +67,7 @@ fn triangular(diagonal: &Matrix3<f64>, upper: &Matrix3<f64>) -> Matrix6<f64> {
 }
 
 /// Translation and rotation of a tangent vector.
-#[inline]
+#[inline(always)]
 fn split(tangent: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
     (Vector3::new(tangent[0], tangent[1], tangent[2]), Vector3::new(tangent[3], tangent[4], tangent[5]))
 }
@@ -72,7 +77,7 @@ fn split(tangent: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
 ///
 /// With P = `[translation]` and R = `[rotation]`:
 /// `P/2 + c_3 (RP + PR + RPR) + c_4 (RRP + PRR - 3 RPR) + (c_4 - 3 c_5)/2 (RPRR + RRPR)`.
-#[inline]
+#[inline(always)]
 fn coupling(translation: &Vector3<f64>, rotation: &Vector3<f64>) -> Matrix3<f64> {
     let functions = Trigonometric::of_squared_angle(rotation.norm_squared());
     let p = so3::hat(translation);
@@ -117,20 +122,20 @@ impl LieGroup<6> for SE3 {
         vec![t.x, t.y, t.z, q.i, q.j, q.k, q.w]
     }
 
-    #[inline]
+    #[inline(always)]
     fn exp(tangent: &Vector6<f64>) -> Self {
         let (translation, rotation) = split(tangent);
         Self::new(so3::left_jacobian(&rotation) * translation, so3::exp(&rotation))
     }
 
-    #[inline]
+    #[inline(always)]
     fn log(&self) -> Vector6<f64> {
         let rotation = so3::log(&self.rotation);
         let translation = so3::left_jacobian_inverse(&rotation) * self.translation;
         Vector6::new(translation.x, translation.y, translation.z, rotation.x, rotation.y, rotation.z)
     }
 
-    #[inline]
+    #[inline(always)]
     fn compose(&self, other: &Self) -> Self {
         let mut rotation = self.rotation * other.rotation;
         // One Newton step towards norm 1; otherwise long chains would drift away from rotations.
@@ -138,21 +143,21 @@ impl LieGroup<6> for SE3 {
         Self::new(self.translation + self.rotation * other.translation, rotation)
     }
 
-    #[inline]
+    #[inline(always)]
     fn inverse(&self) -> Self {
         let rotation = self.rotation.inverse();
         Self::new(-(rotation * self.translation), rotation)
     }
 
     /// `[R, [t] R; 0, R]`, Solà equation (175).
-    #[inline]
+    #[inline(always)]
     fn adjoint(&self) -> Matrix6<f64> {
         let rotation = self.rotation.to_rotation_matrix().into_inner();
         triangular(&rotation, &(so3::hat(&self.translation) * rotation))
     }
 
     /// `[[rotation], [translation]; 0, [rotation]]` of cross products.
-    #[inline]
+    #[inline(always)]
     fn bracket(tangent: &Vector6<f64>) -> Matrix6<f64> {
         let (translation, rotation) = split(tangent);
         triangular(&so3::hat(&rotation), &so3::hat(&translation))
@@ -165,7 +170,7 @@ impl LieGroup<6> for SE3 {
     }
 
     /// `[V^-1, -V^-1 Q V^-1; 0, V^-1]`, Solà equation (182).
-    #[inline]
+    #[inline(always)]
     fn left_jacobian_inverse(tangent: &Vector6<f64>) -> Matrix6<f64> {
         let (translation, rotation) = split(tangent);
         let inverse = so3::left_jacobian_inverse(&rotation);

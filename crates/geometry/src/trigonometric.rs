@@ -1,5 +1,10 @@
 //! The entire functions in the closed forms of exp, log and their Jacobians.
 
+#![allow(
+    clippy::inline_always,
+    reason = "loops take the vector instructions of the caller they are inlined into"
+)]
+
 /// If the squared angle is below this, the power series is used; above it the closed form loses less than two digits.
 const SERIES_LIMIT: f64 = 1.0;
 
@@ -19,7 +24,7 @@ pub(crate) struct Trigonometric {
 
 impl Trigonometric {
     /// The functions at the angle with this square. Relative error about 1e-15.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn of_squared_angle(squared: f64) -> Self {
         if squared < SERIES_LIMIT {
             let c4 = series(squared, &FOURTH);
@@ -39,7 +44,7 @@ impl Trigonometric {
 }
 
 /// `sum_k (-1)^k x^k / (2k + n)!` by Horner's rule; nine terms reach 1e-19 for x < 1.
-#[inline]
+#[inline(always)]
 fn series(x: f64, coefficients: &[f64; 9]) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
 }
@@ -68,7 +73,7 @@ const FIFTH: [f64; 9] = coefficients(5);
 ///
 /// It is the only function in the inverse of `V` (the left Jacobian of rotations) that is not rational, and it stays
 /// well-conditioned at pi, where the usual `(1 + cos a) / (2 a sin a)` is 0/0.
-#[inline]
+#[inline(always)]
 pub(crate) fn half_cotangent(squared: f64) -> f64 {
     if squared < 0.04 {
         // Bernoulli numbers: |B_2k| / (2k)! x^(k-1); the next term is below 1e-17.
