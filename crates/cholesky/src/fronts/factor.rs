@@ -40,6 +40,10 @@ pub struct Memory {
 
 /// Old values may remain: the numeric phase writes before it reads.
 pub(crate) fn resized(mut memory: Vec<f64>, length: usize) -> Vec<f64> {
+    if memory.capacity() < length {
+        // Pages that the system has zeroed, and that nothing touches before the numeric phase.
+        return vec![0.0; length];
+    }
     memory.resize(length, 0.0);
     memory
 }

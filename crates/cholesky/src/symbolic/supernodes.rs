@@ -28,40 +28,38 @@ pub(crate) fn maximal(parent: &[usize], upper: &Adjacency) -> Vec<Supernode> {
     let vertices = parent.len();
     let children = children(parent);
     let mut marked = vec![ROOT; vertices];
-    let mut structure: Vec<Vec<usize>> = vec![Vec::new(); vertices];
+    // The structures of columns whose parents are still to come, one after the other. In postorder, those of a column's children are
+    // the last ones.
+    let mut waiting: Vec<usize> = Vec::new();
+    let mut starts: Vec<usize> = vec![0; vertices];
+    let mut rows: Vec<usize> = Vec::new();
+    let mut before = 0;
     let mut supernodes: Vec<Supernode> = Vec::new();
     for column in 0..vertices {
         // The structure of a column is the union of the matrix's rows and its children's rows, without the children
         // themselves: all further rows of a child are also rows of its parent.
         marked[column] = column;
-        let mut rows = Vec::new();
-        let mut collect = |candidates: &[usize]| {
-            for &row in candidates {
-                if row > column && marked[row] != column {
-                    marked[row] = column;
-                    rows.push(row);
-                }
+        rows.clear();
+        let start = children.of(column).first().map_or(waiting.len(), |&child| starts[child]);
+        for &row in upper.of(column).iter().chain(&waiting[start..]) {
+            if row > column && marked[row] != column {
+                marked[row] = column;
+                rows.push(row);
             }
-        };
-        collect(upper.of(column));
-        for &child in children.of(column) {
-            collect(&structure[child]);
         }
+        waiting.truncate(start);
+        waiting.extend_from_slice(&rows);
+        starts[column] = start;
         // A column continues the previous column's run if it is its parent and has the same rows, except itself. The two
         // fronts are then one, without extra zeros.
-        let continues =
-            column > 0 && parent[column - 1] == column && structure[column - 1].len() == rows.len() + 1;
-        // A child's structure is not needed again. Freeing it limits the memory to the front line of the tree.
-        for &child in children.of(column) {
-            structure[child] = Vec::new();
-        }
-        structure[column].clone_from(&rows);
+        let continues = column > 0 && parent[column - 1] == column && before == rows.len() + 1;
+        before = rows.len();
         match supernodes.last_mut() {
             Some(last) if continues => {
                 last.columns += 1;
-                last.rows = rows;
+                last.rows.clone_from(&rows);
             }
-            _ => supernodes.push(Supernode { first: column, columns: 1, rows, zeros: 0 }),
+            _ => supernodes.push(Supernode { first: column, columns: 1, rows: rows.clone(), zeros: 0 }),
         }
     }
     for supernode in &mut supernodes {
