@@ -74,7 +74,8 @@ where
     };
     let mut poses = poses.to_vec();
     let pattern = Pattern::of(poses.len(), 1, edges);
-    let refine = Options { cost_tolerance: 1e-14, max_iterations: 500, ..Options::default() };
+    // By the gradient, until steps no longer shrink: errors of the poses enter the multipliers at first order, the cost at second.
+    let refine = Options { cost_tolerance: 0.0, max_iterations: 500, ..Options::default() };
     let magnitude = Magnitude::of(edges.iter());
     let outcome =
         Workspace::new(&pattern, magnitude, Memory::default()).minimise(&terms, &mut poses, &refine);

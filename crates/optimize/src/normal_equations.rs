@@ -40,26 +40,56 @@ pub(crate) struct Pattern {
 impl Pattern {
     /// Pattern of edges over `nodes` nodes, of which the first `held` are given.
     pub(crate) fn of<G, const DOF: usize>(nodes: usize, held: usize, edges: &[Edge<G, DOF>]) -> Self {
-        let ends = edges.iter().map(|edge| (edge.from, edge.to));
         let variables = nodes.saturating_sub(held);
-        let mut pairs: Vec<(usize, usize)> = ends
-            .clone()
-            .map(|(a, b)| (a.min(b), a.max(b)))
-            .filter(|&(a, _)| a >= held)
-            .map(|(a, b)| (a - held, b - held))
-            .collect();
-        pairs.sort_unstable();
-        pairs.dedup();
-        let slots = ends
-            .map(|(from, to)| {
-                let pair = (from.min(to).wrapping_sub(held), from.max(to).wrapping_sub(held));
-                let index = pairs.binary_search(&pair).unwrap_or(usize::MAX);
-                Slot { from: from.checked_sub(held), to: to.checked_sub(held), pair: index }
-            })
-            .collect();
+        let (pairs, slots) = number_pairs(variables, held, edges);
         let symbolic = Symbolic::new(variables, &pairs, DOF);
         Self { held, variables, pairs, slots, symbolic }
     }
+}
+
+/// The pairs of variables that edges join, sorted, and the positions of the edges' blocks. A bucket sort: O(nodes + edges) as long as
+/// nodes have few neighbours.
+fn number_pairs<G, const DOF: usize>(
+    variables: usize,
+    held: usize,
+    edges: &[Edge<G, DOF>],
+) -> (Vec<(usize, usize)>, Vec<Slot>) {
+    let mut slots: Vec<Slot> = edges
+        .iter()
+        .map(|edge| Slot {
+            from: edge.from.checked_sub(held),
+            to: edge.to.checked_sub(held),
+            pair: usize::MAX,
+        })
+        .collect();
+    let joined = |slot: &Slot| Some((slot.from?.min(slot.to?), slot.from?.max(slot.to?)));
+    let arcs = slots
+        .iter()
+        .enumerate()
+        .filter_map(|(edge, slot)| joined(slot).map(|(smaller, larger)| (smaller, (larger, edge))));
+    let mut starts = vec![0; variables + 1];
+    arcs.clone().for_each(|(smaller, _)| starts[smaller + 1] += 1);
+    for variable in 0..variables {
+        starts[variable + 1] += starts[variable];
+    }
+    let mut buckets = vec![(0, 0); starts[variables]];
+    let mut next = starts.clone();
+    for (smaller, arc) in arcs {
+        buckets[next[smaller]] = arc;
+        next[smaller] += 1;
+    }
+    let mut pairs = Vec::with_capacity(buckets.len());
+    for smaller in 0..variables {
+        let bucket = &mut buckets[starts[smaller]..starts[smaller + 1]];
+        bucket.sort_unstable();
+        for &(larger, edge) in &*bucket {
+            if pairs.last() != Some(&(smaller, larger)) {
+                pairs.push((smaller, larger));
+            }
+            slots[edge].pair = pairs.len() - 1;
+        }
+    }
+    (pairs, slots)
 }
 
 /// Values of the equations: `H d = -g`.
@@ -87,13 +117,13 @@ impl<const D: usize> NormalEquations<D> {
     }
 
     /// Adds a block at (from, to).
-    #[inline]
+    #[inline(always)]
     pub(crate) fn add_off_diagonal(&mut self, slot: &Slot, block: &SMatrix<f64, D, D>) {
         if let (Some(from), Some(to)) = (slot.from, slot.to) {
             if from < to {
-                self.off_diagonal[slot.pair] += block;
+                add_to(&mut self.off_diagonal[slot.pair], block);
             } else {
-                self.off_diagonal[slot.pair] += block.transpose();
+                add_to(&mut self.off_diagonal[slot.pair], &block.transpose());
             }
         }
     }
@@ -131,11 +161,11 @@ impl<const D: usize> NormalEquations<D> {
     #[inline(always)]
     fn add(&mut self, slot: &Slot, model: &Linearised<D>) {
         if let Some(from) = slot.from {
-            self.diagonal[from] += model.from_from;
+            add_to(&mut self.diagonal[from], &model.from_from);
             self.gradient[from] += model.from_gradient;
         }
         if let Some(to) = slot.to {
-            self.diagonal[to] += model.to_to;
+            add_to(&mut self.diagonal[to], &model.to_to);
             self.gradient[to] += model.to_gradient;
         }
         self.add_off_diagonal(slot, &model.from_to);
@@ -217,6 +247,14 @@ impl<const D: usize> NormalEquations<D> {
             .flat_map(|(gradient, block)| (0..D).map(|axis| (gradient[axis], block[(axis, axis)])))
             .map(ratio)
             .fold(0.0, f64::max)
+    }
+}
+
+/// `to += block`, inlined into its caller, which the operator is not.
+#[inline(always)]
+fn add_to<const D: usize>(to: &mut SMatrix<f64, D, D>, block: &SMatrix<f64, D, D>) {
+    for (sum, value) in to.as_mut_slice().iter_mut().zip(block.as_slice()) {
+        *sum += value;
     }
 }
 

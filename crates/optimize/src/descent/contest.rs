@@ -9,6 +9,7 @@ use posecut_geometry::LieGroup;
 use super::outcome::Step;
 use super::stiff_tree::StiffTree;
 use super::workspace::Workspace;
+use crate::model::magnitude::translations;
 use crate::model::residual::Term;
 
 /// A step and the cost where it leads.
@@ -50,6 +51,35 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         }
         (self.trial, self.step) = winner;
         best
+    }
+
+    /// The attempt to move positions and rotations apart, if it costs less than the given one, which is at the trial. Its poses then
+    /// become the trial.
+    ///
+    /// `X Exp(d)` takes a pose along a screw. Where a long common motion `v` meets a bend of `w` radians between neighbours, their
+    /// relative position then errs by `w v / 2`. With `X (I, v) Exp(0, r)` it errs by the square of the rotation `r`, however long the
+    /// motion is: less on large maps, more for large rotations.
+    pub(super) fn apart<T: Term<G, DOF>>(
+        &mut self,
+        terms: &[T],
+        poses: &[G],
+        first: Attempt,
+    ) -> Option<Attempt> {
+        let held = self.pattern.held;
+        let mut other = poses.to_vec();
+        for (pose, step) in other.iter_mut().skip(held).zip(&self.step) {
+            let (mut along, mut about) = (*step, *step);
+            along.rows_range_mut(translations(DOF)..).fill(0.0);
+            about.rows_range_mut(..translations(DOF)).fill(0.0);
+            *pose = pose.compose(&G::exp(&along)).compose(&G::exp(&about));
+        }
+        std::mem::swap(&mut self.trial, &mut other);
+        let cost = self.trial_cost(terms);
+        if cost < first.cost || !first.cost.is_finite() {
+            return Some(Attempt { cost, ..first });
+        }
+        self.trial = other;
+        None
     }
 
     /// Tries the step along the tree.

@@ -8,7 +8,7 @@ use posecut_geometry::LieGroup;
 
 use super::contest::Attempt;
 use super::damping::{Damping, FIRST_DAMPING, first_damping};
-use super::outcome::{Outcome, Termination};
+use super::outcome::{Outcome, Step, Termination};
 use super::workspace::Workspace;
 use crate::model::residual::Term;
 use crate::options::Options;
@@ -16,6 +16,10 @@ use crate::options::Options;
 /// The tolerances of a full step apply up to this damping. Stronger damping makes steps short everywhere, and a short step
 /// would pass for convergence.
 const NEARLY_FULL: f64 = 1e-3;
+
+/// After a step with a component of this length (shares of the graph's length, radians), the matrix has mostly changed too much for
+/// another step with the old factor, so gradient and matrix are computed in one pass.
+const LONG: f64 = 0.25;
 
 /// Below this share of its promise, other steps are tried beside a step.
 const GOOD: f64 = 0.9;
@@ -34,6 +38,17 @@ struct Iteration {
     outcome: Outcome,
 }
 
+/// What the equations have of a trial.
+#[derive(Clone, Copy, PartialEq)]
+enum Assembled {
+    /// Nothing: they are those of the poses before it.
+    Nothing,
+    /// The gradient.
+    Gradient,
+    /// Gradient and matrix.
+    Whole,
+}
+
 /// A step that was tried.
 struct Tried {
     attempt: Attempt,
@@ -41,8 +56,8 @@ struct Tried {
     met: Option<Termination>,
     /// Whether it is a full step.
     undamped: bool,
-    /// Whether the equations have the trial's gradient.
-    with_gradient: bool,
+    /// What the equations have of the trial.
+    equations: Assembled,
 }
 
 impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
@@ -104,9 +119,14 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             None
         };
         // With the gradient at the trial, the next step can reuse the factor. After a damped step none does.
-        let with_gradient = undamped && met.is_none() && !*hard;
-        let cost = if with_gradient { self.trial_gradient(edges) } else { self.trial_cost(edges) };
-        let mut attempt = Attempt { step, cost };
+        let equations = match undamped && met.is_none() && !*hard {
+            false => Assembled::Nothing,
+            true if step.largest < LONG => Assembled::Gradient,
+            true => Assembled::Whole,
+        };
+        let final_or_hidden = met.is_some() || options.is_hidden(step.promised, self.at_least(outcome.cost));
+        let before = if final_or_hidden { None } else { Some(outcome.cost) };
+        let mut attempt = self.evaluate(edges, poses, step, equations, before);
         if *hard && met.is_none() && !(attempt.gain(outcome.cost) >= GOOD) {
             let newton = outcome.factorizations > PATIENCE;
             attempt = self.contest(edges, poses, damping.value, newton, attempt);
@@ -116,13 +136,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             cost < outcome.cost || (shrinks && options.is_hidden(step.promised, self.at_least(outcome.cost)));
         // The last step may leave the cost unchanged: its poses are still nearer to the minimum.
         if lower || (met.is_some() && cost <= outcome.cost) {
-            return self.take(
-                edges,
-                poses,
-                options,
-                iteration,
-                &Tried { attempt, met, undamped, with_gradient },
-            );
+            return self.take(edges, poses, options, iteration, &Tried { attempt, met, undamped, equations });
         }
         if met.is_some() {
             return met;
@@ -133,12 +147,46 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         }
         outcome.rejected += 1;
         *hard = true;
-        if with_gradient {
-            // The trial's gradient has overwritten the gradient at these poses.
-            self.assemble_gradient(edges, poses);
+        // Those of the trial have overwritten those at these poses.
+        match equations {
+            Assembled::Nothing => {}
+            Assembled::Gradient => {
+                self.assemble_gradient(edges, poses);
+            }
+            Assembled::Whole => {
+                self.assemble(edges, poses);
+            }
         }
         let first = first_damping(self.stiffness(&step, damping.value), attempt.gain(outcome.cost));
         (!damping.raise(first)).then_some(Termination::Stalled)
+    }
+
+    /// Evaluates the trial. If a cost `before` is given and the step keeps too little of its promise, also evaluates the step with
+    /// positions and rotations apart; the better of both becomes the trial.
+    fn evaluate<T: Term<G, DOF>>(
+        &mut self,
+        edges: &[T],
+        poses: &[G],
+        step: Step,
+        wanted: Assembled,
+        before: Option<f64>,
+    ) -> Attempt {
+        let assembled = |workspace: &mut Self| match wanted {
+            Assembled::Nothing => workspace.trial_cost(edges),
+            Assembled::Gradient => workspace.trial_gradient(edges),
+            Assembled::Whole => workspace.trial_equations(edges),
+        };
+        let attempt = Attempt { step, cost: assembled(self) };
+        if before.is_some_and(|before| !(attempt.gain(before) >= GOOD))
+            && let Some(better) = self.apart(edges, poses, attempt)
+        {
+            return if wanted == Assembled::Nothing {
+                better
+            } else {
+                Attempt { step, cost: assembled(self) }
+            };
+        }
+        attempt
     }
 
     /// Takes the trial, continues with its factor while that pays, and then assembles the equations anew.
@@ -169,13 +217,17 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             }
         } else if tried.undamped {
             // Only the factor of an undamped matrix gives steps that approach Newton's.
-            if !tried.with_gradient {
+            if tried.equations == Assembled::Nothing {
                 self.trial_gradient(edges);
             }
+            let before = outcome.iterations;
             if let Some(termination) = self.reuse(edges, poses, options, &step, outcome) {
                 return Some(termination);
             }
             *undamped_before = outcome.last.largest;
+            if tried.equations == Assembled::Whole && outcome.iterations == before {
+                return self.is_flat(options, outcome);
+            }
         }
         outcome.cost = self.assemble(edges, poses);
         self.is_flat(options, outcome)

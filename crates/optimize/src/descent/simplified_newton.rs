@@ -35,6 +35,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         // If full steps converge quadratically with rate r, the first step with an old factor has rate 4 r: its error is the
         // product of the last two errors instead of the square of the last one, and the derivative of a square doubles it.
         let mut slowdown = 4.0;
+        let mut first = true;
         while outcome.iterations < options.max_iterations {
             outcome.gradient = self.cosine(outcome.cost);
             if outcome.gradient <= options.gradient_tolerance {
@@ -42,7 +43,8 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             }
             let step = self.substitute()?;
             let ratio = step.promised / before;
-            if !(ratio < SLOW) {
+            // A first step with the old factor that is longer than the step before fails more often than not.
+            if !(ratio < SLOW) || (first && !(step.largest < last.largest)) {
                 return None;
             }
             let shrinks = step.largest < outcome.last.largest;
@@ -70,6 +72,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             }
             before = step.promised;
             slowdown = 1.0;
+            first = false;
         }
         None
     }

@@ -9,7 +9,7 @@ use super::phases::{Phases, timed};
 use super::stiff_tree::StiffTree;
 use crate::model::magnitude::{Magnitude, translations};
 use crate::model::prior::{self, Prior};
-use crate::model::residual::Term;
+use crate::model::residual::{Term, total};
 use crate::normal_equations::{NormalEquations, Pattern};
 
 /// Damping raises every diagonal entry to at least this share of the largest one. Marquardt's scaling alone would not damp a
@@ -183,11 +183,19 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         cost
     }
 
+    /// Assembles the equations at the trial and returns the cost.
+    pub(crate) fn trial_equations<T: Term<G, DOF>>(&mut self, edges: &[T]) -> f64 {
+        let trial = std::mem::take(&mut self.trial);
+        let cost = self.assemble(edges, &trial);
+        self.trial = trial;
+        cost
+    }
+
     /// The cost at the trial.
     pub(crate) fn trial_cost<T: Term<G, DOF>>(&mut self, edges: &[T]) -> f64 {
         let Self { trial, phases, priors, .. } = self;
         timed(&mut phases.linearisation, || {
-            let of_edges: f64 = edges.iter().map(|edge| edge.cost(trial)).sum();
+            let of_edges = total(edges, trial);
             if priors.is_empty() { of_edges } else { of_edges + prior::cost(priors, trial) }
         })
     }

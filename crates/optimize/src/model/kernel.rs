@@ -79,6 +79,7 @@ fn truncated(bound: f64, convexity: f64, squared: f64) -> (f64, f64) {
 }
 
 /// Cost and weight of a squared residual under an optional kernel.
+#[inline]
 pub fn charge(kernel: Option<Kernel>, squared: f64) -> (f64, f64) {
     kernel.map_or((squared, 1.0), |kernel| kernel.evaluate(squared))
 }
