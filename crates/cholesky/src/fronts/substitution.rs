@@ -61,6 +61,12 @@ fn open<'a, const D: usize>(
     (&panels[front.panel * D * D..][..columns * height], local)
 }
 
+/// The reciprocals of a block's pivots. They do not wait for the values that are solved for, as quotients would.
+#[inline(always)]
+fn reciprocals<const D: usize>(block: &[f64], height: usize, start: usize) -> [f64; D] {
+    std::array::from_fn(|column| 1.0 / block[column * height + start + column])
+}
+
 /// `x_1 = L^-1 x_1`, then `x_2 -= M x_1`, for the columns of one front. `local` is working memory.
 #[inline(always)]
 pub(crate) fn forward<const D: usize>(
@@ -76,9 +82,10 @@ pub(crate) fn forward<const D: usize>(
     for (block_index, block) in panel.chunks_exact(D * height).enumerate() {
         let start = block_index * D;
         let mut solved = [0.0; D];
+        let reciprocals = reciprocals::<D>(block, height, start);
         for column in 0..D {
             let values = &block[column * height + start..][..D];
-            let value = local[start + column] / values[column];
+            let value = local[start + column] * reciprocals[column];
             solved[column] = value;
             local[start + column] = value;
             for row in column + 1..D {
@@ -119,13 +126,14 @@ pub(crate) fn backward<const D: usize>(
             std::array::from_fn(|column| &block[column * height + start + D..][..known.len()]);
         // Partial sums hide the latency of an addition; the more columns there are, the fewer each needs.
         let sums = if D < 4 { products::<D, 8>(&sources, known) } else { products::<D, 4>(&sources, known) };
+        let reciprocals = reciprocals::<D>(block, height, start);
         for column in (0..D).rev() {
             let values = &block[column * height + start..][..D];
             let mut sum = local[start + column] - sums[column];
             for row in column + 1..D {
                 sum -= values[row] * local[start + row];
             }
-            local[start + column] = sum / values[column];
+            local[start + column] = sum * reciprocals[column];
         }
     }
     x[front.first * D..][..columns].copy_from_slice(&local[..columns]);
