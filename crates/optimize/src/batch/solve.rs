@@ -160,8 +160,12 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
 ) -> Solved<G, DOF> {
     let edges = part.edges();
     let given = part.poses();
-    let mut report = ComponentReport::untouched(given.len(), edges.len(), cost(part, given));
-    if is_settled(part, held) {
+    let settled = is_settled(part, held);
+    // From the given poses, the descent computes their cost anyway.
+    let known = settled || options.initialisation != Initialisation::Given;
+    let cost_given = if known { cost(part, given) } else { f64::NAN };
+    let mut report = ComponentReport::untouched(given.len(), edges.len(), cost_given);
+    if settled {
         return (given.to_vec(), given.to_vec(), report, None);
     }
     let mut phases = Phases::default();
@@ -175,7 +179,7 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
         candidates(part, &mut workspace, options.initialisation, report.cost_given)
     });
     let mut starts = VecDeque::from(starts);
-    while let Some(candidate) = starts.pop_front() {
+    while let Some(mut candidate) = starts.pop_front() {
         if best.is_some()
             && candidate.start != Start::Lifted
             && candidate.cost.partial_cmp(&report.cost) != Some(Ordering::Less)
@@ -187,6 +191,10 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
         report.iterations += outcome.iterations;
         report.rejected += outcome.rejected;
         report.factorizations += outcome.factorizations;
+        if !known {
+            candidate.cost = outcome.initial;
+            report.cost_given = outcome.initial;
+        }
         let hard = candidate.start == Start::Chordal
             && (outcome.factorizations > HARD || !outcome.termination.converged());
         if hard && options.initialisation == Initialisation::Best && may_be_lifted(part, held) {

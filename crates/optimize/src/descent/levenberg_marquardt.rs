@@ -177,7 +177,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             Assembled::Whole => workspace.trial_equations(edges),
         };
         let attempt = Attempt { step, cost: assembled(self) };
-        if before.is_some_and(|before| !(attempt.gain(before) >= GOOD))
+        if before.is_some_and(|before| !(attempt.gain(before) >= POOR))
             && let Some(better) = self.apart(edges, poses, attempt)
         {
             return if wanted == Assembled::Nothing {

@@ -40,6 +40,8 @@ impl Termination {
 
 /// How an iteration ended.
 pub(crate) struct Outcome {
+    /// The cost before the first step.
+    pub(crate) initial: f64,
     pub(crate) cost: f64,
     pub(crate) iterations: usize,
     pub(crate) rejected: usize,
@@ -57,6 +59,7 @@ impl Outcome {
     /// The outcome before the first step.
     pub(crate) fn new(cost: f64) -> Self {
         Self {
+            initial: cost,
             cost,
             iterations: 0,
             rejected: 0,
