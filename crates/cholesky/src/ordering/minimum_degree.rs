@@ -32,7 +32,7 @@ fn ordered<I: Index>(variables: usize, pairs: &[(usize, usize)]) -> Option<Vec<u
     let mut memory = MemBuffer::try_new(amd::order_scratch::<I>(variables, rows.len())).ok()?;
     let stack = MemStack::new(&mut memory);
     amd::order(&mut order, &mut position, pattern, amd::Control::default(), stack).ok()?;
-    Some(order.into_iter().map(|variable| variable.zx()).collect())
+    Some(order.iter().map(|&variable| variable.zx()).collect())
 }
 
 /// The strict upper triangle in compressed columns with sorted rows.
