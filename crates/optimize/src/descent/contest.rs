@@ -4,6 +4,7 @@
 //! step itself is not good. A factorisation costs several times as much as a trial, so all are tried: the Gauss-Newton step
 //! and, after a number of factorisations, Newton's, each moved pose by pose and along the stiffest edges.
 
+use nalgebra::SVector;
 use posecut_geometry::LieGroup;
 
 use super::outcome::Step;
@@ -68,10 +69,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         let held = self.pattern.held;
         let mut other = poses.to_vec();
         for (pose, step) in other.iter_mut().skip(held).zip(&self.step) {
-            let (mut along, mut about) = (*step, *step);
-            along.rows_range_mut(translations(DOF)..).fill(0.0);
-            about.rows_range_mut(..translations(DOF)).fill(0.0);
-            *pose = pose.compose(&G::exp(&along)).compose(&G::exp(&about));
+            *pose = moved_apart(pose, step);
         }
         std::mem::swap(&mut self.trial, &mut other);
         let cost = self.trial_cost(terms);
@@ -110,4 +108,41 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
 }
 
 /// Poses and step of the best attempt.
-type Winner<G, const DOF: usize> = (Vec<G>, Vec<nalgebra::SVector<f64, DOF>>);
+type Winner<G, const DOF: usize> = (Vec<G>, Vec<SVector<f64, DOF>>);
+
+/// `X (I, v) Exp(0, r)` for the step `(v, r)`.
+fn moved_apart<G: LieGroup<DOF>, const DOF: usize>(pose: &G, step: &SVector<f64, DOF>) -> G {
+    let (mut along, mut about) = (*step, *step);
+    along.rows_range_mut(translations(DOF)..).fill(0.0);
+    about.rows_range_mut(..translations(DOF)).fill(0.0);
+    pose.compose(&G::exp(&along)).compose(&G::exp(&about))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+    use posecut_geometry::SE2;
+
+    /// Two neighbours move 50 m together and bend by 0.02 rad: the edge between them should change by what the linear model says.
+    #[test]
+    fn a_long_common_motion_with_a_small_bend_does_not_stretch_an_edge() {
+        let poses = [SE2::new(3.0, 1.0, 0.4), SE2::new(4.0, 1.2, 0.9)];
+        let common = nalgebra::Vector2::new(40.0, -30.0);
+        let steps: Vec<Vector3<f64>> = poses
+            .iter()
+            .zip([0.01, 0.03])
+            .map(|(pose, turn)| {
+                let own = pose.rotation.inverse() * common;
+                Vector3::new(own.x, own.y, turn)
+            })
+            .collect();
+        let before = poses[0].between(&poses[1]);
+        let expected = steps[1] - before.inverse().adjoint() * steps[0];
+        let error = |moved: [SE2; 2]| (before.between(&moved[0].between(&moved[1])).log() - expected).amax();
+        let apart = error([0, 1].map(|index| moved_apart(&poses[index], &steps[index])));
+        let screw = error([0, 1].map(|index| poses[index].compose(&SE2::exp(&steps[index]))));
+        assert!(apart < 1e-3, "{apart}");
+        assert!(screw > 0.3, "{screw}");
+    }
+}
