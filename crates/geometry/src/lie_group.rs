@@ -75,6 +75,14 @@ pub trait LieGroup<const DOF: usize>:
         Self::left_jacobian_inverse(&-tangent)
     }
 
+    /// [`log`](Self::log), to the bit, and [`right_jacobian_inverse`](Self::right_jacobian_inverse) there, up to rounding: for less than
+    /// both cost apart.
+    #[inline(always)]
+    fn log_with_jacobian(&self) -> (SVector<f64, DOF>, SMatrix<f64, DOF, DOF>) {
+        let tangent = self.log();
+        (tangent, Self::right_jacobian_inverse(&tangent))
+    }
+
     /// Translation in metres; z is 0 in the plane.
     fn translation(&self) -> [f64; 3];
 

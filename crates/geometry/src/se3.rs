@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Matrix6, Quaternion, UnitQuaternion, Vector3, Vector6};
 use crate::lie_group::LieGroup;
 use crate::se2::SE2;
 use crate::so3;
-use crate::trigonometric::Trigonometric;
+use crate::trigonometric::{Trigonometric, half_cotangent, half_cotangent_slope};
 
 /// A quaternion whose norm differs from 1 by more than this is not a rotation.
 const NORM_TOLERANCE: f64 = 1e-3;
@@ -175,6 +175,28 @@ impl LieGroup<6> for SE3 {
         let (translation, rotation) = split(tangent);
         let inverse = so3::left_jacobian_inverse(&rotation);
         triangular(&inverse, &-(inverse * coupling(&translation, &rotation) * inverse))
+    }
+
+    /// The diagonal block is `f([r]) = I + [r]/2 + h [r]^2`, and the upper right block its derivative in the direction `[p]`:
+    /// `[p]/2 + h ([r][p] + [p][r]) + 2 h' (r . p) [r]^2`, with `h(a^2) = (1 - (a/2) cot(a/2)) / a^2`. Products of cross products are
+    /// dyads: `[r][p] = p r^T - (r . p) I`.
+    #[inline(always)]
+    fn log_with_jacobian(&self) -> (Vector6<f64>, Matrix6<f64>) {
+        let rotation = so3::log(&self.rotation);
+        let squared = rotation.norm_squared();
+        let (h, slope) = (half_cotangent(squared), half_cotangent_slope(squared));
+        let p = so3::left_jacobian_inverse_with(&rotation, h) * self.translation;
+        let (hat_r, hat_p) = (so3::hat(&rotation), so3::hat(&p));
+        let along = rotation.dot(&p);
+        let dyad = rotation * rotation.transpose();
+        let mixed = p * rotation.transpose();
+        let square = dyad - Matrix3::identity() * squared;
+        let diagonal = Matrix3::identity() + hat_r * 0.5 + square * h;
+        let upper = hat_p * 0.5
+            + (mixed + mixed.transpose() - Matrix3::identity() * (2.0 * along)) * h
+            + square * (2.0 * slope * along);
+        let tangent = Vector6::new(p.x, p.y, p.z, rotation.x, rotation.y, rotation.z);
+        (tangent, triangular(&diagonal, &upper))
     }
 
     fn translation(&self) -> [f64; 3] {

@@ -50,6 +50,12 @@ pub(crate) fn left_jacobian(rotation: &Vector3<f64>) -> Matrix3<f64> {
 /// `V^-1 = I - [r]/2 + (1 - (a/2) cot(a/2)) / a^2 [r]^2`, Solà equation (146).
 #[inline(always)]
 pub(crate) fn left_jacobian_inverse(rotation: &Vector3<f64>) -> Matrix3<f64> {
+    left_jacobian_inverse_with(rotation, half_cotangent(rotation.norm_squared()))
+}
+
+/// [`left_jacobian_inverse`] with the factor of `[r]^2`.
+#[inline(always)]
+pub(crate) fn left_jacobian_inverse_with(rotation: &Vector3<f64>, factor: f64) -> Matrix3<f64> {
     let cross = hat(rotation);
-    Matrix3::identity() - cross * 0.5 + cross * cross * half_cotangent(rotation.norm_squared())
+    Matrix3::identity() - cross * 0.5 + cross * cross * factor
 }

@@ -90,6 +90,15 @@ macro_rules! laws {
                 }
 
                 #[test]
+                fn the_logarithm_with_its_jacobian_is_both_apart(tangent in $tangent(), size in 0.0..1.0) {
+                    let pose = $group::exp(&(tangent * size * size));
+                    let (log, jacobian) = pose.log_with_jacobian();
+                    prop_assert_eq!(log, pose.log());
+                    let apart = $group::right_jacobian_inverse(&log);
+                    prop_assert!((jacobian - apart).amax() < 1e-12 * (1.0 + log.amax()), "{jacobian} {apart}");
+                }
+
+                #[test]
                 fn jacobians_are_derivatives_of_exp(tangent in $tangent(), axis in 0_usize..$dof) {
                     let step = 1e-5;
                     let mut forward = tangent;

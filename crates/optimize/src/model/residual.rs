@@ -166,10 +166,10 @@ impl<G: LieGroup<DOF>, const DOF: usize> Term<G, DOF> for Edge<G, DOF> {
     #[inline(always)]
     fn gradient(&self, poses: &[G]) -> Gradient<DOF> {
         let relative = poses[self.from].between(&poses[self.to]);
-        let error = self.measurement.between(&relative).log();
+        let (error, jacobian) = self.measurement.between(&relative).log_with_jacobian();
         let weighted = self.information * error;
         let (cost, weight) = charge(self.kernel, error.dot(&weighted));
-        let to = G::right_jacobian_inverse(&error).tr_mul(&weighted) * weight;
+        let to = jacobian.tr_mul(&weighted) * weight;
         Gradient::new(&relative, to, cost)
     }
 }
@@ -208,8 +208,8 @@ impl<G: LieGroup<DOF>, const DOF: usize> Expansion<G, DOF> {
     #[inline(always)]
     pub fn new(edge: &Edge<G, DOF>, from: &G, to: &G) -> Self {
         let relative = from.between(to);
-        let error = edge.measurement.between(&relative).log();
-        Self { relative, error, to: G::right_jacobian_inverse(&error) }
+        let (error, to) = edge.measurement.between(&relative).log_with_jacobian();
+        Self { relative, error, to }
     }
 
     /// `J_i`.
