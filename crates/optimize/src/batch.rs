@@ -7,6 +7,7 @@
 //! Depends on [`model`](crate::model), [`initialisation`](crate::initialisation), `descent`, `certificate` and `pose_group`.
 
 pub(crate) mod certify;
+mod continuation;
 mod graduated;
 pub(crate) mod solution;
 pub(crate) mod solve;

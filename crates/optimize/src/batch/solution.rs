@@ -12,7 +12,7 @@ pub enum Start {
     SpanningTree,
     /// The chordal relaxation.
     Chordal,
-    /// SE-Sync's cost in more dimensions, from the chordal relaxation.
+    /// SE-Sync's cost in more dimensions and with weak translations, then continuation to the graph's own.
     Lifted,
 }
 
@@ -103,6 +103,13 @@ impl ComponentReport {
             flops: 0.0,
             phases: Phases::default(),
         }
+    }
+
+    /// Adds the steps of a descent.
+    pub(crate) fn count(&mut self, outcome: &Outcome) {
+        self.iterations += outcome.iterations;
+        self.rejected += outcome.rejected;
+        self.factorizations += outcome.factorizations;
     }
 
     /// Stores the result of one start; steps are counted over all starts.

@@ -3,6 +3,7 @@
 use std::cmp::Ordering;
 use std::collections::VecDeque;
 
+use super::continuation::continued;
 use super::graduated::{set_landmark_kernels, set_prior_kernels};
 use super::solution::{ComponentReport, Solution, Start};
 use crate::descent::phases::{Phases, timed};
@@ -136,7 +137,7 @@ fn gather<G: PoseGroup<DOF>, const DOF: usize>(
     }
 }
 
-/// A descent from the relaxation that takes more factorisations than this may have ended in the wrong basin.
+/// A descent from the relaxation that takes more steps than this has probably begun in the wrong basin.
 const HARD: usize = 30;
 
 /// Whether SE-Sync's cost stands for the cost of the graph: without kernels and priors, and with at most one held node.
@@ -150,8 +151,9 @@ type Solved<G, const DOF: usize> = (Vec<G>, Vec<G>, ComponentReport, Option<Syst
 /// Chooses a start of a connected graph whose first `held` nodes keep their poses, and solves from it.
 ///
 /// Without kernels the relaxation is tried first: the cost of a start says little about its basin if a few stiff edges
-/// dominate. If the descent from it is hard, the minimum of SE-Sync's cost in more dimensions is tried next. If its result costs
-/// more than another *start*, that start is tried too, and the lowest result is kept. With kernels, the cheapest start is tried first, since the relaxation ignores outliers.
+/// dominate. If the descent from it is hard, it halts, and the start of [`continuation`](super::continuation) is tried; it goes on if it is
+/// still the lower one then. If the result costs more than another *start*, that start is tried too, and the lowest result is kept. With
+/// kernels, the cheapest start is tried first, since the relaxation ignores outliers.
 fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     part: &Problem<G, DOF>,
     held: usize,
@@ -179,28 +181,30 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
         candidates(part, &mut workspace, options.initialisation, report.cost_given)
     });
     let mut starts = VecDeque::from(starts);
+    let detour = options.initialisation == Initialisation::Best && may_be_lifted(part, held);
     while let Some(mut candidate) = starts.pop_front() {
         if best.is_some()
             && candidate.start != Start::Lifted
-            && candidate.cost.partial_cmp(&report.cost) != Some(Ordering::Less)
+            && candidate.reached().partial_cmp(&report.cost) != Some(Ordering::Less)
         {
             continue;
         }
-        let mut result = candidate.poses.clone();
-        let outcome = workspace.minimise(edges, &mut result, options);
-        report.iterations += outcome.iterations;
-        report.rejected += outcome.rejected;
-        report.factorizations += outcome.factorizations;
+        let may_halt = detour && candidate.start == Start::Chordal && candidate.halted.is_none();
+        let steps = if may_halt { options.max_iterations.min(HARD) } else { options.max_iterations };
+        let mut result = candidate.halted.take().map_or_else(|| candidate.poses.clone(), |(poses, _)| poses);
+        let limited = Options { max_iterations: steps, ..*options };
+        let outcome = workspace.minimise(edges, &mut result, &limited);
+        report.count(&outcome);
         if !known {
             candidate.cost = outcome.initial;
             report.cost_given = outcome.initial;
         }
-        let hard = candidate.start == Start::Chordal
-            && (outcome.factorizations > HARD || !outcome.termination.converged());
-        if hard && options.initialisation == Initialisation::Best && may_be_lifted(part, held) {
-            let poses = timed(&mut phases.start, || G::lifted_poses(edges, &candidate.poses));
-            if let Some(poses) = poses {
-                starts.push_front(Candidate { start: Start::Lifted, cost: cost(part, &poses), poses });
+        if may_halt && !outcome.termination.converged() {
+            let lifted = continued(&mut workspace, edges, &candidate.poses, options, &mut report);
+            if let Some(poses) = lifted {
+                starts.push_front(Candidate { halted: Some((result, outcome.cost)), ..candidate });
+                starts.push_front(Candidate::new(Start::Lifted, cost(part, &poses), poses));
+                continue;
             }
         }
         if best.is_none() || outcome.cost < report.cost {
@@ -250,9 +254,7 @@ fn graduate_component<G: PoseGroup<DOF>, const DOF: usize>(
     let mut best = (Vec::new(), part.poses().to_vec());
     for (name, start, mut poses) in starts {
         let outcome = graduation.minimise(&mut workspace, edges, &mut poses, options);
-        report.iterations += outcome.iterations;
-        report.rejected += outcome.rejected;
-        report.factorizations += outcome.factorizations;
+        report.count(&outcome);
         if best.0.is_empty() || outcome.cost < report.cost {
             report.adopt(name, cost(part, &start), &outcome);
             best = (start, poses);
@@ -288,6 +290,19 @@ struct Candidate<G> {
     start: Start,
     poses: Vec<G>,
     cost: f64,
+    /// The poses and the cost that a descent had reached when it halted.
+    halted: Option<(Vec<G>, f64)>,
+}
+
+impl<G> Candidate<G> {
+    fn new(start: Start, cost: f64, poses: Vec<G>) -> Self {
+        Self { start, poses, cost, halted: None }
+    }
+
+    /// The lowest cost known from here.
+    fn reached(&self) -> f64 {
+        self.halted.as_ref().map_or(self.cost, |(_, cost)| *cost)
+    }
 }
 
 /// The starts asked for, in the order in which they should be tried; at least one.
@@ -298,8 +313,8 @@ fn candidates<G: PoseGroup<DOF>, const DOF: usize>(
     cost_given: f64,
 ) -> Vec<Candidate<G>> {
     let edges = part.edges();
-    let propose = |start: Start, poses: Vec<G>| Candidate { start, cost: cost(part, &poses), poses };
-    let given = || Candidate { start: Start::Given, cost: cost_given, poses: part.poses().to_vec() };
+    let propose = |start: Start, poses: Vec<G>| Candidate::new(start, cost(part, &poses), poses);
+    let given = || Candidate::new(Start::Given, cost_given, part.poses().to_vec());
     let first = workspace.pattern.held;
     let tree = || {
         let poses = spanning_tree_from(first, part.poses(), edges);

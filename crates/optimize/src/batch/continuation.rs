@@ -1,0 +1,82 @@
+//! A start for noisy rotations: follows the minimum from weak translations to the graph's own.
+//!
+//! The chordal relaxation finds rotations without the translations, the limit of translations without weight. Where rotations are noisy
+//! and translations are stiff, that is far from the minimum, in a cost full of ravines. So the information of all translations is first
+//! scaled down until the median measured translation says as much about rotations as the median measured rotation does. The minimum there
+//! is found in more dimensions ([`lifted`](crate::lifted)). Then the scale rises, and each descent starts at the minimum before it
+//! (a homotopy: E. L. Allgower, K. Georg, "Numerical Continuation Methods", 1990). Depends on `descent`, `lifted` and `pose_group`.
+
+use posecut_geometry::LieGroup;
+
+use super::solution::ComponentReport;
+use crate::descent::phases::timed;
+use crate::descent::workspace::Workspace;
+use crate::model::magnitude::translations;
+use crate::model::problem::Edge;
+use crate::options::Options;
+use crate::pose_group::PoseGroup;
+
+/// The scale rises by this factor.
+const RISE: f64 = 4.0;
+
+/// Steps tried at a scale. The next scale needs no exact minimum.
+const STEPS: usize = 20;
+
+/// The share by which a step must lower the cost for the descent to go on.
+const ROUGH: f64 = 1e-4;
+
+/// The scale at which the median edge's translation says as much about a rotation as its rotation: `tr(I_rr) / (tr(I_tt) |z|^2)`, both
+/// traces divided by their size; at most 1.
+fn first_scale<G: LieGroup<DOF>, const DOF: usize>(edges: &[Edge<G, DOF>]) -> f64 {
+    let split = translations(DOF);
+    let mean = |edge: &Edge<G, DOF>, axes: std::ops::Range<usize>| {
+        let size = axes.len() as f64;
+        axes.map(|axis| edge.information[(axis, axis)]).sum::<f64>() / size
+    };
+    let ratio = |edge: &Edge<G, DOF>| {
+        let distance = edge.measurement.log().rows(0, split).norm_squared();
+        mean(edge, split..DOF) / (mean(edge, 0..split) * distance)
+    };
+    let mut ratios: Vec<f64> =
+        edges.iter().map(ratio).filter(|ratio| ratio.is_finite() && *ratio > 0.0).collect();
+    ratios.sort_by(f64::total_cmp);
+    ratios.get(ratios.len() / 2).copied().unwrap_or(1.0).min(1.0)
+}
+
+/// The edges with the information of their translations scaled; `S I S` with `S = diag(sqrt(scale), 1)` remains positive definite.
+fn scaled<G: LieGroup<DOF>, const DOF: usize>(edges: &[Edge<G, DOF>], scale: f64) -> Vec<Edge<G, DOF>> {
+    let split = translations(DOF);
+    let root = scale.sqrt();
+    let mut all = edges.to_vec();
+    for edge in &mut all {
+        for axis in 0..split {
+            edge.information.row_mut(axis).scale_mut(root);
+            edge.information.column_mut(axis).scale_mut(root);
+        }
+    }
+    all
+}
+
+/// Poses near the minimum of a graph, found from those of the relaxation: the minimum of SE-Sync's cost in more dimensions where
+/// translations are weak ([`lifted`](crate::lifted)), followed to the graph's own information. `None` if SE-Sync's cost does not exist.
+/// The descents are counted in the report.
+pub(super) fn continued<G: PoseGroup<DOF>, const DOF: usize>(
+    workspace: &mut Workspace<'_, G, DOF>,
+    edges: &[Edge<G, DOF>],
+    relaxed: &[G],
+    options: &Options,
+    report: &mut ComponentReport,
+) -> Option<Vec<G>> {
+    let rough = Options { max_iterations: STEPS, cost_tolerance: ROUGH, ..*options };
+    let mut scale = first_scale(edges);
+    let mut seconds = 0.0;
+    let lifted = timed(&mut seconds, || G::lifted_poses(&scaled(edges, scale), relaxed));
+    workspace.phases.start += seconds;
+    let mut poses = lifted?;
+    while scale < 1.0 {
+        let outcome = workspace.minimise(&scaled(edges, scale), &mut poses, &rough);
+        report.count(&outcome);
+        scale *= RISE;
+    }
+    Some(poses)
+}
