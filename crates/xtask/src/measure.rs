@@ -1,5 +1,6 @@
 //! `cargo xtask measure`: measures time and memory of programs, and writes tables of documents.
 
+mod cliques;
 mod incremental;
 mod lag;
 mod memory;
@@ -29,6 +30,7 @@ enum What {
     #[command(hide = true)]
     Graph(memory::graph::Graph),
     Pcm(pcm::Pcm),
+    Cliques(cliques::Cliques),
     Verify(verify::Verify),
     Optimize(optimize::Optimize),
     Incremental(incremental::Incremental),
@@ -45,6 +47,7 @@ impl Measure {
             What::Memory(task) => task.run(),
             What::Graph(task) => task.run(),
             What::Pcm(task) => task.run(),
+            What::Cliques(task) => task.run(),
             What::Verify(task) => task.run(),
             What::Optimize(task) => task.run(),
             What::Incremental(task) => task.run(),
