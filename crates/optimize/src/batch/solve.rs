@@ -138,7 +138,7 @@ fn gather<G: PoseGroup<DOF>, const DOF: usize>(
 }
 
 /// A descent from the relaxation that takes more steps than this has probably begun in the wrong basin.
-const HARD: usize = 30;
+const HARD: usize = 20;
 
 /// Whether SE-Sync's cost stands for the cost of the graph: without kernels and priors, and with at most one held node.
 fn may_be_lifted<G: PoseGroup<DOF>, const DOF: usize>(part: &Problem<G, DOF>, held: usize) -> bool {
