@@ -2,12 +2,13 @@
 //!
 //! Each component is reduced to kernels. [`search`] closes a kernel by branch and cut: a packing, the cycle relaxation with
 //! odd wheels, edges fixed by residual cost, branching; [`cut_tree`] closes small kernels, with one linear program throughout.
-//! Before that, small kernels are annealed, dense ones bounded by spread conflicts, and solution and packing of long ones
+//! Before that, small kernels are annealed and dense ones bounded by spread conflicts ([`preparation`]), and solution and packing of long ones
 //! improved in turn ([`bands`]). Depends on all the theory of this crate: [`reduce`](crate::reduce),
 //! [`heuristics`](crate::heuristics), [`bound`](crate::bound), [`certificate`](crate::certificate).
 
 mod bands;
 mod cut_tree;
+mod preparation;
 mod rounding;
 mod search;
 
@@ -24,7 +25,8 @@ use crate::heuristics::start::{contract, contract_and_move};
 use crate::options::{Options, Solver};
 use crate::reduce::decomposition::{Decomposition, decompose};
 use bands::HUGE;
-use search::{State, bound_by_spreading, close, improve, prepare, survey};
+use preparation::{bound_by_spreading, prepare};
+use search::{State, close, improve, survey};
 
 /// A multicut and its lower bound.
 #[derive(Debug, Clone)]

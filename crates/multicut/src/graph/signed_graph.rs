@@ -156,6 +156,11 @@ impl SignedGraph {
         self.adjacency[kept as usize] = merged;
     }
 
+    /// Sum of the negative costs: no multicut costs less.
+    pub(crate) fn negative_sum(&self) -> f64 {
+        self.edges().map(|(_, _, cost)| cost.min(0.0)).sum()
+    }
+
     /// Objective of a labelling.
     pub(crate) fn objective(&self, labels: &[u32]) -> f64 {
         let mut sum = crate::graph::sum::Sum::default();

@@ -43,18 +43,18 @@ pub(crate) fn anneal(
     let edges = graph.edges().count();
     let mean = graph.edges().map(|edge| edge.2.abs()).sum::<f64>() / edges.max(1) as f64;
     let mut proposals = PROPOSALS.0;
+    // The n-th root by a loop: every machine gets the same number.
+    let cooling = root(COLD, STEPS);
     for round in 0.. {
         if nodes == 0 || budget.spent() >= end || !budget.spend(nodes as u64) {
             return;
         }
         let mut clusters = Clusters::new(graph, labels);
         let mut temperature = HEAT[round % HEAT.len()] * mean;
-        let steps = STEPS as i32;
-        // The n-th root by a loop: every machine gets the same number.
-        let cooling = root(COLD, steps);
-        for _ in 0..steps {
-            let moved = clusters.propose(proposals * nodes / STEPS, temperature, &mut random);
-            budget.spend(moved + PROPOSAL * (proposals * nodes / STEPS) as u64);
+        let each = proposals * nodes / STEPS;
+        for _ in 0..STEPS {
+            let moved = clusters.propose(each, temperature, &mut random);
+            budget.spend(moved + PROPOSAL * each as u64);
             temperature *= cooling;
             if budget.is_over() {
                 return;
@@ -73,7 +73,7 @@ pub(crate) fn anneal(
 }
 
 /// The positive number whose power is `value`, by bisection.
-fn root(value: f64, power: i32) -> f64 {
+fn root(value: f64, power: usize) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);

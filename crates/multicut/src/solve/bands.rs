@@ -43,8 +43,7 @@ pub(super) const HUGE: usize = 1_000_000;
 
 /// Whether a kernel is huge, and a solution with this objective near its negative costs.
 pub(super) fn is_huge_band(graph: &SignedGraph, objective: f64) -> bool {
-    let least = || graph.edges().map(|edge| edge.2.min(0.0)).sum::<f64>();
-    graph.edges().count() > HUGE && objective <= least() * (1.0 - POOR)
+    graph.edges().count() > HUGE && objective <= graph.negative_sum() * (1.0 - POOR)
 }
 
 /// The first solution of a huge kernel: by segments if they are good, otherwise by contraction and moves.
@@ -111,8 +110,7 @@ pub(crate) fn tighten(graph: &SignedGraph, state: &mut State, budget: &mut Budge
 fn segments(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
     let mut order = band_order(graph);
     let rough = segment(graph, &order, budget);
-    let least: f64 = graph.edges().map(|edge| edge.2.min(0.0)).sum();
-    if graph.edges().count() > HUGE && graph.objective(&rough) > least * (1.0 - ROUGH) {
+    if graph.edges().count() > HUGE && graph.objective(&rough) > graph.negative_sum() * (1.0 - ROUGH) {
         return rough;
     }
     shorten(graph, &mut order);

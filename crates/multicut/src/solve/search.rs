@@ -5,14 +5,12 @@ use super::cut_tree;
 use super::rounding::round;
 use crate::bound::packing::Packing;
 use crate::bound::relaxation::{Relaxation, solve_relaxation};
-use crate::bound::spreading::spread;
 use crate::budget::Budget;
 use crate::certificate::proof::{Proof, Reduced};
 use crate::graph::kernel::Kernel;
 use crate::graph::signed_graph::SignedGraph;
 use crate::graph::sum::Sum;
 use crate::graph::union_find::UnionFind;
-use crate::heuristics::annealing::anneal;
 use crate::heuristics::kernighan_lin::kernighan_lin_with_joins;
 use crate::heuristics::local_search::{fuse_proposals, solve_contracted};
 use crate::heuristics::start::contract;
@@ -28,7 +26,7 @@ pub(crate) struct State {
     /// Lower bound on the optimum.
     pub(crate) bound: f64,
     /// Gap up to which the kernel counts as closed.
-    tolerance: f64,
+    pub(super) tolerance: f64,
     packing: Packing,
     /// Proof of the bound, if a certificate is wanted.
     pub(crate) proof: Option<Proof>,
@@ -49,14 +47,6 @@ const SMALL: usize = 1_500;
 /// Kernels of up to this many edges go to it at once; the interior point method closes many larger ones faster.
 const TINY: usize = 500;
 
-/// Largest kernel, in nodes, that is annealed, the work that this takes for each edge, also where the gap is wide, and the most
-/// work.
-const ANNEALED: usize = 400;
-const ANNEALING: (u64, u64) = (1_500, 15_000);
-const MOST_ANNEALING: u64 = 60_000_000;
-/// Gap that counts as wide, as a share of the payment.
-const WIDE: f64 = 0.02;
-
 fn magnitude(graph: &SignedGraph) -> f64 {
     graph.edges().map(|(_, _, cost)| cost.abs()).sum()
 }
@@ -69,7 +59,7 @@ impl State {
     /// A solution with the trivial lower bound.
     fn unknown(graph: &SignedGraph, labels: Vec<u32>, record: bool) -> Self {
         let (objective, packing) = (graph.objective(&labels), Packing::default());
-        let bound = graph.edges().map(|(_, _, cost)| cost.min(0.0)).sum();
+        let bound = graph.negative_sum();
         let tolerance = TOLERANCE * magnitude(graph);
         State {
             labels,
@@ -82,7 +72,7 @@ impl State {
     }
 
     /// Replaces the bound by a better one.
-    fn raise(&mut self, bound: f64, proof: impl FnOnce() -> Option<Proof>) {
+    pub(super) fn raise(&mut self, bound: f64, proof: impl FnOnce() -> Option<Proof>) {
         if bound > self.bound {
             self.bound = bound;
             if self.proof.is_some() {
@@ -147,39 +137,6 @@ pub(crate) fn survey(
         improve(graph, &mut state, 0, 0, budget);
     }
     state
-}
-
-/// Improves the solution of a small kernel by annealing before anything else, because all that follows relies on a good one.
-pub(crate) fn prepare(graph: &SignedGraph, state: &mut State, seed: u64, budget: &mut Budget) {
-    if state.is_closed() || graph.node_count() > ANNEALED || budget.is_over() {
-        return;
-    }
-    // A wide gap means a long search, or none that ends.
-    let least: f64 = graph.edges().map(|edge| edge.2.min(0.0)).sum();
-    let wide = state.objective - state.bound > WIDE * (state.bound - least);
-    let each = if wide { ANNEALING.1 } else { ANNEALING.0 };
-    let effort = (each * graph.edges().count() as u64).min(MOST_ANNEALING);
-    let mut labels = state.labels.clone();
-    anneal(graph, &mut labels, effort, seed, budget);
-    state.offer(graph, labels);
-}
-
-/// Smallest share of all pairs of nodes that edges join in a dense kernel.
-const DENSE: f64 = 0.3;
-
-/// Bounds a dense kernel by tight conflicts of its solution. There are too many of them to start anything else from.
-pub(crate) fn bound_by_spreading(graph: &SignedGraph, state: &mut State, budget: &mut Budget) {
-    let nodes = graph.node_count() as f64;
-    let dense = graph.edges().count() as f64 >= DENSE * 0.5 * nodes * (nodes - 1.0);
-    if state.is_closed() || !dense || budget.is_over() {
-        return;
-    }
-    let kernel = Kernel::new(graph);
-    // Integers round up.
-    let target = state.objective - if kernel.integral { 0.999 } else { 0.5 * state.tolerance };
-    if let Some(packing) = spread(&kernel, &state.labels, target, budget) {
-        state.raise(kernel.rounded(packing.bound), || Some(Proof::Packing(packing.conflicts)));
-    }
 }
 
 /// Improves the solution of a kernel by local search.

@@ -72,8 +72,8 @@ impl<'a> Choices<'a> {
             for &(other, edge) in kernel.arcs(node) {
                 let cost = kernel.costs[edge as usize];
                 if other > node && cost < 0.0 && labels[node as usize] == labels[other as usize] {
-                    let kept = all.inside(labels, node);
-                    let kept: Vec<u32> = kept.into_iter().filter(|&kept| all.sign(kept, other) > 0).collect();
+                    let inside = all.inside(labels, node);
+                    let kept: Vec<u32> = inside.filter(|&kept| all.sign(kept, other) > 0).collect();
                     all.push(Payers::Repulsive(node, other), -cost, &kept);
                 }
             }
@@ -107,16 +107,16 @@ impl<'a> Choices<'a> {
     }
 
     /// Neighbours that a node attracts in its cluster.
-    fn inside(&self, labels: &[u32], node: u32) -> Vec<u32> {
+    fn inside(&self, labels: &[u32], node: u32) -> impl Iterator<Item = u32> {
         let arcs = self.kernel.arcs(node).iter();
-        let joined = arcs.filter(|arc| labels[arc.0 as usize] == labels[node as usize]);
-        joined.filter(|arc| self.kernel.costs[arc.1 as usize] > 0.0).map(|arc| arc.0).collect()
+        let joined = arcs.filter(move |arc| labels[arc.0 as usize] == labels[node as usize]);
+        joined.filter(|arc| self.kernel.costs[arc.1 as usize] > 0.0).map(|arc| arc.0)
     }
 
     /// Groups of the cut attractive edges at a node, members by increasing demand. Each edge has half of its capacity at either
     /// end, or all of it where the other end has no choice.
     fn groups(&mut self, labels: &[u32], node: u32, size: usize) -> Vec<Group> {
-        let inside = self.inside(labels, node);
+        let inside: Vec<u32> = self.inside(labels, node).collect();
         let mut groups: Vec<Group> = Vec::new();
         for &(other, edge) in self.kernel.arcs(node) {
             let cost = self.kernel.costs[edge as usize];
@@ -127,7 +127,7 @@ impl<'a> Choices<'a> {
             if !inside.iter().any(repels) {
                 continue;
             }
-            let both = self.inside(labels, other).iter().any(|&kept| self.sign(kept, node) < 0);
+            let both = self.inside(labels, other).any(|kept| self.sign(kept, node) < 0);
             let member = (other, if both { 0.5 * cost } else { cost });
             let place = groups.iter().position(|group| {
                 group.members.len() < size
