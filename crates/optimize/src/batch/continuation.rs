@@ -11,7 +11,7 @@ use posecut_geometry::LieGroup;
 use super::solution::ComponentReport;
 use crate::descent::phases::timed;
 use crate::descent::workspace::Workspace;
-use crate::model::magnitude::translations;
+use crate::model::magnitude::{median_of_positive, translations};
 use crate::model::problem::Edge;
 use crate::options::Options;
 use crate::pose_group::PoseGroup;
@@ -37,10 +37,7 @@ fn first_scale<G: LieGroup<DOF>, const DOF: usize>(edges: &[Edge<G, DOF>]) -> f6
         let distance = edge.measurement.log().rows(0, split).norm_squared();
         mean(edge, split..DOF) / (mean(edge, 0..split) * distance)
     };
-    let mut ratios: Vec<f64> =
-        edges.iter().map(ratio).filter(|ratio| ratio.is_finite() && *ratio > 0.0).collect();
-    ratios.sort_by(f64::total_cmp);
-    ratios.get(ratios.len() / 2).copied().unwrap_or(1.0).min(1.0)
+    median_of_positive(edges.iter().map(ratio)).unwrap_or(1.0).min(1.0)
 }
 
 /// The edges with the information of their translations scaled; `S I S` with `S = diag(sqrt(scale), 1)` remains positive definite.
@@ -69,10 +66,7 @@ pub(super) fn continued<G: PoseGroup<DOF>, const DOF: usize>(
 ) -> Option<Vec<G>> {
     let rough = Options { max_iterations: STEPS, cost_tolerance: ROUGH, ..*options };
     let mut scale = first_scale(edges);
-    let mut seconds = 0.0;
-    let lifted = timed(&mut seconds, || G::lifted_poses(&scaled(edges, scale), relaxed));
-    workspace.phases.start += seconds;
-    let mut poses = lifted?;
+    let mut poses = timed(&mut workspace.phases.start, || G::lifted_poses(&scaled(edges, scale), relaxed))?;
     while scale < 1.0 {
         let outcome = workspace.minimise(&scaled(edges, scale), &mut poses, &rough);
         report.count(&outcome);

@@ -177,16 +177,17 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
 
     /// Computes the gradient and the cost at the trial; the matrix stays the same.
     pub(crate) fn trial_gradient<T: Term<G, DOF>>(&mut self, edges: &[T]) -> f64 {
-        let trial = std::mem::take(&mut self.trial);
-        let cost = self.assemble_gradient(edges, &trial);
-        self.trial = trial;
-        cost
+        self.at_trial(|workspace, trial| workspace.assemble_gradient(edges, trial))
     }
 
     /// Assembles the equations at the trial and returns the cost.
     pub(crate) fn trial_equations<T: Term<G, DOF>>(&mut self, edges: &[T]) -> f64 {
+        self.at_trial(|workspace, trial| workspace.assemble(edges, trial))
+    }
+
+    fn at_trial(&mut self, assemble: impl FnOnce(&mut Self, &[G]) -> f64) -> f64 {
         let trial = std::mem::take(&mut self.trial);
-        let cost = self.assemble(edges, &trial);
+        let cost = assemble(self, &trial);
         self.trial = trial;
         cost
     }

@@ -25,14 +25,7 @@ impl Magnitude {
     pub fn of<'a, G: LieGroup<DOF> + 'a, const DOF: usize>(
         edges: impl Iterator<Item = &'a Edge<G, DOF>> + Clone,
     ) -> Self {
-        let mut lengths: Vec<f64> = edges
-            .clone()
-            .map(|edge| distance(&edge.measurement))
-            .filter(|length| *length > 0.0 && length.is_finite())
-            .collect();
-        let middle = lengths.len() / 2;
-        let length =
-            if lengths.is_empty() { 1.0 } else { *lengths.select_nth_unstable_by(middle, f64::total_cmp).1 };
+        let length = median_of_positive(edges.clone().map(|edge| distance(&edge.measurement))).unwrap_or(1.0);
         let cost: f64 = edges.map(|edge| size(edge, length)).sum();
         Self { length, cost: if cost.is_finite() { cost } else { 0.0 } }
     }
@@ -55,6 +48,13 @@ impl Magnitude {
         };
         tangent.enumerate().map(scaled).fold(0.0, f64::max)
     }
+}
+
+/// The median of the values that are positive and finite, the upper one of two; `None` if there are none. O(values).
+pub(crate) fn median_of_positive(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.filter(|value| *value > 0.0 && value.is_finite()).collect();
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// The cost of an edge whose residual is `length` along each axis of the translation and one radian about each rotation axis.
