@@ -34,9 +34,9 @@ const EXPERIMENT: &str = "pipelines/cliques.toml";
 
 /// The gates, each with the method that has the map's limit and the one that has a larger limit.
 const GATES: [(&str, [&str; 2]); 3] = [
-    ("the correct gate", ["pcm", "longer"]),
-    ("the root gate", ["pcm-root", "root-longer"]),
-    ("calibrated covariances", ["pcm-calibrated", "calibrated-longer"]),
+    ("The correct gate", ["pcm", "longer"]),
+    ("The root gate", ["pcm-root", "root-longer"]),
+    ("Calibrated covariances", ["pcm-calibrated", "calibrated-longer"]),
 ];
 
 /// A task of the plan. Only those that evaluate have labels: numbers or texts.
@@ -205,13 +205,7 @@ fn section(map: &Map, gate: &str, method: &str, limit: &str) -> String {
     let (runs, proved) =
         of_method().fold((0, 0), |(runs, proved), (_, cell)| (runs + cell.runs, proved + cell.proved));
     format!(
-        "\n{}, {limit}: {proved} of {runs} searches proved, the longest took {longest:.1} s.\n\n{}\n",
-        capitalised(gate),
+        "\n{gate}, {limit}: {proved} of {runs} searches proved, the longest took {longest:.1} s.\n\n{}\n",
         table(&head, 2, &body).join("\n")
     )
-}
-
-fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

@@ -21,6 +21,8 @@ const HEURISTICS: [&str; 9] = [
 
 const HARD: [&str; 9] =
     ["instance", "nodes", "edges", "CPU s", "MB", "objective", "known optimum", "lower bound", "proved"];
+/// The place of the known optimum.
+const HARD_KNOWN: usize = 6;
 
 const NO_PEER: &str = "Not measured: `--peer` measures bioimage-cpp.";
 
@@ -112,13 +114,13 @@ fn grown(solved: &Solved) -> String {
     format!("{:.2} s, {:.0} MB, {}, {end}", solved.cpu, solved.memory, percent(surviving(solved)))
 }
 
-/// A table with a row for each instance.
-pub(super) fn exact(found: &[Found]) -> String {
-    let row = |found: &Found| {
-        let mut cells = vec![found.name.clone()];
-        match &found.exact {
-            None => cells.extend(["–", "–", "failed", "", "", "", "", ""].map(str::to_owned)),
-            Some(solved) => cells.extend([
+/// The row of a proof: instance, size, effort, objective, bound and whether they meet, with one more cell at the given place.
+fn proof(found: &Found, place: usize, cell: impl Fn(&Solved) -> String) -> Vec<String> {
+    let mut cells = vec![found.name.clone()];
+    match &found.exact {
+        None => cells.extend(["–", "–", "failed", "", "", "", "", ""].map(str::to_owned)),
+        Some(solved) => {
+            cells.extend([
                 solved.nodes.to_string(),
                 solved.edges.to_string(),
                 format!("{:.2}", solved.cpu),
@@ -126,12 +128,17 @@ pub(super) fn exact(found: &[Found]) -> String {
                 general(solved.objective, 10),
                 general(solved.lower_bound, 10),
                 if solved.optimal { "yes" } else { "no" }.to_owned(),
-                general(100.0 * surviving(solved), 3),
-            ]),
+            ]);
+            cells.insert(place, cell(solved));
         }
-        cells
-    };
-    let rows: Vec<Vec<String>> = found.iter().map(row).collect();
+    }
+    cells
+}
+
+/// A table with a row for each instance.
+pub(super) fn exact(found: &[Found]) -> String {
+    let share = |solved: &Solved| general(100.0 * surviving(solved), 3);
+    let rows: Vec<Vec<String>> = found.iter().map(|found| proof(found, EXACT.len() - 1, share)).collect();
     narrow(&markdown::table(&markdown::cells(&EXACT), EXACT.len(), &rows))
 }
 
@@ -150,21 +157,7 @@ pub(super) fn hard(found: &[Found], known: &[Option<f64>]) -> String {
         known.iter().flatten().count()
     );
     let row = |(found, known): (&Found, &Option<f64>)| {
-        let mut cells = vec![found.name.clone()];
-        match &found.exact {
-            None => cells.extend(["–", "–", "failed", "", "", "", "", ""].map(str::to_owned)),
-            Some(solved) => cells.extend([
-                solved.nodes.to_string(),
-                solved.edges.to_string(),
-                format!("{:.2}", solved.cpu),
-                format!("{:.0}", solved.memory),
-                general(solved.objective, 10),
-                known.map_or_else(String::new, |known| general(known, 10)),
-                general(solved.lower_bound, 10),
-                if solved.optimal { "yes" } else { "no" }.to_owned(),
-            ]),
-        }
-        cells
+        proof(found, HARD_KNOWN, |_| known.map_or_else(String::new, |known| general(known, 10)))
     };
     let rows: Vec<Vec<String>> = found.iter().zip(known).map(row).collect();
     format!("{text}\n\n{}", narrow(&markdown::table(&markdown::cells(&HARD), HARD.len(), &rows)))
