@@ -1,0 +1,5 @@
+//! Tests of matching on scans of simulated rooms.
+
+mod correlative;
+mod icp;
+mod rooms;
