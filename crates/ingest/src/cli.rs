@@ -1,10 +1,13 @@
-//! The command line of `posecut-ingest`: builds the pose graph of a session from NCLT's files.
+//! The command line of `posecut-ingest`: builds the pose graph of a session from NCLT's files or from a CARMEN log.
+
+mod log;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use crate::{Event, Options, SessionFiles, Summary, ingest};
 use clap::Parser;
+use posecut_carmen::LogOptions;
 use posecut_graph::InputDigest;
 use posecut_stage::{
     CommonArguments, Doubt, Examples, Identity, Outcome, Phase, Place, Statistics, counted, digest, info,
@@ -13,7 +16,7 @@ use posecut_stage::{
 
 #[derive(Parser)]
 struct Command {
-    /// Read this session: a directory with NCLT's CSV files, or its DATE_sen.tar.gz
+    /// Read this session: a directory with NCLT's CSV files, its DATE_sen.tar.gz, or a CARMEN log (plain, gzip, bzip2; `-` is standard input)
     #[arg(value_name = "SESSION")]
     session: PathBuf,
 
@@ -24,6 +27,13 @@ struct Command {
     /// Take the times of keyframes from the names of the images in this directory, UTIME.tiff [default: lb3/Cam5 in the session, if there is one]
     #[arg(long, value_name = "DIRECTORY")]
     images: Option<PathBuf>,
+
+    /// Write the scans to this file, one record a line, instead of into the graph
+    #[arg(long, value_name = "FILE", help_heading = "CARMEN logs")]
+    scans: Option<PathBuf>,
+
+    #[command(flatten)]
+    log: LogOptions,
 
     #[command(flatten)]
     options: Options,
@@ -38,6 +48,7 @@ const EXAMPLES: Examples = Examples(&[
         "Correct wheels that over-read by 7 %",
         "posecut ingest 2012-01-22/ --wheel-scale 0.93 -o session.jsonl",
     ),
+    ("Read a laser log, and match its scans", "posecut ingest robot.log --scan-matching -o session.jsonl"),
 ]);
 
 /// The `main` of the program.
@@ -45,7 +56,7 @@ pub fn main() -> ExitCode {
     let identity = Identity {
         name: "ingest",
         version: env!("CARGO_PKG_VERSION"),
-        about: "Read an NCLT session and write its pose graph: keyframes, odometry, ground truth",
+        about: "Read an NCLT session or a CARMEN log and write its pose graph: keyframes, odometry, ground truth, scans",
         place: Place(Phase::Graphs, 20),
         examples: EXAMPLES,
     };
@@ -55,6 +66,11 @@ pub fn main() -> ExitCode {
         |command| &command.common,
         |command, context| {
             command.options.check()?;
+            command.log.check()?;
+            if log::is_log(&command.session)? {
+                return log::run(command, context);
+            }
+            log::refuse_options_of_logs(command)?;
             let mut files = SessionFiles::find(
                 &command.session,
                 command.ground_truth.as_deref(),

@@ -1,0 +1,131 @@
+//! Steps between keyframes by odometry and scan matching together.
+
+use nalgebra::{Matrix3, Vector3};
+use posecut_geometry::{LieGroup, SE2};
+use posecut_matching::{Alignment, Cloud, IcpOptions, Neighbours, align};
+use posecut_scan::LaserScan;
+use serde::Serialize;
+
+use crate::keyframes::Step;
+use crate::noise;
+
+/// A match is used only if at least this share of the later scan's points found a partner.
+const LEAST_MATCHED: f64 = 0.3;
+
+/// ICP that does not come to rest often circles within less than a millimetre, because points change their partners. It has settled
+/// if ICP from its result ends within this distance, metres and radians.
+const SETTLED: f64 = 0.002;
+
+/// A match is not used if its squared normalised distance from the odometry is above this: the chi-square quantile of 1 - 1e-4 for
+/// three degrees of freedom. Wheels slip by more than this rarely, and ICP finds a wrong pose more often.
+const GATE: f64 = 21.108;
+
+/// How well the odometry agrees with scan matching.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Agreement {
+    /// Steps with a match that was used.
+    pub matched: usize,
+    /// Steps whose scans could not be matched: the odometry alone was used.
+    pub unmatched: usize,
+    /// Steps whose match was too far from the odometry to be used.
+    pub contradicting: usize,
+    /// Difference of match and odometry forward, over the matched steps: root mean square and robust standard deviation, metres.
+    pub difference_forward_m: [f64; 2],
+    /// The same sideways, metres.
+    pub difference_sideways_m: [f64; 2],
+    /// The same in heading, radians.
+    pub difference_heading_rad: [f64; 2],
+    /// Mean squared difference, normalised by the covariances of both, for each degree of freedom: 1 if both are right.
+    pub normalised_square: f64,
+}
+
+/// A step as the graph gets it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// The pose of the later keyframe in the frame of the earlier one.
+    pub motion: SE2,
+    /// Its information matrix, order x, y, theta.
+    pub information: Matrix3<f64>,
+}
+
+/// The steps by odometry alone.
+pub fn by_odometry(steps: &[Step]) -> Vec<Measured> {
+    steps.iter().map(|step| Measured { motion: step.motion, information: noise::information(step) }).collect()
+}
+
+/// The steps by odometry and scan matching. O(keyframes * beams).
+pub fn by_matching(steps: &[Step], scans: &[&LaserScan]) -> (Vec<Measured>, Agreement) {
+    let clouds: Vec<Cloud> = scans.iter().map(|scan| Cloud::of_scan(scan)).collect();
+    let first_distance = IcpOptions::default().first_distance;
+    let mut agreement = Agreement::default();
+    let mut differences = Vec::new();
+    let mut squares = 0.0;
+    let measured = steps.iter().zip(clouds.windows(2)).map(|(step, pair)| {
+        let index = Neighbours::new(&pair[0].points, first_distance);
+        let found = settled(&pair[0], &index, &pair[1], &step.motion)
+            .filter(|found| found.matched as f64 >= LEAST_MATCHED * pair[1].len() as f64);
+        let Some(found) = found else {
+            agreement.unmatched += 1;
+            return Measured { motion: step.motion, information: noise::information(step) };
+        };
+        let difference = found.pose.between(&step.motion).log();
+        let square = normalised_square(&difference, step, &found);
+        if square > GATE {
+            agreement.contradicting += 1;
+            return Measured { motion: step.motion, information: noise::information(step) };
+        }
+        agreement.matched += 1;
+        differences.push(difference);
+        squares += square;
+        fused(step, &found)
+    });
+    let measured = measured.collect();
+    let spread = |row: usize| spread(differences.iter().map(|difference| difference[row]));
+    agreement.difference_forward_m = spread(0);
+    agreement.difference_sideways_m = spread(1);
+    agreement.difference_heading_rad = spread(2);
+    agreement.normalised_square = squares / (3 * agreement.matched.max(1)) as f64;
+    (measured, agreement)
+}
+
+/// The match of two scans, if ICP comes to rest or settles.
+fn settled(reference: &Cloud, index: &Neighbours, query: &Cloud, start: &SE2) -> Option<Alignment> {
+    let options = IcpOptions::default();
+    let found = align(reference, index, query, start, &options)?;
+    if found.converged {
+        return Some(found);
+    }
+    let near = IcpOptions { first_distance: options.least_distance, ..options };
+    let again = align(reference, index, query, &found.pose, &near)?;
+    let moved = found.pose.between(&again.pose).log().amax();
+    (again.converged || moved <= SETTLED).then_some(again)
+}
+
+/// `d^T (S_odometry + S_match)^-1 d`, written with information matrices, so that a match may be undetermined along a corridor:
+/// `(A^-1 + B^-1)^-1 = A - A (A + B)^-1 A`.
+fn normalised_square(difference: &Vector3<f64>, step: &Step, found: &Alignment) -> f64 {
+    let odometry = noise::information(step);
+    let Some(inverse) = (odometry + found.information).try_inverse() else { return 0.0 };
+    let both = odometry - odometry * inverse * odometry;
+    difference.dot(&(both * difference)).max(0.0)
+}
+
+/// The product of two independent normal distributions of one pose, in the tangent space at the match (first order).
+fn fused(step: &Step, found: &Alignment) -> Measured {
+    let odometry = noise::information(step);
+    let information = odometry + found.information;
+    let towards = found.pose.between(&step.motion).log();
+    let shift = information.try_inverse().map_or_else(Vector3::zeros, |inverse| inverse * odometry * towards);
+    Measured { motion: found.pose.compose(&SE2::exp(&shift)), information }
+}
+
+/// Root mean square, and 1.4826 times the median of the absolute values.
+fn spread(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let mut sizes: Vec<f64> = values.map(f64::abs).collect();
+    if sizes.is_empty() {
+        return [0.0; 2];
+    }
+    sizes.sort_by(f64::total_cmp);
+    let mean = sizes.iter().map(|size| size * size).sum::<f64>() / sizes.len() as f64;
+    [mean.sqrt(), 1.4826 * sizes[sizes.len() / 2]]
+}
