@@ -6,6 +6,7 @@
 //! - [`trajectory`]: absolute and relative trajectory errors (Sturm et al., IROS 2012).
 //! - [`edges`]: precision and recall of the landmark edges in use.
 //! - [`ground_truth`]: how far the estimate and its reference are from the truth.
+//! - [`relations`]: errors of relative motions that were measured by hand (Kuemmerle et al. 2009).
 //! - [`calibration`]: how often the edges of each `verify_probability` are correct.
 //! - [`result`]: all of these in one JSON document that names its alignment.
 
@@ -16,9 +17,10 @@ pub mod cli;
 pub mod edges;
 mod error;
 pub mod ground_truth;
+pub mod relations;
 pub mod result;
 pub mod summary;
 pub mod trajectory;
 
 pub use error::EvaluateError;
-pub use result::{EvaluationResult, Options, Scope, evaluate};
+pub use result::{EvaluationResult, Options, Scope, evaluate, evaluate_with_relations};

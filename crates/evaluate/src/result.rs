@@ -11,6 +11,7 @@ use crate::alignment::{Alignment, Freedom};
 use crate::calibration::{Calibration, calibration};
 use crate::edges::{EdgeScores, score};
 use crate::ground_truth::GroundTruth;
+use crate::relations::RelationErrors;
 use crate::summary::Summary;
 use crate::trajectory::{AbsoluteError, Match, RelativeError, align, errors, relative_error};
 
@@ -78,8 +79,9 @@ pub struct EvaluationResult {
     version: u64,
     /// The caller's labels of this run.
     pub labels: BTreeMap<String, Value>,
-    /// Root mean square distance over all common poses after alignment, metres.
-    pub rmse: f64,
+    /// Root mean square distance over all common poses after alignment, metres; `None` if there is nothing to compare with but
+    /// relations.
+    pub rmse: Option<f64>,
     /// How the poses were aligned before the errors were measured.
     pub alignment: AlignmentUsed,
     /// Components of the estimate over the edges in use. If there are several, their relative poses are unknown.
@@ -95,6 +97,9 @@ pub struct EvaluationResult {
     pub ate: AbsoluteError,
     /// Relative pose error.
     pub rpe: RelativeError,
+    /// Errors of relative motions that were measured by hand; absent without them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub relations: Option<RelationErrors>,
     /// The absolute translation error of each session under the same alignment.
     pub sessions: BTreeMap<String, Summary>,
     /// Precision and recall of landmark edges; absent if no edge's truth is known.
@@ -138,6 +143,16 @@ pub fn evaluate(
     reference: Option<&PoseGraph>,
     options: &Options,
 ) -> Result<EvaluationResult, EvaluateError> {
+    evaluate_with_relations(estimate, reference, None, options)
+}
+
+/// The same, with the errors of relations, which need no other ground truth.
+pub fn evaluate_with_relations(
+    estimate: &PoseGraph,
+    reference: Option<&PoseGraph>,
+    relations: Option<RelationErrors>,
+    options: &Options,
+) -> Result<EvaluationResult, EvaluateError> {
     if let Some(reference) = reference
         && reference.header.dimension != estimate.header.dimension
     {
@@ -147,14 +162,14 @@ pub fn evaluate(
         });
     }
     let matches = matches(estimate, reference);
-    if matches.is_empty() {
+    if matches.is_empty() && (relations.is_none() || reference.is_some()) {
         return Err(EvaluateError::NothingInCommon {
             estimate: estimate.nodes.len(),
             reference: reference.map_or(0, |reference| reference.nodes.len()),
             hint: if reference.is_some() {
                 ""
             } else {
-                ", or name --reference, because the estimate has no ground truth"
+                ", or name --reference or --relations, because the estimate has no ground truth"
             },
         });
     }
@@ -181,7 +196,7 @@ pub fn evaluate(
         format: "posecut-result",
         version: 1,
         labels: labels(&options.labels)?,
-        rmse: translation_m.map_or(0.0, |summary| summary.rmse),
+        rmse: translation_m.map(|summary| summary.rmse),
         alignment: AlignmentUsed { freedom, scope: options.scope, found },
         components: components(estimate),
         poses: matches.len(),
@@ -190,6 +205,7 @@ pub fn evaluate(
             .and_then(|reference| GroundTruth::of(estimate, reference, freedom, options.scope)),
         ate: AbsoluteError { translation_m, rotation_rad: Summary::of(&angles) },
         rpe: relative_error(&matches, options.rpe_delta as usize),
+        relations,
         sessions: by_session
             .into_iter()
             .filter_map(|(name, errors)| Some((name, Summary::of(&errors)?)))

@@ -4,4 +4,5 @@
 
 mod calibration;
 mod ground_truth;
+mod relations;
 mod scope;

@@ -31,7 +31,7 @@ fn chains(start: (f64, f64, f64), bend: f64, joined: bool) -> PoseGraph {
 
 fn rmse(estimate: &PoseGraph, reference: &PoseGraph, scope: Scope) -> f64 {
     let options = Options { scope, ..Options::DEFAULT };
-    evaluate(estimate, Some(reference), &options).unwrap().rmse
+    evaluate(estimate, Some(reference), &options).unwrap().rmse.unwrap()
 }
 
 #[test]

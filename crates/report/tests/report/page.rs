@@ -87,7 +87,7 @@ fn store(folder: &Path, labels: [&str; 3], method: &str, graph: &PoseGraph, refe
     };
     let result = evaluate(graph, Some(reference), &options).unwrap();
     fs::write(folder.join(format!("{method}.result.json")), serde_json::to_vec(&result).unwrap()).unwrap();
-    result.rmse
+    result.rmse.unwrap()
 }
 
 fn experiment(folder: &Path, labels: [&str; 3]) -> [f64; 2] {
