@@ -16,26 +16,39 @@ pub struct Step {
     pub turning: f64,
 }
 
+impl Step {
+    /// No motion.
+    pub fn none() -> Self {
+        Self { motion: SE2::identity(), distance: 0.0, turning: 0.0 }
+    }
+
+    /// This step and the small motion after it.
+    #[must_use]
+    pub fn then(&self, small: &SE2) -> Self {
+        Self {
+            motion: self.motion.compose(small),
+            distance: self.distance + small.translation.norm(),
+            turning: self.turning + small.angle().abs(),
+        }
+    }
+}
+
 /// The indices of the keyframes among the scans, and the steps between them. O(scans).
 pub fn keyframes(scans: &[LoggedScan], options: &LogOptions) -> (Vec<usize>, Vec<Step>) {
     let (mut chosen, mut steps) = (Vec::new(), Vec::new());
-    let (mut distance, mut turning) = (0.0, 0.0);
+    let mut step = Step::none();
     for (index, scan) in scans.iter().enumerate() {
-        let Some(&last) = chosen.last() else {
+        if index == 0 {
             chosen.push(index);
             continue;
-        };
-        let small = scans[index - 1].robot.between(&scan.robot);
-        distance += small.translation.norm();
-        turning += small.angle().abs();
-        let last: &LoggedScan = &scans[last];
-        let motion = last.robot.between(&scan.robot);
-        if motion.translation.norm() >= options.keyframe_distance
-            || motion.angle().abs() >= options.keyframe_angle
+        }
+        step = step.then(&scans[index - 1].robot.between(&scan.robot));
+        if step.motion.translation.norm() >= options.keyframe_distance
+            || step.motion.angle().abs() >= options.keyframe_angle
         {
             chosen.push(index);
-            steps.push(Step { motion, distance, turning });
-            (distance, turning) = (0.0, 0.0);
+            steps.push(step);
+            step = Step::none();
         }
     }
     (chosen, steps)

@@ -10,15 +10,15 @@ use crate::keyframes::Step;
 use crate::noise;
 
 /// A match is used only if at least this share of the later scan's points found a partner.
-const LEAST_MATCHED: f64 = 0.3;
+const LEAST_MATCHED: f64 = 0.2;
 
 /// ICP that does not come to rest often circles within less than a millimetre, because points change their partners. It has settled
 /// if ICP from its result ends within this distance, metres and radians.
 const SETTLED: f64 = 0.002;
 
-/// A match is not used if its squared normalised distance from the odometry is above this: the chi-square quantile of 1 - 1e-4 for
-/// three degrees of freedom. Wheels slip by more than this rarely, and ICP finds a wrong pose more often.
-const GATE: f64 = 21.108;
+/// A match is not used if its squared normalised distance from the odometry is above this: 7 standard deviations. Wheels slip farther
+/// than a normal distribution says: at the chi-square quantile of 1 - 1e-4 (21.1), seven right matches of aces were lost.
+const GATE: f64 = 50.0;
 
 /// How well the odometry agrees with scan matching.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -48,36 +48,66 @@ pub struct Measured {
     pub information: Matrix3<f64>,
 }
 
-/// The steps by odometry alone.
-pub fn by_odometry(steps: &[Step]) -> Vec<Measured> {
-    steps.iter().map(|step| Measured { motion: step.motion, information: noise::information(step) }).collect()
+impl Measured {
+    /// The step by odometry alone.
+    pub fn by_odometry(step: &Step) -> Self {
+        Self { motion: step.motion, information: noise::information(step) }
+    }
+}
+
+/// The points of a scan to match others with.
+pub(crate) struct Reference<'a> {
+    cloud: &'a Cloud,
+    index: Neighbours,
+}
+
+impl<'a> Reference<'a> {
+    pub(crate) fn new(cloud: &'a Cloud) -> Self {
+        Self { cloud, index: Neighbours::new(&cloud.points, IcpOptions::default().first_distance) }
+    }
+}
+
+/// The result of matching one scan with another.
+pub(crate) enum Outcome {
+    /// The product of match and odometry, the difference of both, and its normalised square.
+    Matched { measured: Measured, difference: Vector3<f64>, square: f64 },
+    /// ICP did not settle, or too few points found a partner.
+    Unmatched,
+    /// The match is too far from the odometry.
+    Contradicting,
+}
+
+/// Matches a scan with an earlier one, starting from the odometry.
+pub(crate) fn match_step(reference: &Reference<'_>, query: &Cloud, step: &Step) -> Outcome {
+    let found = settled(reference, query, &step.motion)
+        .filter(|found| found.matched as f64 >= LEAST_MATCHED * query.len() as f64);
+    let Some(found) = found else { return Outcome::Unmatched };
+    let difference = found.pose.between(&step.motion).log();
+    let square = normalised_square(&difference, step, &found);
+    if square > GATE {
+        return Outcome::Contradicting;
+    }
+    Outcome::Matched { measured: fused(step, &found), difference, square }
 }
 
 /// The steps by odometry and scan matching. O(keyframes * beams).
 pub fn by_matching(steps: &[Step], scans: &[&LaserScan]) -> (Vec<Measured>, Agreement) {
     let clouds: Vec<Cloud> = scans.iter().map(|scan| Cloud::of_scan(scan)).collect();
-    let first_distance = IcpOptions::default().first_distance;
     let mut agreement = Agreement::default();
     let mut differences = Vec::new();
     let mut squares = 0.0;
     let measured = steps.iter().zip(clouds.windows(2)).map(|(step, pair)| {
-        let index = Neighbours::new(&pair[0].points, first_distance);
-        let found = settled(&pair[0], &index, &pair[1], &step.motion)
-            .filter(|found| found.matched as f64 >= LEAST_MATCHED * pair[1].len() as f64);
-        let Some(found) = found else {
-            agreement.unmatched += 1;
-            return Measured { motion: step.motion, information: noise::information(step) };
-        };
-        let difference = found.pose.between(&step.motion).log();
-        let square = normalised_square(&difference, step, &found);
-        if square > GATE {
-            agreement.contradicting += 1;
-            return Measured { motion: step.motion, information: noise::information(step) };
+        match match_step(&Reference::new(&pair[0]), &pair[1], step) {
+            Outcome::Matched { measured, difference, square } => {
+                agreement.matched += 1;
+                differences.push(difference);
+                squares += square;
+                return measured;
+            }
+            Outcome::Unmatched => agreement.unmatched += 1,
+            Outcome::Contradicting => agreement.contradicting += 1,
         }
-        agreement.matched += 1;
-        differences.push(difference);
-        squares += square;
-        fused(step, &found)
+        Measured::by_odometry(step)
     });
     let measured = measured.collect();
     let spread = |row: usize| spread(differences.iter().map(|difference| difference[row]));
@@ -89,14 +119,15 @@ pub fn by_matching(steps: &[Step], scans: &[&LaserScan]) -> (Vec<Measured>, Agre
 }
 
 /// The match of two scans, if ICP comes to rest or settles.
-fn settled(reference: &Cloud, index: &Neighbours, query: &Cloud, start: &SE2) -> Option<Alignment> {
+fn settled(reference: &Reference<'_>, query: &Cloud, start: &SE2) -> Option<Alignment> {
+    let Reference { cloud, index } = reference;
     let options = IcpOptions::default();
-    let found = align(reference, index, query, start, &options)?;
+    let found = align(cloud, index, query, start, &options)?;
     if found.converged {
         return Some(found);
     }
     let near = IcpOptions { first_distance: options.least_distance, ..options };
-    let again = align(reference, index, query, &found.pose, &near)?;
+    let again = align(cloud, index, query, &found.pose, &near)?;
     let moved = found.pose.between(&again.pose).log().amax();
     (again.converged || moved <= SETTLED).then_some(again)
 }

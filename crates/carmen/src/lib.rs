@@ -15,9 +15,11 @@ mod log;
 pub mod noise;
 mod options;
 mod session;
+mod trajectory;
 
 pub use error::LogError;
 pub use expand::{expanded, looks_like_log};
 pub use log::{Log, LoggedScan, Repairs};
 pub use options::LogOptions;
 pub use session::{Session, Summary, session_name};
+pub use trajectory::{trajectory, write_trajectory};

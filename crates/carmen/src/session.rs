@@ -9,7 +9,7 @@ use posecut_scan::LaserScan;
 use serde::Serialize;
 
 use crate::keyframes::keyframes;
-use crate::laser_odometry::{Agreement, Measured, by_matching, by_odometry};
+use crate::laser_odometry::{Agreement, Measured, by_matching};
 use crate::log::{Log, Repairs};
 use crate::{LogError, LogOptions};
 
@@ -20,6 +20,8 @@ pub struct Session {
     pub graph: PoseGraph,
     /// The scan of each node.
     pub scans: Vec<LaserScan>,
+    /// For each node the index of its scan in the log.
+    pub chosen: Vec<usize>,
     /// The session in numbers.
     pub summary: Summary,
 }
@@ -73,7 +75,7 @@ impl Session {
             let (measured, agreement) = by_matching(&steps, &scans);
             (measured, Some(agreement))
         } else {
-            (by_odometry(&steps), None)
+            (steps.iter().map(Measured::by_odometry).collect(), None)
         };
         let graph = graph(name, log, &chosen, &measured);
         let beams = scans.first().map_or(0, |scan| scan.ranges.len());
@@ -93,7 +95,8 @@ impl Session {
             repairs: log.repairs,
             scan_matching: agreement,
         };
-        Ok(Self { graph, scans: scans.into_iter().cloned().collect(), summary })
+        let scans = scans.into_iter().cloned().collect();
+        Ok(Self { graph, scans, chosen, summary })
     }
 
     /// Puts the scans into the graph, as records after its edges.

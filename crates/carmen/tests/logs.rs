@@ -2,7 +2,7 @@
 
 use std::io::Write as _;
 
-use posecut_carmen::{Log, LogOptions, Session, expanded, looks_like_log};
+use posecut_carmen::{Log, LogOptions, Session, expanded, looks_like_log, trajectory, write_trajectory};
 use posecut_graph::PoseGraph;
 use posecut_scan::Scans;
 
@@ -187,4 +187,27 @@ fn meaningless_options_are_refused() {
     assert!(options.check().unwrap_err().to_string().starts_with("--max-range is NaN"));
     let options = LogOptions { field_of_view: 400.0, ..LogOptions::DEFAULT };
     assert!(options.check().unwrap_err().to_string().starts_with("--field-of-view is 400"));
+}
+
+#[test]
+fn the_trajectory_has_all_scans_and_goes_through_the_keyframes() {
+    let mut text = String::new();
+    for scan in 0..12 {
+        text += &flaser("1.5 2.5", 0.2 * f64::from(scan), 10.0 + f64::from(scan));
+    }
+    let log = read(&text).unwrap();
+    for scan_matching in [false, true] {
+        let options = LogOptions { scan_matching, ..LogOptions::DEFAULT };
+        let session = Session::of_log("a.log", "a", &log, &options).unwrap();
+        let poses = trajectory(&log, &session, &options);
+        assert_eq!((poses.len(), session.graph.nodes.len()), (12, 4));
+        for (scan, (time, pose)) in poses.iter().enumerate() {
+            assert_eq!(*time, 10_000_000 + 1_000_000 * scan as i64);
+            assert!((pose.translation.x - 0.2 * scan as f64).abs() < 1e-12, "{pose:?}");
+        }
+        let mut tum = Vec::new();
+        write_trajectory(&poses[..2], &mut tum).unwrap();
+        let expected = "10.000000 0.000000 0.000000 0 0 0 0.000000000 1.000000000\n11.000000 0.200000 0.000000 0 0 0 0.000000000 1.000000000\n";
+        assert_eq!(String::from_utf8(tum).unwrap(), expected);
+    }
 }

@@ -32,6 +32,10 @@ struct Command {
     #[arg(long, value_name = "FILE", help_heading = "CARMEN logs")]
     scans: Option<PathBuf>,
 
+    /// Write the pose of the robot at each scan of the log to this file, in the format of the TUM benchmark
+    #[arg(long, value_name = "FILE", help_heading = "CARMEN logs")]
+    trajectory: Option<PathBuf>,
+
     #[command(flatten)]
     log: LogOptions,
 

@@ -4,7 +4,10 @@ use std::io::Read as _;
 use std::path::Path;
 
 use anyhow::{Context as _, bail};
-use posecut_carmen::{Log, LogError, LogOptions, Session, Summary, expanded, looks_like_log, session_name};
+use posecut_carmen::{
+    Log, LogError, LogOptions, Session, Summary, expanded, looks_like_log, session_name, trajectory,
+    write_trajectory,
+};
 use posecut_stage::{Context, Outcome, Source, Statistics, counted, info, open_file, warn, write_atomically};
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -14,6 +17,9 @@ use crate::Options;
 
 /// The option that names the file of the scans.
 const SCANS: &str = "--scans";
+
+/// The option that names the file of the poses at all scans.
+const TRAJECTORY: &str = "--trajectory";
 
 /// Bytes by which a log is recognised.
 const START: u64 = 1 << 16;
@@ -37,8 +43,10 @@ pub(super) fn run(command: &Command, context: &mut Context) -> anyhow::Result<Ou
     let place = command.session.display().to_string();
     let options = Options { name: None, ..command.options.clone() };
     refuse_changed(&options, &Options::DEFAULT, &format!("{place} is a CARMEN log"), "NCLT sessions")?;
-    if let Some(path) = &command.scans {
-        context.check_further_output(SCANS, path)?;
+    for (option, path) in [(SCANS, &command.scans), (TRAJECTORY, &command.trajectory)] {
+        if let Some(path) = path {
+            context.check_further_output(option, path)?;
+        }
     }
     let standard = command.session == Path::new("-");
     let source = if standard { Source::Standard } else { Source::File(command.session.clone()) };
@@ -57,6 +65,10 @@ pub(super) fn run(command: &Command, context: &mut Context) -> anyhow::Result<Ou
     note(&session.summary, &mut context.statistics);
     report(&session.summary);
     context.record_provenance(&mut session.graph, &command.log, None)?;
+    if let Some(path) = &command.trajectory {
+        let poses = trajectory(&log, &session, &command.log);
+        write_atomically(path, |writer| Ok(write_trajectory(&poses, writer)?))?;
+    }
     match &command.scans {
         Some(path) => write_atomically(path, |writer| Ok(session.write_scans(writer)?))?,
         None => session.put_scans_into_graph().context("a scan cannot be written as JSON")?,
@@ -68,8 +80,10 @@ pub(super) fn run(command: &Command, context: &mut Context) -> anyhow::Result<Ou
 /// Refuses options of logs for a session that is none.
 pub(super) fn refuse_options_of_logs(command: &Command) -> anyhow::Result<()> {
     let what = format!("{} is not a CARMEN log", command.session.display());
-    if command.scans.is_some() {
-        bail!("{SCANS} applies to CARMEN logs, but {what}; omit the option");
+    for (option, path) in [(SCANS, &command.scans), (TRAJECTORY, &command.trajectory)] {
+        if path.is_some() {
+            bail!("{option} applies to CARMEN logs, but {what}; omit the option");
+        }
     }
     refuse_changed(&command.log, &LogOptions::DEFAULT, &what, "CARMEN logs")
 }
