@@ -1,0 +1,19 @@
+//! Occupancy grids (Moravec, Elfes, ICRA 1985; Thrun, Burgard, Fox, *Probabilistic Robotics*, 2005, chapter 9) from the poses and the laser
+//! scans of a pose graph.
+//!
+//! - [`Grid`]: log-odds by cells, updated by the beams of scans.
+//! - [`Picture`]: the grid with the trajectories of the sessions, as PNG.
+//! - [`ros`]: the grid as a map of ROS, PGM and YAML.
+//!
+//! Lengths are metres, angles radians. The grid's first row is at the least y.
+
+pub mod cli;
+mod error;
+mod grid;
+mod picture;
+mod rays;
+pub mod ros;
+
+pub use error::MapError;
+pub use grid::{Cell, Grid};
+pub use picture::Picture;

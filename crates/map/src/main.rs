@@ -1,0 +1,5 @@
+//! `posecut-map`.
+
+fn main() -> std::process::ExitCode {
+    posecut_map::cli::main()
+}
