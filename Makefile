@@ -48,6 +48,8 @@ help:
 	@echo '  make accept-results [NCLT=DIR] record the table there, and show the changes'
 	@echo '  make stages                    the stage programs and their versions'
 	@echo '  make online [NCLT=DIR]         online rejection: edges added and retracted while the map grows, SVG'
+	@echo '  make map [LOG=FILE]            the map of a laser log (CARMEN format), by default a simulated one: PNG, and for ROS'
+	@echo '       RELATIONS=FILE            and its errors against relations measured by hand'
 	@echo '  make test                      all tests'
 	@echo '  make check                     formatting, lints, documentation'
 	@echo '  make documentation             regenerate docs/cli.md, option tables and schema from the programs'
@@ -97,4 +99,4 @@ $(BIN)/.posecut-built: $(sources)
 $(BIN)/posecut-%: $(BIN)/.posecut-built ;
 
 # ---- rules ------------------------------------------------------------------------------------------------
-include pipelines/table.mk pipelines/figures.mk pipelines/online.mk pipelines/trust.mk pipelines/development.mk
+include pipelines/table.mk pipelines/figures.mk pipelines/online.mk pipelines/map.mk pipelines/trust.mk pipelines/development.mk

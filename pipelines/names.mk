@@ -19,7 +19,7 @@ one            = $(if $(or $(findstring $(space),$(value $(1))),$(findstring $(t
 given_folder   = $(if $(strip $(value $(1))),,$(call cannot,$(1),it is empty))
 # A variable that nobody gives has its own value, which may be made of others.
 foreign        = $(filter environment% command% override,$(origin $(1)))
-folders       := NCLT RESULTS SIMULATED $(foreach name,DATA DOCUMENT PREFIX,$(if $(call foreign,$(name)),$(name)))
+folders       := NCLT RESULTS SIMULATED $(foreach name,DATA DOCUMENT PREFIX LOG RELATIONS,$(if $(call foreign,$(name)),$(name)))
 words         := SESSIONS $(foreach name,SEEDS PIPELINES METHODS FAMILIES HALF EXPERIMENT FIGURES CASES,$(if $(call foreign,$(name)),$(name)))
 checked       := $(foreach name,$(folders) $(words),$(call plain,$(name)))\
                  $(foreach name,$(folders),$(call one,$(name)))\

@@ -3,7 +3,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 unset MAKEFLAGS MAKELEVEL MFLAGS NCLT RESULTS SIMULATED SESSIONS DATA PREFIX DOCUMENT SEEDS PIPELINES METHODS FAMILIES HALF \
-  EXPERIMENT FIGURES CASES 2>/dev/null || true
+  EXPERIMENT FIGURES CASES LOG RELATIONS 2>/dev/null || true
 work=$(mktemp -d)
 trap 'rm -rf -- "$work"' EXIT
 
@@ -25,11 +25,11 @@ refused() {
   done
 }
 
-for name in NCLT RESULTS SIMULATED DATA PREFIX DOCUMENT; do
+for name in NCLT RESULTS SIMULATED DATA PREFIX DOCUMENT LOG RELATIONS; do
   refused $name "$work/a b"
   refused $name "-rf"
 done
-for name in CARGO_TARGET_DIR BIN REPORT PCM VERIFY NCLT RESULTS SIMULATED SESSIONS DATA PREFIX DOCUMENT SEEDS PIPELINES METHODS FAMILIES HALF EXPERIMENT FIGURES CASES; do
+for name in CARGO_TARGET_DIR BIN REPORT PCM VERIFY NCLT RESULTS SIMULATED SESSIONS DATA PREFIX DOCUMENT SEEDS PIPELINES METHODS FAMILIES HALF EXPERIMENT FIGURES CASES LOG RELATIONS; do
   for value in "x;touch $work/owned" "x'; touch $work/owned; '" "x\"; touch $work/owned; \"" "\$(shell touch $work/owned)" \
     "x\`touch $work/owned\`" "x|y" "x&y" "x>y" "x*" "x(y)" "x#y" "x:y" 'x\y' "x
 y"; do

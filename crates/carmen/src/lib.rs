@@ -16,6 +16,7 @@ pub mod noise;
 mod options;
 mod session;
 mod trajectory;
+mod write;
 
 pub use error::LogError;
 pub use expand::{expanded, looks_like_log};
@@ -23,3 +24,4 @@ pub use log::{Log, LoggedScan, Repairs};
 pub use options::LogOptions;
 pub use session::{Session, Summary, session_name};
 pub use trajectory::{trajectory, write_trajectory};
+pub use write::write_scan;

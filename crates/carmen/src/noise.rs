@@ -26,11 +26,14 @@ const DISTANCE: [f64; 3] = [0.004, 0.0006, 0.003];
 /// Variances for each radian, m^2/rad and rad^2/rad. The wheels turn about a point that is not quite the origin: sideways.
 const TURNING: [f64; 3] = [0.0005, 0.003, 0.012];
 
+/// The variances of the slips of a step, without what a step of any size has, along x, y and theta in its last frame, m^2 and rad^2.
+pub fn slip_variances(step: &Step) -> Vector3<f64> {
+    Vector3::from_fn(|row, _| DISTANCE[row] * step.distance + TURNING[row] * step.turning)
+}
+
 /// The variances of a step along x, y and theta in its last frame, m^2 and rad^2.
 pub fn variances(step: &Step) -> Vector3<f64> {
-    Vector3::from_fn(|row, _| {
-        LEAST[row] * LEAST[row] + DISTANCE[row] * step.distance + TURNING[row] * step.turning
-    })
+    slip_variances(step) + Vector3::from_fn(|row, _| LEAST[row] * LEAST[row])
 }
 
 /// The information matrix of a step, order x, y, theta.

@@ -87,7 +87,7 @@ impl Samples {
 }
 
 /// The samples, made once by the programs themselves: `2012-01-22/` (a session), `session.jsonl`, `graph.jsonl`,
-/// `optimized.jsonl`, `marginals.jsonl`, `x.result.json`, `four.mc` (a signed graph) and `four.proof`. `paper.toml` and
+/// `optimized.jsonl`, `marginals.jsonl`, `robot.log` (a log with laser scans), `scans.jsonl` (its graph), `x.result.json`, `four.mc` (a signed graph) and `four.proof`. `paper.toml` and
 /// `stages.toml` come from `pipelines/`.
 ///
 /// # Panics
@@ -111,6 +111,9 @@ pub fn samples() -> &'static Samples {
         succeed("optimize", &[&graph, "-o", &optimized], b"");
         succeed("optimize", &[&graph, "--marginals", "landmark", "-o", &path("marginals.jsonl")], b"");
         succeed("evaluate", &[&optimized, "--label", "method=all", "-o", &path("x.result.json")], b"");
+        let log = path("robot.log");
+        succeed("simulate-log", &["--length", "20", "-o", &log], b"");
+        succeed("ingest", &[&log, "-o", &path("scans.jsonl")], b"");
         let instance = path("four.mc");
         std::fs::write(&instance, "MULTICUT\n0 1 2\n2 3 2\n1 2 0.5\n0 3 -1\n")
             .expect("a sample can be written");

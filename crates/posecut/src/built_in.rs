@@ -9,7 +9,7 @@ use std::process::ExitCode;
 type Main = fn() -> ExitCode;
 
 /// Each program by its name without `posecut-`.
-const PROGRAMS: [(&str, Main); 25] = [
+const PROGRAMS: [(&str, Main); 27] = [
     ("clean", posecut_clean::command::main),
     ("conform", posecut_conform::cli::main),
     ("construct", posecut_construct::cli::main),
@@ -23,6 +23,7 @@ const PROGRAMS: [(&str, Main); 25] = [
     ("isam", posecut_isam::cli::main),
     ("islands", posecut_islands::cli::main),
     ("label", posecut_label::cli::main),
+    ("map", posecut_map::cli::main),
     ("multicut", posecut_multicut::cli::main),
     ("optimize", posecut_optimize::cli::main),
     ("oracle", posecut_oracle::cli::main),
@@ -32,6 +33,7 @@ const PROGRAMS: [(&str, Main); 25] = [
     ("readmit", posecut_readmit::cli::main),
     ("report", posecut_report::cli::main),
     ("simulate", posecut_simulate::cli::main),
+    ("simulate-log", posecut_simulate_log::cli::main),
     ("verify", posecut_verify::cli::main),
     ("view", posecut_view::cli::main),
     ("voting", posecut_voting::cli::main),
