@@ -17,7 +17,9 @@ $(map_log): $(BIN)/posecut-simulate-log
 	$(marked)
 	@mkdir -p $(dir $@)
 	$(call said,simulate)
-	@$< --relations $(map_relations) -o $@ -q
+	@$< --relations $(RESULTS)/map/robot.relations -o $@ -q
+
+$(RESULTS)/map/robot.relations: $(map_log) ;
 endif
 
 $(map_place)/session.jsonl: $(map_log) $(BIN)/posecut-ingest

@@ -67,6 +67,11 @@ pub(crate) fn parse(line: usize, text: &str, field_of_view: f64, max_range: f64)
             if step == 0.0 && ranges.len() > 1 {
                 return Err("its angular_resolution is 0".to_owned());
             }
+            for (name, angle) in [("start_angle", start), ("angular_resolution", step)] {
+                if angle.abs() > 2.0 * PI {
+                    return Err(format!("its {name} is {angle} rad, more than a turn"));
+                }
+            }
             let own = if own > 0.0 { own } else { max_range };
             fields.skip_remissions();
             fields.scan(line, [start, step], own.min(max_range), ranges, &[10, 11])

@@ -105,6 +105,13 @@ fn robotlaser_lines_are_read_in_their_three_layouts() {
 }
 
 #[test]
+fn angles_in_degrees_are_refused() {
+    let line = "ROBOTLASER1 0 -90 180 0.5 20 0.01 0 1 1.0 0 0 0 0 0 0 0.3 0.0 0.5 0.4 5.0 host 0.5\n";
+    let said = read(line).unwrap_err();
+    assert!(said.starts_with("a.log, line 1: its start_angle is -90 rad, more than a turn;"), "{said}");
+}
+
+#[test]
 fn a_truncated_line_is_refused_with_its_line() {
     let text = drive();
     let cut = &text[..text.len() - 45];

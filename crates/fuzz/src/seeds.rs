@@ -190,6 +190,29 @@ pub(crate) fn published() -> Vec<Vec<u8>> {
     vec![b"source = \"somewhere\"\n[rmse.pcm]\n\"2012-01-22\" = 97.4\n[rmse.\"pcm+gc\"]\n\"2012-01-22\" = 19.4\n".to_vec()]
 }
 
+/// A simulated log cut to four scans of eight beams, compressed by gzip too, and a line of the other layout.
+pub(crate) fn logs() -> Vec<Vec<u8>> {
+    let mut text = String::new();
+    for scan in 0..4 {
+        let x = 0.6 * f64::from(scan);
+        text += &format!(
+            "TRUEPOS {x} 0 0 {x} 0 0 {scan}.5 nohost 0\nFLASER 12 2 2.1 2.3 2.6 3 3.1 3.2 3 2.6 2.3 2.1 81.91 {x} 0 0 {x} 0 0 {scan}.5 nohost 0\n"
+        );
+    }
+    let other =
+        "ROBOTLASER1 0 -1.5 3.1 0.5 20 0.01 0 3 1 2 3 0 0.1 0 0 0 0 0 0.3 0 0.5 0.4 1000 5 host 0.5\n";
+    let moved = other.replace("0.1 0 0 0 0 0 0.3", "1.1 0 0 1 0 0 0.3").replace(" 5 host", " 6 host");
+    vec![compressed(text.as_bytes()), text.into_bytes(), format!("# log\n{other}{moved}").into_bytes()]
+}
+
+pub(crate) fn relations() -> Vec<Vec<u8>> {
+    vec![
+        b"# t1 t2 x y z roll pitch yaw\n1327233600.0 1327233602.5 0.5 0.1 0 0 0 0.1\n1 2 0 0 0 0 0 0\n"
+            .to_vec(),
+        b"1327233600 0 0 0 0 0 0 1\n1327233700 1 0 0 0 0 0.1 1\n".to_vec(),
+    ]
+}
+
 /// The start of a line that opens a file in an input of several files.
 pub(crate) const OPENING: &str = "==== ";
 

@@ -1,5 +1,6 @@
 //! The targets of fuzzing, and the laws that they must keep.
 
+mod logs;
 mod readers;
 mod session;
 mod stages;
@@ -117,6 +118,18 @@ pub const TARGETS: &[Target] = &[
         words: &[],
         read: readers::gzip,
         seeds: || vec![seeds::compressed(&seeds::graphs()[3])],
+    },
+    Target {
+        name: "log",
+        words: &["FLASER", "ROBOTLASER1", "TRUEPOS", "ODOM", "RAWLASER1", "nan", "inf", "1e300", "-1"],
+        read: logs::log,
+        seeds: seeds::logs,
+    },
+    Target {
+        name: "relations",
+        words: &["nan", "inf", "1e300"],
+        read: logs::relative,
+        seeds: seeds::relations,
     },
     Target { name: "session", words: CSV, read: session::directory, seeds: seeds::sessions },
     Target { name: "archive", words: CSV, read: session::archive, seeds: seeds::archives },

@@ -46,6 +46,7 @@ pub fn relations(place: &str, reader: impl BufRead) -> Result<Vec<Relation>, Rel
             times: [first, last].map(microseconds),
             motion: SE3::from_euler(x, y, z, roll, pitch, yaw),
         });
+        Ok(())
     })?;
     if relations.is_empty() {
         return Err(RelationError::Empty { place: place.to_owned(), what: "relations" });
@@ -63,7 +64,7 @@ pub(super) fn rows<const N: usize>(
     place: &str,
     reader: impl BufRead,
     expected: &'static str,
-    mut row: impl FnMut([f64; N]),
+    mut row: impl FnMut([f64; N]) -> Result<(), String>,
 ) -> Result<(), RelationError> {
     for (number, text) in reader.lines().enumerate() {
         let refused =
@@ -83,7 +84,7 @@ pub(super) fn rows<const N: usize>(
                 return Err(refused(format!("{word} is not finite")));
             }
         }
-        row(numbers);
+        row(numbers).map_err(refused)?;
     }
     Ok(())
 }

@@ -20,8 +20,14 @@ impl Track {
     pub fn read(place: &str, reader: impl BufRead) -> Result<Self, RelationError> {
         let mut timed = Vec::new();
         rows(place, reader, "t x y z qx qy qz qw", |[time, x, y, z, i, j, k, w]| {
-            let rotation = UnitQuaternion::from_quaternion(Quaternion::new(w, i, j, k));
+            let quaternion = Quaternion::new(w, i, j, k);
+            // Not far from 1, or its columns are in another order.
+            if !(0.9..1.1).contains(&quaternion.norm()) {
+                return Err(format!("its quaternion has the norm {}, not 1", quaternion.norm()));
+            }
+            let rotation = UnitQuaternion::from_quaternion(quaternion);
             timed.push((microseconds(time), SE3::new(Vector3::new(x, y, z), rotation)));
+            Ok(())
         })?;
         if timed.is_empty() {
             return Err(RelationError::Empty { place: place.to_owned(), what: "poses" });

@@ -79,5 +79,7 @@ fn bad_files_are_refused_with_their_line() {
         let said = relations("r", text.as_bytes()).unwrap_err().to_string();
         assert!(said.starts_with(expected), "{said}");
     }
+    let said = Track::read("t", "1 0 0 0 0 0 0 0\n".as_bytes()).unwrap_err().to_string();
+    assert!(said.starts_with("t, line 1: its quaternion has the norm 0, not 1;"), "{said}");
     assert!(Track::read("t", "".as_bytes()).unwrap_err().to_string().starts_with("t: has no poses;"));
 }
