@@ -103,9 +103,11 @@ const WITHOUT: &[&str] = &[
     "experiment",
     "inspect",
     "label",
+    "map",
     "oracle",
     "report",
     "simulate",
+    "simulate-log",
     "view",
 ];
 
