@@ -1,9 +1,11 @@
 //! Which scans become keyframes.
 
+use nalgebra::Matrix3;
 use posecut_geometry::{LieGroup, SE2};
 
 use crate::LogOptions;
 use crate::log::LoggedScan;
+use crate::noise::slip_variances;
 
 /// The motion from one keyframe to the next by odometry.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,21 +16,25 @@ pub struct Step {
     pub distance: f64,
     /// The sum of the absolute turns between them, radians.
     pub turning: f64,
+    /// The covariance of the slips of its wheels, in the frame of the later keyframe, order x, y, theta, in m^2, m rad and rad^2.
+    pub slip: Matrix3<f64>,
 }
 
 impl Step {
     /// No motion.
     pub fn none() -> Self {
-        Self { motion: SE2::identity(), distance: 0.0, turning: 0.0 }
+        Self { motion: SE2::identity(), distance: 0.0, turning: 0.0, slip: Matrix3::zeros() }
     }
 
     /// This step and the small motion after it.
     #[must_use]
     pub fn then(&self, small: &SE2) -> Self {
+        let back = small.inverse().adjoint();
         Self {
             motion: self.motion.compose(small),
             distance: self.distance + small.translation.norm(),
             turning: self.turning + small.angle().abs(),
+            slip: back * self.slip * back.transpose() + Matrix3::from_diagonal(&slip_variances(small)),
         }
     }
 }

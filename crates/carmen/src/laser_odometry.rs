@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 use posecut_geometry::{LieGroup, SE2};
-use posecut_matching::{Alignment, Cloud, IcpOptions, Neighbours, align};
+use posecut_matching::{Alignment, Cloud, Field, IcpOptions, Neighbours, Window, align};
 use posecut_scan::LaserScan;
 use serde::Serialize;
 
@@ -77,9 +77,41 @@ pub(crate) enum Outcome {
     Contradicting,
 }
 
-/// Matches a scan with an earlier one, starting from the odometry.
+/// The window around the odometry in which a second start is searched, metres and radians, and its grid: what wheels slipped at most on
+/// mit-csail, where turns of 0.4 rad are missing from the odometry of a step.
+const WINDOW: [f64; 2] = [0.5, 0.4];
+const GRID: [f64; 2] = [0.05, 0.02];
+
+/// Standard deviation of the likelihood field, metres: two cells of the grid.
+const FIELD: f64 = 0.1;
+
+/// The least mean likelihood of a second start.
+const LEAST_SCORE: f64 = 0.5;
+
+/// Matches a scan with an earlier one, starting from the odometry, and from the best pose of a window around it where that fails.
 pub(crate) fn match_step(reference: &Reference<'_>, query: &Cloud, step: &Step) -> Outcome {
-    let found = settled(reference, query, &step.motion)
+    let options = IcpOptions::default();
+    let outcome = match_from(reference, query, step, &step.motion, &options);
+    if let Outcome::Matched { .. } = outcome {
+        return outcome;
+    }
+    let [distance, angle] = WINDOW;
+    let window = Window { middle: step.motion, distance, angle };
+    let field = Field::new(reference.cloud, GRID[0], FIELD);
+    let Some(found) = field.search(query, &[window], GRID[1], LEAST_SCORE) else { return outcome };
+    // The start is near, and a wider search for partners would lead ICP away again.
+    let near = IcpOptions { first_distance: options.least_distance, ..options };
+    match_from(reference, query, step, &found.pose, &near)
+}
+
+fn match_from(
+    reference: &Reference<'_>,
+    query: &Cloud,
+    step: &Step,
+    start: &SE2,
+    options: &IcpOptions,
+) -> Outcome {
+    let found = settled(reference, query, start, options)
         .filter(|found| found.matched as f64 >= LEAST_MATCHED * query.len() as f64);
     let Some(found) = found else { return Outcome::Unmatched };
     let difference = found.pose.between(&step.motion).log();
@@ -119,14 +151,13 @@ pub fn by_matching(steps: &[Step], scans: &[&LaserScan]) -> (Vec<Measured>, Agre
 }
 
 /// The match of two scans, if ICP comes to rest or settles.
-fn settled(reference: &Reference<'_>, query: &Cloud, start: &SE2) -> Option<Alignment> {
+fn settled(reference: &Reference<'_>, query: &Cloud, start: &SE2, options: &IcpOptions) -> Option<Alignment> {
     let Reference { cloud, index } = reference;
-    let options = IcpOptions::default();
-    let found = align(cloud, index, query, start, &options)?;
+    let found = align(cloud, index, query, start, options)?;
     if found.converged {
         return Some(found);
     }
-    let near = IcpOptions { first_distance: options.least_distance, ..options };
+    let near = IcpOptions { first_distance: options.least_distance, ..*options };
     let again = align(cloud, index, query, &found.pose, &near)?;
     let moved = found.pose.between(&again.pose).log().amax();
     (again.converged || moved <= SETTLED).then_some(again)

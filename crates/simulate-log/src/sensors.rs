@@ -1,7 +1,6 @@
 //! Odometry and laser scanner.
 
 use nalgebra::{UnitComplex, Vector2, Vector3};
-use posecut_carmen::keyframes::Step;
 use posecut_carmen::noise::slip_variances;
 use posecut_geometry::{LieGroup, SE2};
 use posecut_random::ChaCha8Rng;
@@ -32,7 +31,7 @@ pub fn odometry(poses: &[SE2], slip: f64, random: &mut ChaCha8Rng) -> Vec<SE2> {
     let mut reported = vec![at; poses.len().min(1)];
     for pair in poses.windows(2) {
         let motion = pair[0].between(&pair[1]);
-        let deviations = slip_variances(&Step::none().then(&motion)).map(f64::sqrt) * slip;
+        let deviations = slip_variances(&motion).map(f64::sqrt) * slip;
         let error = Vector3::from_fn(|row, _| deviations[row] * normal(random));
         at = at.compose(&motion).compose(&SE2::exp(&error));
         reported.push(at);
