@@ -9,12 +9,12 @@ use std::process::{Command, Output, Stdio};
 
 /// A log of four scans, 0.6 m apart.
 fn log() -> String {
-    (0..4)
-        .map(|scan| {
-            let x = 0.6 * f64::from(scan);
-            format!("FLASER 4 1.5 2.5 60.0 81.91 {x} 0 0 {x} 0 0 {scan}.5 nohost 0\n")
-        })
-        .collect()
+    let mut text = String::new();
+    for scan in 0..4 {
+        let x = 0.6 * f64::from(scan);
+        text += &format!("FLASER 4 1.5 2.5 60.0 81.91 {x} 0 0 {x} 0 0 {scan}.5 nohost 0\n");
+    }
+    text
 }
 
 fn run(folder: &Path, arguments: &[&str], input: &[u8]) -> Output {
