@@ -160,9 +160,14 @@ const LAST_ACCURACY: f64 = 1e-9;
 const VIOLATION: f64 = 0.1;
 const LEAST_VIOLATION: f64 = 1e-7;
 
-/// Accuracy of a point from which wheels are separated. Their separation takes the point for exact, and needs one that
+/// Accuracy of a point from which wheels are separated. Their separation takes the point for exact; it is complete at one that
 /// violates no cycle.
 const FINE: f64 = 2e-6;
+
+/// Rounds that may close next to nothing before points become fine and wheels are looked for, although some cycles are still
+/// violated. Where the cycle relaxation has reached its value, hundreds of cycles may remain that only move the point along the
+/// optimal face. Much earlier, before cycles hold the point, there are too many wheels.
+const IDLE: usize = 14;
 
 /// Most rounds of wheel separation.
 const ROUNDS: usize = 20;
@@ -177,7 +182,8 @@ const RISE: f64 = 1e-9;
 /// attractive path `P` between its ends, `y(P) + (1 - y_f) >= 1`. Cycles with other numbers of repulsive edges do not change
 /// the optimum (Lange, Karrenbauer, Andres, ICML 2018). So this is a covering program, its dual packs cycles, and every dual
 /// point is a certificate. When a point violates no cycle inequality, odd wheel inequalities follow ([`WheelSeparation`])
-/// and 2-partition inequalities ([`parts_separation`]); they are covering inequalities too.
+/// and 2-partition inequalities ([`parts_separation`]); they are covering inequalities too. They also follow when many rounds
+/// of cycles have not raised the bound. An inequality counts only if the point violates it, so their separation may be heuristic.
 ///
 /// Starts from the conflicts of `start`. Ends when no inequality is violated, when the bound reaches `target`, when the
 /// budget is over, or when the bound hardly rises any more and `give_up` finds the packing good enough. Early rounds stop far
@@ -197,7 +203,7 @@ pub(crate) fn solve_relaxation(
     let mut separation = CycleSeparation::new(kernel);
     let mut rounds = 0;
     let mut accuracy = FIRST_ACCURACY;
-    let mut missing = Vec::new();
+    let mut progress = Progress::default();
     let mut last_bound = f64::NEG_INFINITY;
     while !budget.is_over() && !program.conflicts.is_empty() {
         let covering = program.covering(kernel);
@@ -215,8 +221,8 @@ pub(crate) fn solve_relaxation(
         if kernel.rounded(relaxation.packing.bound) >= target {
             break;
         }
-        missing.push(target - relaxation.packing.bound);
-        if has_stalled(&missing) {
+        progress.missing.push(target - relaxation.packing.bound);
+        if progress.has_stalled() {
             if give_up(&relaxation.packing) {
                 break;
             }
@@ -224,14 +230,18 @@ pub(crate) fn solve_relaxation(
             // program.
             if relaxation.packing.bound > restarted_at {
                 restarted_at = relaxation.packing.bound;
-                missing.clear();
+                progress.restarted = progress.missing.len();
                 program = Program::of(kernel, &relaxation.packing);
                 continue;
             }
         }
+        let idle = progress.is_idle();
+        if idle && accurate {
+            accuracy = accuracy.min(FINE);
+        }
         let least = (accuracy * VIOLATION).max(LEAST_VIOLATION);
         let mut violated = separation.violated(&relaxation.paid, least, budget);
-        if violated.is_empty() && accuracy <= FINE && rounds < ROUNDS && accurate {
+        if (idle || violated.is_empty()) && point.gap <= FINE * scale && rounds < ROUNDS {
             rounds += 1;
             violated = WheelSeparation::new(kernel).violated(&relaxation.paid, budget);
             violated.extend(parts_separation::violated(kernel, &relaxation.paid, budget));
@@ -257,7 +267,39 @@ pub(crate) fn solve_relaxation(
     relaxation
 }
 
-/// Whether three rounds have closed less than a twentieth of the distance to the target.
-fn has_stalled(missing: &[f64]) -> bool {
-    matches!(missing, [.., before, _, _, now] if *now > 0.95 * before)
+/// How far the bound was from the target after each round.
+#[derive(Default)]
+struct Progress {
+    missing: Vec<f64>,
+    /// Number of rounds before the last restart.
+    restarted: usize,
+}
+
+impl Progress {
+    /// Whether three rounds since the last restart have closed less than a twentieth of the distance to the target.
+    fn has_stalled(&self) -> bool {
+        matches!(self.missing[self.restarted..], [.., before, _, _, now] if now > 0.95 * before)
+    }
+
+    /// Whether [`IDLE`] rounds, restarts included, have closed less than a hundredth of the distance.
+    fn is_idle(&self) -> bool {
+        let window = self.missing.len().checked_sub(IDLE + 1).map(|first| &self.missing[first..]);
+        matches!(window, Some([before, .., now]) if *now > 0.99 * before)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_rounds_without_a_better_bound_are_idle_even_across_restarts() {
+        let mut progress = Progress { missing: vec![3.0; IDLE], restarted: 0 };
+        assert!(progress.has_stalled() && !progress.is_idle());
+        progress.restarted = IDLE;
+        progress.missing.push(2.99);
+        assert!(!progress.has_stalled() && progress.is_idle());
+        progress.missing.push(2.9);
+        assert!(!progress.is_idle());
+    }
 }
