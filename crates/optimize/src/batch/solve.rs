@@ -15,7 +15,7 @@ use crate::model::magnitude::Magnitude;
 use crate::model::part::extract;
 use crate::model::prior::{PriorsOfNodes, leave_free};
 use crate::model::problem::Problem;
-use crate::model::residual::{chi_square, cost, squared};
+use crate::model::residual::{chi_square, cost, exceeds, squared};
 use crate::normal_equations::{Pattern, System};
 use crate::options::{Graduated, Initialisation, Options};
 use crate::pose_group::{PoseGroup, Relaxation};
@@ -181,8 +181,14 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
         candidates(part, &mut workspace, options.initialisation, report.cost_given)
     });
     let mut starts = VecDeque::from(starts);
+    let mut others_known = options.initialisation != Initialisation::Best || starts.len() > 1;
     let detour = options.initialisation == Initialisation::Best && may_be_lifted(part, held);
-    while let Some(mut candidate) = starts.pop_front() {
+    loop {
+        if starts.is_empty() && !others_known {
+            others_known = true;
+            starts.extend(timed(&mut phases.start, || others(part, held, &report)));
+        }
+        let Some(mut candidate) = starts.pop_front() else { break };
         if best.is_some()
             && candidate.start != Start::Lifted
             && candidate.reached().partial_cmp(&report.cost) != Some(Ordering::Less)
@@ -333,11 +339,16 @@ fn candidates<G: PoseGroup<DOF>, const DOF: usize>(
         // If the relaxation is singular, the tree replaces it.
         Initialisation::Chordal => vec![relaxed().unwrap_or_else(tree)],
         Initialisation::Best => {
-            let mut others = vec![given(), tree()];
-            others.sort_by(|a, b| a.cost.total_cmp(&b.cost));
             let robust = edges.iter().any(|edge| edge.kernel.is_some())
                 || part.priors().iter().any(|prior| prior.kernel.is_some());
-            let mut all: Vec<_> = relaxed().into_iter().chain(others).collect();
+            let mut relaxed = relaxed();
+            // The other starts come after the descent from the relaxation: its cost mostly excludes them early.
+            if let Some(relaxed) = relaxed.take_if(|_| !robust) {
+                return vec![relaxed];
+            }
+            let mut others = vec![given(), tree()];
+            others.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+            let mut all: Vec<_> = relaxed.into_iter().chain(others).collect();
             if robust {
                 all.sort_by(|a, b| a.cost.total_cmp(&b.cost));
             }
@@ -348,4 +359,23 @@ fn candidates<G: PoseGroup<DOF>, const DOF: usize>(
             all
         }
     }
+}
+
+/// The given poses and the spanning tree, if they cost less than the result so far; the cheaper one first.
+fn others<G: PoseGroup<DOF>, const DOF: usize>(
+    part: &Problem<G, DOF>,
+    held: usize,
+    report: &ComponentReport,
+) -> Vec<Candidate<G>> {
+    let mut all = Vec::new();
+    if report.cost_given < report.cost {
+        all.push(Candidate::new(Start::Given, report.cost_given, part.poses().to_vec()));
+    }
+    let tree = aligned(part, held, spanning_tree_from(held, part.poses(), part.edges()));
+    if !exceeds(part.edges(), &tree, report.cost) {
+        all.push(Candidate::new(Start::SpanningTree, cost(part, &tree), tree));
+    }
+    all.retain(|candidate| candidate.cost < report.cost);
+    all.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    all
 }

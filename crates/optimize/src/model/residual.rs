@@ -33,6 +33,22 @@ pub(crate) fn cost<G: LieGroup<DOF>, const DOF: usize>(problem: &Problem<G, DOF>
     if problem.priors().is_empty() { edges } else { edges + prior::cost(problem.priors(), poses) }
 }
 
+/// Whether edges cost more than `limit` by more than rounding errors. Stops at the first edges, from the last one on, that do: landmark
+/// edges mostly come last, and a spanning tree leaves no other residuals.
+pub(crate) fn exceeds<G: LieGroup<DOF>, const DOF: usize>(
+    edges: &[Edge<G, DOF>],
+    poses: &[G],
+    limit: f64,
+) -> bool {
+    // Far above the rounding error of a sum of 1e9 terms.
+    let limit = limit * (1.0 + 1e-6);
+    let mut sum = 0.0;
+    edges.iter().rev().any(|edge| {
+        sum += edge.cost(poses);
+        sum > limit
+    })
+}
+
 /// The sum of the costs of terms.
 pub(crate) fn total<G: LieGroup<DOF>, T: Term<G, DOF>, const DOF: usize>(terms: &[T], poses: &[G]) -> f64 {
     // Uses the widest vector instructions of the machine for everything that is inlined below.
@@ -324,5 +340,18 @@ mod tests {
         let to = SE3::from_euler(-1.0, 0.5, 2.0, -0.6, 1.1, -2.0);
         check(from, to, SE3::from_euler(1.0, 1.0, 0.5, 0.2, 0.1, -0.4));
         check(from, to, from.between(&to));
+    }
+
+    #[test]
+    fn a_cost_exceeds_limits_below_it_alone() {
+        let poses: Vec<_> = (0..9).map(|node| SE2::new(f64::from(node), 0.0, 0.1)).collect();
+        let edges: Vec<_> = (1..9)
+            .map(|to| {
+                Edge::new(to - 1, to, SE2::identity(), nalgebra::Matrix3::identity(), EdgeKind::Odometry)
+            })
+            .collect();
+        let cost = total(&edges, &poses);
+        assert!(exceeds(&edges, &poses, 0.9 * cost) && exceeds(&edges, &poses, 0.0));
+        assert!(!exceeds(&edges, &poses, cost) && !exceeds(&edges, &poses, f64::NAN));
     }
 }
