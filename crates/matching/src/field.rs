@@ -61,8 +61,9 @@ impl Field {
     pub(crate) fn value(&self, level: usize, column: i32, row: i32) -> u8 {
         // A coarse square that begins left of or below the grid is bounded by the one at the edge, which covers what it covers inside.
         let span = (1 << level) - 1;
-        let inside =
-            |at: i32, count: usize| (at >= -span && i64::from(at) < count as i64).then_some(at.max(0) as usize);
+        let inside = |at: i32, count: usize| {
+            (at >= -span && i64::from(at) < count as i64).then_some(at.max(0) as usize)
+        };
         match (inside(column, self.columns), inside(row, self.rows)) {
             (Some(column), Some(row)) => self.levels[level][row * self.columns + column],
             _ => 0,

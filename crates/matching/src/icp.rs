@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, RowVector3, Vector3};
 use posecut_geometry::{LieGroup, SE2};
 
-use crate::information::{Row, information};
+use crate::information::{Row, determined, information};
 use crate::{Cloud, Neighbours};
 
 /// How [`align`] searches.
@@ -29,7 +29,7 @@ impl Default for IcpOptions {
             least_distance: 0.15,
             iterations: 30,
             least_deviation: 0.01,
-            floor: [1e-6, 1e-6, 1e-7],
+            floor: [1e-4, 1e-4, 1e-5],
         }
     }
 }
@@ -54,10 +54,6 @@ const FACING: f64 = 0.7;
 
 /// The pose has come to rest when it changes by less than this, metres and radians.
 const REST: f64 = 1e-5;
-
-/// Directions that the points do not determine are left where they are: the least eigenvalue of the Hessian that counts, as a share of
-/// the number of points.
-const DETERMINED: f64 = 1e-3;
 
 /// Aligns a query to a reference from a pose that is nearly right. The index must be that of the reference's points, with a radius of at
 /// least `first_distance`. `None` if fewer than ten points match. O(iterations * query points).
@@ -156,11 +152,11 @@ fn gauss_newton_step(rows: &[Row], residuals: &[f64]) -> Vector3<f64> {
         hessian += weighted * row.jacobian;
         gradient += weighted * *residual;
     }
-    let eigen = hessian.symmetric_eigen();
-    let least = DETERMINED * rows.len() as f64;
+    let eigen = determined(&hessian, rows.len()).symmetric_eigen();
     let mut step = Vector3::zeros();
     for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-        if *value > least {
+        // What `determined` removed comes back as zero up to rounding.
+        if *value > 1e-9 * rows.len() as f64 {
             step -= vector * (vector.dot(&gradient) / value);
         }
     }

@@ -16,6 +16,7 @@ mod icp;
 mod information;
 mod neighbours;
 mod segments;
+mod sight;
 
 pub use agreement::{Agreement, agreement};
 pub use cloud::Cloud;
@@ -23,3 +24,4 @@ pub use correlative::{Found, Window};
 pub use field::Field;
 pub use icp::{Alignment, IcpOptions, align};
 pub use neighbours::Neighbours;
+pub use sight::{Sight, sight};

@@ -1,5 +1,8 @@
 //! Tests of matching on scans of simulated rooms.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 mod correlative;
 mod icp;
 mod rooms;
+mod sight;
