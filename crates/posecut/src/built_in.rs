@@ -9,7 +9,7 @@ use std::process::ExitCode;
 type Main = fn() -> ExitCode;
 
 /// Each program by its name without `posecut-`.
-const PROGRAMS: [(&str, Main); 27] = [
+const PROGRAMS: [(&str, Main); 28] = [
     ("clean", posecut_clean::command::main),
     ("conform", posecut_conform::cli::main),
     ("construct", posecut_construct::cli::main),
@@ -31,6 +31,7 @@ const PROGRAMS: [(&str, Main); 27] = [
     ("pcm", posecut_pcm::cli::main),
     ("ransac", posecut_ransac::cli::main),
     ("readmit", posecut_readmit::cli::main),
+    ("recognize", posecut_recognize::cli::main),
     ("report", posecut_report::cli::main),
     ("simulate", posecut_simulate::cli::main),
     ("simulate-log", posecut_simulate_log::cli::main),

@@ -1,0 +1,5 @@
+//! `posecut-recognize`.
+
+fn main() -> std::process::ExitCode {
+    posecut_recognize::cli::main()
+}

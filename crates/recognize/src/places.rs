@@ -1,0 +1,94 @@
+//! Candidates: keyframes whose surroundings look alike.
+
+use std::num::NonZero;
+
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use rayon::prelude::*;
+
+use crate::polar_context::{self, KEY, PolarContext};
+use crate::{Routes, Submaps};
+
+/// The contexts of all keyframes, indexed by their keys.
+pub struct Places {
+    /// Keyframes with a context.
+    nodes: Vec<usize>,
+    contexts: Vec<PolarContext>,
+    keys: Vec<[f64; KEY]>,
+    index: ImmutableKdTree<f64, KEY>,
+}
+
+/// A keyframe that looks like another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Resemblance {
+    /// The keyframe.
+    pub node: usize,
+    /// The similarity of the contexts at the best shift, 0 to 1.
+    pub similarity: f64,
+    /// The headings of the asking keyframe in the frame of this one at which the contexts are most alike, radians, best first.
+    pub headings: Vec<f64>,
+}
+
+/// Headings that are kept: the best, and others on which the contexts agree nearly as well.
+const HEADINGS: usize = 3;
+/// A further heading is kept with this share of the best similarity.
+const NEARLY: f64 = 0.9;
+
+impl Places {
+    /// Describes keyframes by what was seen within a way of them, up to a radius, metres. O(keyframes log keyframes).
+    pub fn new(submaps: &Submaps, nodes: Vec<usize>, way: f64, radius: f64) -> Self {
+        let side = radius / 100.0;
+        let contexts: Vec<PolarContext> = nodes
+            .par_iter()
+            .map(|&node| PolarContext::new(&submaps.around(node, way, side), radius))
+            .collect();
+        Self::of_contexts(nodes, contexts)
+    }
+
+    /// Indexes keyframes, ascending, by their contexts. O(keyframes log keyframes).
+    pub fn of_contexts(nodes: Vec<usize>, contexts: Vec<PolarContext>) -> Self {
+        let keys: Vec<[f64; KEY]> = contexts.iter().map(PolarContext::key).collect();
+        let index = ImmutableKdTree::new_from_slice(&keys);
+        Self { nodes, contexts, keys, index }
+    }
+
+    /// The keyframes whose keys are nearest to that of the one at a position, at most `most`, without those within `apart` metres of
+    /// it along its route. The nearest first.
+    pub fn nearest(&self, position: usize, most: usize, routes: &Routes, apart: f64) -> Vec<usize> {
+        let here = self.nodes[position];
+        let beside = routes.within(here, apart).len();
+        let Some(count) = NonZero::new(most + beside) else { return Vec::new() };
+        let mut found: Vec<(f64, usize)> = self
+            .index
+            .nearest_n::<SquaredEuclidean>(&self.keys[position], count)
+            .into_iter()
+            .map(|neighbour| (neighbour.distance, neighbour.item as usize))
+            .filter(|(_, other)| routes.way(here, self.nodes[*other]) > apart)
+            .collect();
+        found.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
+        found.into_iter().take(most).map(|(_, other)| other).collect()
+    }
+
+    /// The position of a keyframe among those with a context.
+    pub fn position(&self, node: usize) -> Option<usize> {
+        self.nodes.binary_search(&node).ok()
+    }
+
+    /// How the place at one position looks from the one at another.
+    pub fn resemblance(&self, position: usize, other: usize) -> Resemblance {
+        let similarities = self.contexts[other].similarities(&self.contexts[position]);
+        let count = similarities.len();
+        let mut peaks: Vec<usize> = (0..count)
+            .filter(|&shift| {
+                let value = similarities[shift];
+                value >= similarities[(shift + 1) % count]
+                    && value > similarities[(shift + count - 1) % count]
+            })
+            .collect();
+        peaks.sort_by(|one, two| similarities[*two].total_cmp(&similarities[*one]).then(one.cmp(two)));
+        let best = peaks.first().map_or(0.0, |peak| similarities[*peak]);
+        peaks.retain(|peak| similarities[*peak] >= NEARLY * best);
+        peaks.truncate(HEADINGS);
+        let headings = peaks.into_iter().map(polar_context::heading).collect();
+        Resemblance { node: self.nodes[other], similarity: best, headings }
+    }
+}

@@ -1,0 +1,105 @@
+//! Polar contexts: descriptors of places that turn with the heading.
+//!
+//! The plane around a keyframe is divided into rings and sectors; each cell holds how much wall is in it (Kim and Kim, *Scan Context*,
+//! IROS 2018, with the amount of wall instead of the height of the highest point). A robot that comes back with another heading sees the
+//! same context with its sectors shifted. Each ring's discrete Fourier transform over the sectors keeps its magnitudes under such a shift:
+//! the lowest magnitudes of rings are the key by which places are looked up.
+
+use std::f64::consts::TAU;
+
+use nalgebra::Vector2;
+use posecut_matching::Cloud;
+
+/// Rings, and sectors of each.
+pub const RINGS: usize = 20;
+/// Sectors of each ring.
+pub const SECTORS: usize = 60;
+
+/// Rings of a key: each stands for two rings of the context.
+const KEY_RINGS: usize = 10;
+/// Magnitudes of each ring of a key, from that of the mean on.
+const MAGNITUDES: usize = 3;
+/// Numbers in a key.
+pub const KEY: usize = KEY_RINGS * MAGNITUDES;
+
+/// The context of a place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PolarContext {
+    /// By sector, then by ring.
+    cells: Vec<f32>,
+    /// The length of each sector's column.
+    norms: Vec<f32>,
+}
+
+impl PolarContext {
+    /// The context of a local map around the origin of its frame up to a radius, metres. The map should have one point for each square
+    /// of some side, so that points measure wall. O(points).
+    pub fn new(cloud: &Cloud, radius: f64) -> Self {
+        let mut cells = vec![0.0_f32; RINGS * SECTORS];
+        for point in &cloud.points {
+            let ring = (point.norm() / radius * RINGS as f64) as usize;
+            if ring < RINGS {
+                cells[sector(point) * RINGS + ring] += 1.0;
+            }
+        }
+        // The root keeps one long wall from outweighing all else.
+        for cell in &mut cells {
+            *cell = cell.sqrt();
+        }
+        let norms = cells
+            .chunks_exact(RINGS)
+            .map(|column| column.iter().map(|cell| cell * cell).sum::<f32>().sqrt())
+            .collect();
+        Self { cells, norms }
+    }
+
+    /// The magnitudes of the lowest coefficients of each pair of rings: the same for every heading. O(cells).
+    pub fn key(&self) -> [f64; KEY] {
+        let mut key = [0.0; KEY];
+        for ring in 0..KEY_RINGS {
+            for order in 0..MAGNITUDES {
+                let (mut real, mut imaginary) = (0.0, 0.0);
+                for sector in 0..SECTORS {
+                    let at = sector * RINGS + 2 * ring;
+                    let value = f64::from(self.cells[at] + self.cells[at + 1]);
+                    let (sine, cosine) = (TAU * (order * sector) as f64 / SECTORS as f64).sin_cos();
+                    real += value * cosine;
+                    imaginary += value * sine;
+                }
+                key[ring * MAGNITUDES + order] = real.hypot(imaginary) / SECTORS as f64;
+            }
+        }
+        key
+    }
+
+    /// How alike two contexts are when the other one's sectors are shifted by each number: the mean cosine of columns that both have.
+    /// O(sectors^2 * rings).
+    pub fn similarities(&self, other: &Self) -> Vec<f64> {
+        (0..SECTORS).map(|shift| self.similarity(other, shift)).collect()
+    }
+
+    fn similarity(&self, other: &Self, shift: usize) -> f64 {
+        let (mut sum, mut count) = (0.0_f32, 0);
+        for sector in 0..SECTORS {
+            let turned = (sector + SECTORS - shift) % SECTORS;
+            let norms = self.norms[sector] * other.norms[turned];
+            if norms > 0.0 {
+                let one = &self.cells[sector * RINGS..][..RINGS];
+                let two = &other.cells[turned * RINGS..][..RINGS];
+                sum += one.iter().zip(two).map(|(one, two)| one * two).sum::<f32>() / norms;
+                count += 1;
+            }
+        }
+        // Where hardly any sector has walls in both, nothing is known.
+        f64::from(sum) / f64::from(count.max(SECTORS as i32 / 3))
+    }
+}
+
+/// The heading of a shift: where the x axis of the shifted context's frame points in the frame of the other, radians.
+pub fn heading(shift: usize) -> f64 {
+    shift as f64 * TAU / SECTORS as f64
+}
+
+fn sector(point: &Vector2<f64>) -> usize {
+    ((point.y.atan2(point.x).rem_euclid(TAU) / TAU * SECTORS as f64) as usize).min(SECTORS - 1)
+}

@@ -1,0 +1,256 @@
+//! From keyframes to landmark edges: look up, judge, measure.
+
+use std::collections::BTreeMap;
+
+use posecut_graph::PoseGraph;
+use posecut_scan::Scans;
+use rayon::prelude::*;
+
+use crate::appearance::{Appearance, Detector, Evidence};
+use crate::measure::{Extents, Measurement, Reference};
+use crate::places::{Places, Resemblance};
+use crate::tf_idf::TfIdf;
+use crate::{Routes, Settings, Submaps, Words, vocabulary};
+
+/// Two keyframes that may see the same place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// The reference, the one with the lower index.
+    pub from: usize,
+    /// The query.
+    pub to: usize,
+    /// The probability that the query sees the place of the reference, from their words alone.
+    pub appearance: f64,
+    /// Where the query is in the frame of the reference; `None` without scans.
+    pub measurement: Option<Measurement>,
+}
+
+/// The log-odds of a correct measurement are linear in its agreement: offset and slope, fitted to two of three logs with an agreed map.
+/// Where most candidates are wrong, they are too large (docs/results/recognition.md).
+const ODDS: [f64; 2] = [-10.75, 19.3];
+
+impl Candidate {
+    /// The probability that the candidate is correct: of its measurement, from the agreement, or of the place, from the words, where there
+    /// is no measurement.
+    pub fn probability(&self) -> f64 {
+        match &self.measurement {
+            Some(measurement) => {
+                let [offset, slope] = ODDS;
+                1.0 / (1.0 + (-offset - slope * measurement.agreement).exp())
+            }
+            None => self.appearance,
+        }
+    }
+}
+
+/// What recognition found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Recognition {
+    /// The candidates in the order of their keyframes.
+    pub candidates: Vec<Candidate>,
+    /// Pairs of keyframes that looked alike, before the scans were matched.
+    pub proposed: usize,
+    /// Those for which no match of the scans was found.
+    pub unmatched: usize,
+    /// Those that were dropped because too little agrees.
+    pub disagreeing: usize,
+}
+
+/// Keyframes that are looked up for each.
+const SHORTLIST: usize = 50;
+
+/// Places that are nearer to each other than this, metres of way, are one place.
+const ONE_PLACE: f64 = 3.0;
+
+/// Extents of matched maps as shares of the way of a description: the reference, the query when searched, and when aligned.
+const EXTENTS: [f64; 3] = [1.0, 0.5, 1.0 / 6.0];
+
+/// Finds candidates of a graph in the plane. Words of scans are learnt unless other words are given; with them, the scans may be missing, and candidates have no measurements then.
+/// O(n log n + candidates) with lengths of routes and scans as factors.
+///
+/// # Errors
+///
+/// An odometry edge has a measurement that cannot be used.
+pub fn recognize(
+    graph: &PoseGraph,
+    scans: &Scans,
+    words: Option<Words>,
+    settings: &Settings,
+) -> anyhow::Result<Recognition> {
+    let routes = Routes::of_graph(graph)?;
+    let submaps = Submaps::new(&routes, graph.nodes.iter().map(|node| scans.at(node.id)).collect());
+    let keyframes = graph.nodes.len();
+    let with_scans: Vec<usize> = (0..keyframes).filter(|&node| submaps.has_scan(node)).collect();
+    let places = Places::new(&submaps, with_scans, settings.way, settings.radius);
+    let foreign = words.is_some();
+    let words = words.unwrap_or_else(|| words_of_scans(&submaps, keyframes, settings));
+    let detector = Detector { seen: settings.seen, imagined: settings.imagined };
+    let lookup = Lookup {
+        routes: &routes,
+        settings,
+        appearance: Appearance::new(&words, detector),
+        by_words: foreign.then(|| TfIdf::new(&words)),
+        places: &places,
+    };
+    let proposals = lookup.proposals(keyframes);
+    let mut found = Recognition { proposed: proposals.len(), ..Recognition::default() };
+    if scans.is_empty() {
+        found.candidates = proposals.into_iter().map(Proposal::without_measurement).collect();
+    } else {
+        measure_all(&submaps, proposals, settings, &mut found);
+    }
+    Ok(found)
+}
+
+/// The words by which the scans of keyframes are compared. O(shapes * vocabulary).
+pub fn words_of_scans(submaps: &Submaps, keyframes: usize, settings: &Settings) -> Words {
+    let extent = EXTENTS[1] * settings.way;
+    vocabulary::words(submaps, keyframes, extent, settings.vocabulary, settings.seed)
+}
+
+/// A pair to be measured.
+struct Proposal {
+    from: usize,
+    to: usize,
+    appearance: f64,
+    headings: Vec<f64>,
+}
+
+impl Proposal {
+    fn without_measurement(self) -> Candidate {
+        Candidate { from: self.from, to: self.to, appearance: self.appearance, measurement: None }
+    }
+}
+
+/// What is needed to find pairs.
+struct Lookup<'a> {
+    routes: &'a Routes,
+    settings: &'a Settings,
+    appearance: Appearance<'a>,
+    /// The index of words that came from elsewhere.
+    by_words: Option<TfIdf<'a>>,
+    places: &'a Places,
+}
+
+impl Lookup<'_> {
+    /// The pairs in the order of their keyframes, each once.
+    fn proposals(&self, keyframes: usize) -> Vec<Proposal> {
+        let all: Vec<Vec<Proposal>> =
+            (0..keyframes).into_par_iter().map(|keyframe| self.proposals_of(keyframe)).collect();
+        let mut pairs: BTreeMap<(usize, usize), Proposal> = BTreeMap::new();
+        for proposal in all.into_iter().flatten() {
+            let pair = pairs.entry((proposal.from, proposal.to));
+            // Both may have proposed the other: the surer one counts.
+            pair.and_modify(|known| known.appearance = known.appearance.max(proposal.appearance))
+                .or_insert(proposal);
+        }
+        pairs.into_values().collect()
+    }
+
+    fn proposals_of(&self, keyframe: usize) -> Vec<Proposal> {
+        let (shortlist, resemblances) = self.shortlist(keyframe);
+        if shortlist.is_empty() {
+            return Vec::new();
+        }
+        let elsewhere = |other: usize| self.routes.way(keyframe, other) > self.settings.apart;
+        let evidence = self.appearance.evidence(keyframe, elsewhere);
+        let mut order: Vec<usize> = (0..shortlist.len()).collect();
+        // By words, the order of the shortlist stands.
+        if let Some(resemblances) = &resemblances {
+            let similarity = |at: usize| resemblances[at].similarity;
+            order.sort_by(|&one, &other| similarity(other).total_cmp(&similarity(one)).then(one.cmp(&other)));
+        }
+        let mut kept: Vec<usize> = Vec::new();
+        for at in order {
+            let apart = |&other: &usize| self.routes.way(shortlist[other], shortlist[at]) > ONE_PLACE;
+            if kept.len() < self.settings.candidates && kept.iter().all(apart) {
+                kept.push(at);
+            }
+        }
+        let others = self.places_elsewhere(keyframe);
+        let proposal = |at: usize| {
+            let other = shortlist[at];
+            let appearance = self.appearance_of(other, &shortlist, &evidence, others);
+            let headings = resemblances.as_ref().map_or_else(Vec::new, |found| found[at].headings.clone());
+            // A heading of the keyframe in the frame of the other is the opposite turn the other way round.
+            if other < keyframe {
+                Proposal { from: other, to: keyframe, appearance, headings }
+            } else {
+                let headings = headings.into_iter().map(|heading| -heading).collect();
+                Proposal { from: keyframe, to: other, appearance, headings }
+            }
+        };
+        kept.into_iter().map(proposal).collect()
+    }
+
+    /// The keyframes that look like one, and how, where both have scans.
+    fn shortlist(&self, keyframe: usize) -> (Vec<usize>, Option<Vec<Resemblance>>) {
+        let apart = self.settings.apart;
+        let position = self.places.position(keyframe);
+        if let Some(index) = &self.by_words {
+            let elsewhere = |other: usize| self.routes.way(keyframe, other) > apart;
+            let nearest = index.nearest(keyframe, SHORTLIST, elsewhere);
+            let looks = |other: usize| Some(self.places.resemblance(position?, self.places.position(other)?));
+            let resemblances: Vec<Resemblance> = nearest.iter().filter_map(|&other| looks(other)).collect();
+            let all = resemblances.len() == nearest.len();
+            return (nearest, all.then_some(resemblances));
+        }
+        let Some(position) = position else { return (Vec::new(), None) };
+        let nearest = self.places.nearest(position, SHORTLIST, self.routes, apart);
+        let resemblances: Vec<Resemblance> =
+            nearest.into_iter().map(|other| self.places.resemblance(position, other)).collect();
+        (resemblances.iter().map(|found| found.node).collect(), Some(resemblances))
+    }
+
+    /// The number of keyframes that are hypotheses for one.
+    fn places_elsewhere(&self, keyframe: usize) -> f64 {
+        let beside = self.routes.within(keyframe, self.settings.apart).len();
+        (self.routes.len() - beside).max(1) as f64
+    }
+
+    /// The posterior probability of a place. The hypotheses are a new place, and each keyframe elsewhere with equal prior
+    /// probability; those outside the shortlist count as average places. Neighbouring keyframes see one place: their probabilities
+    /// add up.
+    fn appearance_of(&self, place: usize, shortlist: &[usize], evidence: &Evidence, others: f64) -> f64 {
+        let known = (1.0 - self.settings.new_place) / others;
+        let rest = (others - shortlist.len() as f64).max(0.0);
+        let mut total = self.settings.new_place + rest * known;
+        let mut here = 0.0;
+        for &other in shortlist {
+            // Above 600 nats the exponential would overflow; the probability is 1 long before.
+            let weight = known * evidence.ratio(other).min(600.0).exp();
+            total += weight;
+            if self.routes.way(place, other) <= ONE_PLACE {
+                here += weight;
+            }
+        }
+        if total > 0.0 { here / total } else { 0.0 }
+    }
+}
+
+/// Matches the scans of all pairs, by reference, so that each local map is prepared once.
+fn measure_all(submaps: &Submaps, proposals: Vec<Proposal>, settings: &Settings, found: &mut Recognition) {
+    let [reference, searched, aligned] = EXTENTS.map(|share| share * settings.way);
+    let extents = Extents { reference, searched, aligned };
+    let groups: Vec<&[Proposal]> = proposals.chunk_by(|one, other| one.from == other.from).collect();
+    let measured: Vec<Vec<Option<Measurement>>> = groups
+        .par_iter()
+        .map(|group| {
+            let Some(first) = group.first() else { return Vec::new() };
+            let prepared = Reference::new(submaps, first.from, &extents);
+            let measure =
+                |proposal: &Proposal| prepared.measure(submaps, proposal.to, &proposal.headings, &extents);
+            group.iter().map(measure).collect()
+        })
+        .collect();
+    let measured: Vec<Option<Measurement>> = measured.into_iter().flatten().collect();
+    for (proposal, measurement) in proposals.into_iter().zip(measured) {
+        match measurement {
+            None => found.unmatched += 1,
+            Some(measurement) if measurement.agreement < settings.least_agreement => found.disagreeing += 1,
+            measurement => {
+                found.candidates.push(Candidate { measurement, ..proposal.without_measurement() });
+            }
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! Words of laser scans: the shapes around the points of a local map.
+//!
+//! Every half metre of wall is described by the walls around it, in a frame that its normal gives (a shape context: Belongie, Malik and
+//! Puzicha, PAMI 24, 2002; on laser scans as in FLIRT: Tipaldi and Arras, ICRA 2010). Descriptors are grouped by k-means; the number of
+//! the group is the word. The vocabulary is learnt from the graph itself.
+
+use std::f64::consts::TAU;
+
+use nalgebra::Vector2;
+use posecut_matching::Cloud;
+use posecut_random::rand::Rng;
+use posecut_random::random;
+use rayon::prelude::*;
+
+use crate::{Submaps, Words};
+
+/// Rings of a shape context end at these distances, metres.
+const RINGS: [f64; 3] = [0.6, 1.2, 2.4];
+/// Sectors of each ring.
+const SECTORS: usize = 8;
+/// Numbers of a descriptor.
+const LENGTH: usize = RINGS.len() * SECTORS;
+
+type Shape = [f32; LENGTH];
+
+/// Distance between described points, and side of the squares of the map that describes them, metres.
+const SPACING: f64 = 0.5;
+const SIDE: f64 = 0.1;
+/// Shapes from which the vocabulary is learnt, and rounds of k-means.
+const LEARNT: usize = 20_000;
+const ROUNDS: usize = 12;
+
+/// The words of the keyframes of local maps within a way of each, metres, with a vocabulary of a size. O(shapes * size).
+pub fn words(submaps: &Submaps, keyframes: usize, way: f64, size: usize, seed: u64) -> Words {
+    let shapes: Vec<Vec<Shape>> =
+        (0..keyframes).into_par_iter().map(|node| shapes(&submaps.around(node, way, SIDE))).collect();
+    let all: Vec<&Shape> = shapes.iter().flatten().collect();
+    if all.is_empty() {
+        return Words::new(vec![Vec::new(); keyframes], 0);
+    }
+    let step = all.len().div_ceil(LEARNT);
+    let learnt: Vec<&Shape> = all.into_iter().step_by(step).collect();
+    let centres = k_means(&learnt, size, seed);
+    let bags = shapes
+        .par_iter()
+        .map(|shapes| shapes.iter().map(|shape| nearest(&centres, shape).0).collect())
+        .collect();
+    Words::new(bags, centres.len())
+}
+
+/// The shapes around points at equal distances. O(described points * points).
+fn shapes(cloud: &Cloud) -> Vec<Shape> {
+    let described = cloud.thinned(SPACING);
+    let around = |(point, normal): (&Vector2<f64>, &Option<Vector2<f64>>)| {
+        let normal = (*normal)?;
+        let mut shape = [0.0_f32; LENGTH];
+        for other in &cloud.points {
+            let offset = other - point;
+            let distance = offset.norm();
+            let Some(ring) = RINGS.iter().position(|end| distance < *end) else { continue };
+            let direction = (normal.x * offset.y - normal.y * offset.x).atan2(normal.dot(&offset));
+            // Sectors are centred on the wall and its normal, so that a small turn of the normal moves no wall to another sector.
+            let sector = (direction.rem_euclid(TAU) / TAU * SECTORS as f64).round() as usize % SECTORS;
+            shape[ring * SECTORS + sector] += 1.0;
+        }
+        let shape = shape.map(f32::sqrt);
+        let norm = shape.iter().map(|cell| cell * cell).sum::<f32>().sqrt();
+        Some(shape.map(|cell| cell / norm.max(f32::MIN_POSITIVE)))
+    };
+    described.points.iter().zip(&described.normals).filter_map(around).collect()
+}
+
+/// Centres of groups (Lloyd's iteration from the start of Arthur and Vassilvitskii, *k-means++*, SODA 2007).
+fn k_means(shapes: &[&Shape], size: usize, seed: u64) -> Vec<Shape> {
+    let mut random = random(seed, "vocabulary");
+    let mut centres: Vec<Shape> = vec![*shapes[0]];
+    let mut distances: Vec<f32> = shapes.iter().map(|shape| squared(shape, &centres[0])).collect();
+    while centres.len() < size.min(shapes.len()) {
+        let total: f64 = distances.iter().map(|distance| f64::from(*distance)).sum();
+        if total <= 0.0 {
+            break;
+        }
+        let mut left = total * (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+        let chosen = distances
+            .iter()
+            .position(|distance| {
+                left -= f64::from(*distance);
+                left < 0.0
+            })
+            .unwrap_or(shapes.len() - 1);
+        let centre = *shapes[chosen];
+        for (distance, shape) in distances.iter_mut().zip(shapes) {
+            *distance = distance.min(squared(shape, &centre));
+        }
+        centres.push(centre);
+    }
+    for _ in 0..ROUNDS {
+        let groups: Vec<usize> = shapes.par_iter().map(|shape| nearest(&centres, shape).0).collect();
+        let mut sums = vec![([0.0_f32; LENGTH], 0_u32); centres.len()];
+        for (group, shape) in groups.iter().zip(shapes) {
+            sums[*group].1 += 1;
+            sums[*group].0.iter_mut().zip(shape.iter()).for_each(|(sum, cell)| *sum += cell);
+        }
+        for (centre, (sum, count)) in centres.iter_mut().zip(sums) {
+            if count > 0 {
+                *centre = sum.map(|cell| cell / count as f32);
+            }
+        }
+    }
+    centres
+}
+
+/// The nearest centre and its squared distance; of equal ones the first.
+fn nearest(centres: &[Shape], shape: &Shape) -> (usize, f32) {
+    let mut best = (0, f32::INFINITY);
+    for (index, centre) in centres.iter().enumerate() {
+        let distance = squared(centre, shape);
+        if distance < best.1 {
+            best = (index, distance);
+        }
+    }
+    best
+}
+
+fn squared(one: &Shape, other: &Shape) -> f32 {
+    one.iter().zip(other).map(|(one, other)| (one - other) * (one - other)).sum()
+}

@@ -1,0 +1,8 @@
+//! Tests of place recognition: laws of its parts, and simulated logs.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod appearance;
+mod logs;
+mod places;
+mod words;
