@@ -10,6 +10,7 @@ mod pcm;
 mod peers;
 mod priors;
 mod proofs;
+mod recognition;
 mod simulation;
 mod verify;
 
@@ -37,6 +38,7 @@ enum What {
     Lag(lag::Lag),
     Multicut(multicut::Multicut),
     MulticutProofs(proofs::Proofs),
+    Recognition(recognition::Recognition),
     Simulation(simulation::Simulation),
     Priors(priors::Priors),
 }
@@ -54,6 +56,7 @@ impl Measure {
             What::Lag(task) => task.run(),
             What::Multicut(task) => task.run(),
             What::MulticutProofs(task) => task.run(),
+            What::Recognition(task) => task.run(),
             What::Simulation(task) => task.run(),
             What::Priors(task) => task.run(),
         }

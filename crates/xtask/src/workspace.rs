@@ -41,7 +41,7 @@ pub fn from_root(path: &Path) -> anyhow::Result<PathBuf> {
 /// If `POSECUT_SHARED_DATA` does not name it.
 pub fn shared_data() -> anyhow::Result<PathBuf> {
     std::env::var_os("POSECUT_SHARED_DATA").map(PathBuf::from).context(
-        "POSECUT_SHARED_DATA is not set; set it to the folder with g2o/, false_closures/, multicut/ and nclt/",
+        "POSECUT_SHARED_DATA is not set; set it to the folder with g2o/, false_closures/, multicut/, nclt/ and radish/",
     )
 }
 

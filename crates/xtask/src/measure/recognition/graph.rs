@@ -1,0 +1,116 @@
+//! What the tables need of pose graphs: poses, landmark edges, and whether a map agrees with them.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::Context as _;
+use serde::Deserialize;
+
+/// x, y and heading, metres and radians.
+pub(super) type Pose = [f64; 3];
+
+/// A landmark edge.
+#[derive(Clone, Debug, Deserialize)]
+pub(super) struct Landmark {
+    pub(super) id: u64,
+    from: u64,
+    to: u64,
+    measurement: Pose,
+    #[serde(default)]
+    rejected_by: Option<String>,
+    #[serde(default)]
+    pub(super) score: f64,
+    #[serde(default)]
+    pub(super) appearance: f64,
+}
+
+impl Landmark {
+    pub(super) fn accepted(&self) -> bool {
+        self.rejected_by.is_none()
+    }
+}
+
+/// The poses of a graph by the ids of their nodes.
+pub(super) struct Map(BTreeMap<u64, Pose>);
+
+/// A measurement is correct within these distances of the map, metres and radians.
+pub(super) const CORRECT: (f64, f64) = (0.5, 0.1);
+/// Two keyframes see the same place within this distance, metres.
+pub(super) const SAME_PLACE: f64 = 3.0;
+
+#[derive(Deserialize)]
+struct Node {
+    id: u64,
+    pose: Pose,
+}
+
+/// The records of a kind in a graph.
+fn records<T: for<'a> Deserialize<'a>>(path: &Path, kind: &str) -> anyhow::Result<Vec<T>> {
+    let place = || format!("{}: cannot be read", path.display());
+    let text = std::fs::read_to_string(path).with_context(place)?;
+    let start = format!("{{\"kind\":\"{kind}\"");
+    let lines = text.lines().filter(|line| line.starts_with(&start));
+    lines.map(|line| serde_json::from_str(line).with_context(place)).collect()
+}
+
+/// The landmark edges of a graph.
+pub(super) fn landmarks(path: &Path) -> anyhow::Result<Vec<Landmark>> {
+    records(path, "landmark")
+}
+
+impl Map {
+    pub(super) fn read(path: &Path) -> anyhow::Result<Self> {
+        let nodes: Vec<Node> = records(path, "node")?;
+        Ok(Self(nodes.into_iter().map(|node| (node.id, node.pose)).collect()))
+    }
+
+    /// The pose of the end of an edge in the frame of its start.
+    fn relative(&self, edge: &Landmark) -> Option<Pose> {
+        let (from, to) = (self.0.get(&edge.from)?, self.0.get(&edge.to)?);
+        let (sine, cosine) = from[2].sin_cos();
+        let (x, y) = (to[0] - from[0], to[1] - from[1]);
+        Some([cosine * x + sine * y, cosine * y - sine * x, to[2] - from[2]])
+    }
+
+    /// Whether the measurement of an edge agrees with the map.
+    pub(super) fn correct(&self, edge: &Landmark) -> bool {
+        let Some(pose) = self.relative(edge) else { return false };
+        let measured = edge.measurement;
+        let distance = (pose[0] - measured[0]).hypot(pose[1] - measured[1]);
+        let (sine, cosine) = (pose[2] - measured[2]).sin_cos();
+        distance < CORRECT.0 && sine.atan2(cosine).abs() < CORRECT.1
+    }
+
+    /// Whether both ends of an edge are at the same place of the map.
+    pub(super) fn same_place(&self, edge: &Landmark) -> bool {
+        self.relative(edge).is_some_and(|pose| pose[0].hypot(pose[1]) < SAME_PLACE)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    use super::*;
+
+    fn edge(measurement: Pose) -> Landmark {
+        Landmark { id: 0, from: 3, to: 7, measurement, rejected_by: None, score: 0.0, appearance: 0.0 }
+    }
+
+    #[test]
+    fn a_measurement_is_correct_in_the_frame_of_its_start() {
+        let map = Map([(3, [1.0, 2.0, FRAC_PI_2]), (7, [1.0, 4.0, -PI])].into());
+        assert!(map.correct(&edge([2.0, 0.0, FRAC_PI_2])));
+        assert!(map.correct(&edge([2.4, 0.0, FRAC_PI_2 + 0.09])));
+        assert!(map.correct(&edge([2.0, 0.0, FRAC_PI_2 - 4.0 * PI])));
+        assert!(!map.correct(&edge([2.0, 0.6, FRAC_PI_2])));
+        assert!(!map.correct(&edge([2.0, 0.0, FRAC_PI_2 + 0.11])));
+        assert!(map.same_place(&edge([90.0, 0.0, 0.0])));
+    }
+
+    #[test]
+    fn ends_that_are_far_apart_are_not_one_place() {
+        let map = Map([(3, [0.0, 0.0, 0.0]), (7, [2.0, 2.3, 0.0])].into());
+        assert!(!map.same_place(&edge([0.0, 0.0, 0.0])));
+    }
+}
