@@ -105,13 +105,13 @@ fn the_covariances_of_odometry_edges_pass_a_chi_square_test() {
     assert!((2.1..3.2).contains(&mean) && beyond < 0.005, "mean {mean}, {beyond} beyond the 0.999 quantile");
 }
 
-/// Normals are estimates, whose errors the covariance of a match does not count: one in a hundred errors, and not one in a thousand, is beyond
-/// the quantile.
+/// The covariance of a match has a floor for the errors that real scans have in common. Simulated scans have none, so the errors are smaller
+/// than the covariances say. Without the floor they pass a chi-square test (crates/matching, `icp.rs`).
 #[test]
-fn the_covariances_of_matched_edges_pass_a_chi_square_test() {
+fn the_covariances_of_matched_edges_cover_the_errors() {
     let (mean, beyond, count) = errors(true);
     assert!(count > 700, "{count}");
-    assert!((2.4..3.6).contains(&mean) && beyond < 0.02, "mean {mean}, {beyond} beyond the 0.999 quantile");
+    assert!((0.3..3.2).contains(&mean) && beyond < 0.005, "mean {mean}, {beyond} beyond the 0.999 quantile");
 }
 
 #[test]
