@@ -39,7 +39,7 @@ impl GraphStage for Options {
     const EXAMPLES: Examples = Examples(&[
         (
             "From a laser log to a map",
-            "posecut ingest robot.log --scan-matching | posecut recognize | posecut verify \\\n    | posecut optimize | posecut map -o map.png",
+            "posecut ingest robot.log --scan-matching | posecut recognize \\\n    | posecut verify | posecut optimize | posecut map -o map.png",
         ),
         (
             "Recognise places by the words of an image front end",
