@@ -45,11 +45,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let (build, places) = timed(|| Places::of_contexts(nodes.clone(), contexts.clone()));
     let by_tree = || -> Vec<Vec<usize>> {
-        let nearest = |position| places.nearest(position, SHORTLIST, &routes, settings.apart);
+        let nearest = |position| places.nearest(position, SHORTLIST, &routes, settings.exclusion_length);
         (0..nodes.len()).map(nearest).collect()
     };
     let by_search = || -> Vec<Vec<usize>> {
-        let nearest = |position| search(&keys, &nodes, position, &routes, settings.apart);
+        let nearest = |position| search(&keys, &nodes, position, &routes, settings.exclusion_length);
         (0..nodes.len()).map(nearest).collect()
     };
     // Both take turns, so that other load on the machine affects both.
@@ -97,7 +97,7 @@ fn repeated(once: &PoseGraph, passes: usize) -> Result<PoseGraph, Box<dyn std::e
 
 /// The context of a keyframe, with noise on every point.
 fn context(submaps: &Submaps, node: usize, settings: &Settings, random: &mut ChaCha8Rng) -> PolarContext {
-    let mut cloud = submaps.around(node, settings.way, settings.radius / 100.0);
+    let mut cloud = submaps.around(node, settings.submap_length, settings.radius / 100.0);
     let mut moved = || NOISE * (2.0 * f64::from(random.next_u32()) / f64::from(u32::MAX) - 1.0);
     cloud.points.iter_mut().for_each(|point| *point += Vector2::new(moved(), moved()));
     PolarContext::new(&cloud, settings.radius)
@@ -108,7 +108,7 @@ fn search(keys: &[[f64; KEY]], nodes: &[usize], position: usize, routes: &Routes
     let mut found: Vec<(f64, usize)> = keys
         .iter()
         .enumerate()
-        .filter(|(other, _)| routes.way(nodes[position], nodes[*other]) > apart)
+        .filter(|(other, _)| routes.path_length(nodes[position], nodes[*other]) > apart)
         .map(|(other, key)| (key.iter().zip(&keys[position]).map(|(a, b)| (a - b) * (a - b)).sum(), other))
         .collect();
     let order =

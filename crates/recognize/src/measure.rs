@@ -9,7 +9,7 @@ use crate::Submaps;
 /// The extents of the maps that are matched.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extents {
-    /// The local map of the reference, metres of way on each side.
+    /// The local map of the reference, metres of path on each side.
     pub reference: f64,
     /// That of the query when it is searched.
     pub searched: f64,

@@ -34,12 +34,12 @@ const HEADINGS: usize = 3;
 const NEARLY: f64 = 0.9;
 
 impl Places {
-    /// Describes keyframes by what was seen within a way of them, up to a radius, metres. O(keyframes log keyframes).
-    pub fn new(submaps: &Submaps, nodes: Vec<usize>, way: f64, radius: f64) -> Self {
+    /// Describes keyframes by what was seen within a path length of them, up to a radius, metres. O(keyframes log keyframes).
+    pub fn new(submaps: &Submaps, nodes: Vec<usize>, length: f64, radius: f64) -> Self {
         let side = radius / 100.0;
         let contexts: Vec<PolarContext> = nodes
             .par_iter()
-            .map(|&node| PolarContext::new(&submaps.around(node, way, side), radius))
+            .map(|&node| PolarContext::new(&submaps.around(node, length, side), radius))
             .collect();
         Self::of_contexts(nodes, contexts)
     }
@@ -62,7 +62,7 @@ impl Places {
             .nearest_n::<SquaredEuclidean>(&self.keys[position], count)
             .into_iter()
             .map(|neighbour| (neighbour.distance, neighbour.item as usize))
-            .filter(|(_, other)| routes.way(here, self.nodes[*other]) > apart)
+            .filter(|(_, other)| routes.path_length(here, self.nodes[*other]) > apart)
             .collect();
         found.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
         found.into_iter().take(most).map(|(_, other)| other).collect()

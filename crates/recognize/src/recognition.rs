@@ -59,10 +59,10 @@ pub struct Recognition {
 /// Keyframes that are looked up for each.
 const SHORTLIST: usize = 50;
 
-/// Places that are nearer to each other than this, metres of way, are one place.
+/// Places within this path length of each other, metres, are one place.
 const ONE_PLACE: f64 = 3.0;
 
-/// Extents of matched maps as shares of the way of a description: the reference, the query when searched, and when aligned.
+/// Extents of matched maps as shares of the submap length: the reference, the query when searched, and when aligned.
 const EXTENTS: [f64; 3] = [1.0, 0.5, 1.0 / 6.0];
 
 /// Finds candidates of a graph in the plane. Words of scans are learnt unless other words are given; with them, the scans may be missing, and candidates have no measurements then.
@@ -81,7 +81,7 @@ pub fn recognize(
     let submaps = Submaps::new(&routes, graph.nodes.iter().map(|node| scans.at(node.id)).collect());
     let keyframes = graph.nodes.len();
     let with_scans: Vec<usize> = (0..keyframes).filter(|&node| submaps.has_scan(node)).collect();
-    let places = Places::new(&submaps, with_scans, settings.way, settings.radius);
+    let places = Places::new(&submaps, with_scans, settings.submap_length, settings.radius);
     let foreign = words.is_some();
     let words = words.unwrap_or_else(|| words_of_scans(&submaps, keyframes, settings));
     let detector = Detector { seen: settings.seen, imagined: settings.imagined };
@@ -104,7 +104,7 @@ pub fn recognize(
 
 /// The words by which the scans of keyframes are compared. O(shapes * vocabulary).
 pub fn words_of_scans(submaps: &Submaps, keyframes: usize, settings: &Settings) -> Words {
-    let extent = EXTENTS[1] * settings.way;
+    let extent = EXTENTS[1] * settings.submap_length;
     vocabulary::words(submaps, keyframes, extent, settings.vocabulary, settings.seed)
 }
 
@@ -152,7 +152,8 @@ impl Lookup<'_> {
         if shortlist.is_empty() {
             return Vec::new();
         }
-        let elsewhere = |other: usize| self.routes.way(keyframe, other) > self.settings.apart;
+        let elsewhere =
+            |other: usize| self.routes.path_length(keyframe, other) > self.settings.exclusion_length;
         let evidence = self.appearance.evidence(keyframe, elsewhere);
         let mut order: Vec<usize> = (0..shortlist.len()).collect();
         // By words, the order of the shortlist stands.
@@ -162,7 +163,7 @@ impl Lookup<'_> {
         }
         let mut kept: Vec<usize> = Vec::new();
         for at in order {
-            let apart = |&other: &usize| self.routes.way(shortlist[other], shortlist[at]) > ONE_PLACE;
+            let apart = |&other: &usize| self.routes.path_length(shortlist[other], shortlist[at]) > ONE_PLACE;
             if kept.len() < self.settings.candidates && kept.iter().all(apart) {
                 kept.push(at);
             }
@@ -172,7 +173,7 @@ impl Lookup<'_> {
             let other = shortlist[at];
             let appearance = self.appearance_of(other, &shortlist, &evidence, others);
             let headings = resemblances.as_ref().map_or_else(Vec::new, |found| found[at].headings.clone());
-            // A heading of the keyframe in the frame of the other is the opposite turn the other way round.
+            // A heading of the keyframe in the frame of the other is the opposite turn in the opposite direction.
             if other < keyframe {
                 Proposal { from: other, to: keyframe, appearance, headings }
             } else {
@@ -185,10 +186,10 @@ impl Lookup<'_> {
 
     /// The keyframes that look like one, and how, where both have scans.
     fn shortlist(&self, keyframe: usize) -> (Vec<usize>, Option<Vec<Resemblance>>) {
-        let apart = self.settings.apart;
+        let apart = self.settings.exclusion_length;
         let position = self.places.position(keyframe);
         if let Some(index) = &self.by_words {
-            let elsewhere = |other: usize| self.routes.way(keyframe, other) > apart;
+            let elsewhere = |other: usize| self.routes.path_length(keyframe, other) > apart;
             let nearest = index.nearest(keyframe, SHORTLIST, elsewhere);
             let looks = |other: usize| Some(self.places.resemblance(position?, self.places.position(other)?));
             let resemblances: Vec<Resemblance> = nearest.iter().filter_map(|&other| looks(other)).collect();
@@ -204,7 +205,7 @@ impl Lookup<'_> {
 
     /// The number of keyframes that are hypotheses for one.
     fn places_elsewhere(&self, keyframe: usize) -> f64 {
-        let beside = self.routes.within(keyframe, self.settings.apart).len();
+        let beside = self.routes.within(keyframe, self.settings.exclusion_length).len();
         (self.routes.len() - beside).max(1) as f64
     }
 
@@ -220,7 +221,7 @@ impl Lookup<'_> {
             // Above 600 nats the exponential would overflow; the probability is 1 long before.
             let weight = known * evidence.ratio(other).min(600.0).exp();
             total += weight;
-            if self.routes.way(place, other) <= ONE_PLACE {
+            if self.routes.path_length(place, other) <= ONE_PLACE {
                 here += weight;
             }
         }
@@ -230,7 +231,7 @@ impl Lookup<'_> {
 
 /// Matches the scans of all pairs, by reference, so that each local map is prepared once.
 fn measure_all(submaps: &Submaps, proposals: Vec<Proposal>, settings: &Settings, found: &mut Recognition) {
-    let [reference, searched, aligned] = EXTENTS.map(|share| share * settings.way);
+    let [reference, searched, aligned] = EXTENTS.map(|share| share * settings.submap_length);
     let extents = Extents { reference, searched, aligned };
     let groups: Vec<&[Proposal]> = proposals.chunk_by(|one, other| one.from == other.from).collect();
     let measured: Vec<Vec<Option<Measurement>>> = groups

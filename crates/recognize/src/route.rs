@@ -8,11 +8,11 @@ use posecut_graph::{EdgeKind, PoseGraph};
 pub struct Routes {
     /// The pose of each keyframe in the frame of the first one of its route.
     pose: Vec<SE2>,
-    /// The way from that first keyframe, metres.
+    /// The path length from that first keyframe, metres.
     travelled: Vec<f64>,
     /// The route of each keyframe.
     route: Vec<usize>,
-    /// The keyframes of each route by the way travelled.
+    /// The keyframes of each route by path length.
     along: Vec<Vec<usize>>,
     /// The position of each keyframe in `along`.
     position: Vec<usize>,
@@ -84,8 +84,8 @@ impl Routes {
         self.pose.is_empty()
     }
 
-    /// The way from one keyframe to another along their route, metres; infinite between routes.
-    pub fn way(&self, one: usize, other: usize) -> f64 {
+    /// The path length from one keyframe to another along their route, metres; infinite between routes.
+    pub fn path_length(&self, one: usize, other: usize) -> f64 {
         if self.route[one] == self.route[other] {
             (self.travelled[one] - self.travelled[other]).abs()
         } else {
@@ -98,11 +98,11 @@ impl Routes {
         self.pose[from].between(&self.pose[to])
     }
 
-    /// The keyframes within a way of one, before and after it, in the order of the route.
-    pub fn within(&self, node: usize, way: f64) -> &[usize] {
+    /// The keyframes within a path length of one, before and after it, in the order of the route.
+    pub fn within(&self, node: usize, length: f64) -> &[usize] {
         let along = &self.along[self.route[node]];
         let position = self.position[node];
-        let near = |other: &usize| self.way(node, *other) <= way;
+        let near = |other: &usize| self.path_length(node, *other) <= length;
         let first = position - along[..position].iter().rev().take_while(|other| near(other)).count();
         let last = position + along[position..].iter().take_while(|other| near(other)).count();
         &along[first..last]

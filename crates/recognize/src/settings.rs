@@ -8,17 +8,17 @@ use serde::Serialize;
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 #[cfg_attr(feature = "cli", group(skip))]
 pub struct Settings {
-    /// Describe a keyframe by what was seen within this way of it, metres
-    #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", default_value_t = Settings::DEFAULT.way, help_heading = "Places"))]
-    pub way: f64,
+    /// Describe a keyframe by what was seen within this path length before and after it, metres
+    #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", default_value_t = Settings::DEFAULT.submap_length, help_heading = "Places"))]
+    pub submap_length: f64,
 
     /// Describe walls up to this distance, metres; a tenth of it is the least that two places may differ
     #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", default_value_t = Settings::DEFAULT.radius, help_heading = "Places"))]
     pub radius: f64,
 
-    /// Propose no keyframes with less way than this between them, metres
-    #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", default_value_t = Settings::DEFAULT.apart, help_heading = "Places"))]
-    pub apart: f64,
+    /// Propose no two keyframes within this path length of each other, metres
+    #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", default_value_t = Settings::DEFAULT.exclusion_length, help_heading = "Places"))]
+    pub exclusion_length: f64,
 
     /// Propose at most this many places for each keyframe
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Settings::DEFAULT.candidates, help_heading = "Candidates"))]
@@ -52,9 +52,9 @@ pub struct Settings {
 impl Settings {
     /// The defaults.
     pub const DEFAULT: Self = Self {
-        way: 6.0,
+        submap_length: 6.0,
         radius: 10.0,
-        apart: 15.0,
+        exclusion_length: 15.0,
         candidates: 4,
         least_agreement: 0.6,
         vocabulary: 400,
@@ -70,17 +70,21 @@ impl Settings {
     ///
     /// A length is not positive, or a probability is not one.
     pub fn check(&self) -> anyhow::Result<()> {
-        for (option, value) in [("--way", self.way), ("--radius", self.radius), ("--apart", self.apart)] {
+        for (option, value) in [
+            ("--submap-length", self.submap_length),
+            ("--radius", self.radius),
+            ("--exclusion-length", self.exclusion_length),
+        ] {
             ensure!(
                 value.is_finite() && value > 0.0,
                 "{option} is {value}; give a positive length in metres"
             );
         }
         ensure!(
-            self.apart > self.way,
-            "--apart {} is not above --way {}; keyframes with the same surroundings would be proposed",
-            self.apart,
-            self.way
+            self.exclusion_length > self.submap_length,
+            "--exclusion-length {} is not above --submap-length {}; keyframes with the same surroundings would be proposed",
+            self.exclusion_length,
+            self.submap_length
         );
         for (option, value) in [
             ("--least-agreement", self.least_agreement),

@@ -25,17 +25,17 @@ impl<'a> Submaps<'a> {
         !self.clouds[node].is_empty()
     }
 
-    /// The scans within a way of a keyframe, metres, with the poses of their keyframes in its frame.
-    pub fn scans(&self, node: usize, way: f64) -> impl Iterator<Item = (&LaserScan, SE2)> {
-        let near = self.routes.within(node, way).iter();
+    /// The scans within a path length of a keyframe, metres, with the poses of their keyframes in its frame.
+    pub fn scans(&self, node: usize, length: f64) -> impl Iterator<Item = (&LaserScan, SE2)> {
+        let near = self.routes.within(node, length).iter();
         near.filter_map(move |&other| Some((self.scans[other]?, self.routes.between(node, other))))
     }
 
-    /// What was seen within a way of a keyframe, metres, in its frame, one point for each square of this side. A scanner that looks
+    /// What was seen within a path length of a keyframe, metres, in its frame, one point for each square of this side. A scanner that looks
     /// forwards sees the surroundings of a keyframe from the keyframes before it, and what is beside it from those. O(points log points).
-    pub fn around(&self, node: usize, way: f64, side: f64) -> Cloud {
+    pub fn around(&self, node: usize, length: f64, side: f64) -> Cloud {
         let mut cloud = Cloud::default();
-        for &other in self.routes.within(node, way) {
+        for &other in self.routes.within(node, length) {
             let pose = if other == node { SE2::new(0.0, 0.0, 0.0) } else { self.routes.between(node, other) };
             cloud.add(&self.clouds[other], &pose);
         }

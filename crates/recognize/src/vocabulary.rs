@@ -30,10 +30,10 @@ const SIDE: f64 = 0.1;
 const LEARNT: usize = 20_000;
 const ROUNDS: usize = 12;
 
-/// The words of the keyframes of local maps within a way of each, metres, with a vocabulary of a size. O(shapes * size).
-pub fn words(submaps: &Submaps, keyframes: usize, way: f64, size: usize, seed: u64) -> Words {
+/// The words of the keyframes of local maps within a path length of each, metres, with a vocabulary of a size. O(shapes * size).
+pub fn words(submaps: &Submaps, keyframes: usize, length: f64, size: usize, seed: u64) -> Words {
     let shapes: Vec<Vec<Shape>> =
-        (0..keyframes).into_par_iter().map(|node| shapes(&submaps.around(node, way, SIDE))).collect();
+        (0..keyframes).into_par_iter().map(|node| shapes(&submaps.around(node, length, SIDE))).collect();
     let all: Vec<&Shape> = shapes.iter().flatten().collect();
     if all.is_empty() {
         return Words::new(vec![Vec::new(); keyframes], 0);

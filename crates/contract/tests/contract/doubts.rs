@@ -88,7 +88,11 @@ const CASES: &[Case] = &[
     case("ransac", "nothing-kept", &["{right.jsonl}"]),
     case("ransac", "search-limit", &["{graph.jsonl}", "--most-trials", "1"]),
     case("readmit", "nothing-kept", &["{predicted.jsonl}"]),
-    case("recognize", "nothing-kept", &["{scans.jsonl}", "--apart", "7", "--least-agreement", "1"]),
+    case(
+        "recognize",
+        "nothing-kept",
+        &["{scans.jsonl}", "--exclusion-length", "7", "--least-agreement", "1"],
+    ),
     case("verify", "calibration-on-prior", &["{right.jsonl}"]),
     case("verify", "nothing-kept", &["{wrong.jsonl}"]),
     case("verify", "parts-not-connected", &["{wrong-apart.jsonl}"]),

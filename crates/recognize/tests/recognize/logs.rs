@@ -97,7 +97,7 @@ fn a_robot_that_stands_still_is_recognised_nowhere() {
     for edge in &mut graph.edges {
         edge.measurement = Some(vec![0.0; 3]);
     }
-    // All keyframes are within --apart of each other, and all have the same surroundings.
+    // All keyframes are within --exclusion-length of each other, and all have the same surroundings.
     let scan = graph.unknown[0].clone();
     let number = |id: u64| scan.replace(r#""node":0"#, &format!(r#""node":{id}"#));
     graph.unknown = graph.nodes.iter().map(|node| number(node.id)).collect();

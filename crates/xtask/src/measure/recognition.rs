@@ -87,7 +87,7 @@ impl Recognition {
             errors.push(("odometry".to_owned(), running::relations(&odometry, &along, &relations)?));
             errors.push(("scan matching".to_owned(), running::relations(&graph, &trajectory, &relations)?));
             for way in &ways {
-                let title = format!("whole way, `--least-agreement` {}", named(way.agreement));
+                let title = format!("whole pipeline, `--least-agreement` {}", named(way.agreement));
                 errors.push((title, running::relations(&way.optimised, &trajectory, &relations)?));
             }
         }

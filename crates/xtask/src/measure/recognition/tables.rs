@@ -177,8 +177,11 @@ mod tests {
     #[test]
     fn errors_are_in_metres_and_degrees() {
         let errors = Errors { compared: 1278, translation: [0.0421, 0.0486], rotation: [0.00645, 0.0129] };
-        let text = relations(&[("whole way".to_owned(), errors)]);
-        assert!(text.contains("| whole way | 1,278 relations | 0.042 ± 0.049 | 0.37 ± 0.74 |"), "{text}");
+        let text = relations(&[("whole pipeline".to_owned(), errors)]);
+        assert!(
+            text.contains("| whole pipeline | 1,278 relations | 0.042 ± 0.049 | 0.37 ± 0.74 |"),
+            "{text}"
+        );
         assert!(
             text.contains("| graph mapping, published | Kümmerle et al. 2009 | 0.044 ± 0.044 | 0.4 ± 0.4 |"),
             "{text}"
