@@ -1,5 +1,6 @@
 //! The probability that two keyframes see the same place, from the words of both: FAB-MAP (Cummins and Newman, *FAB-MAP:
-//! probabilistic localization and mapping in the space of appearance*, IJRR 27(6), 2008; equation numbers are of that paper).
+//! probabilistic localization and mapping in the space of appearance*, IJRR 27(6), 2008), arranged as in *Appearance-only SLAM at large
+//! scale with FAB-MAP 2.0* (IJRR 30(9), 2011), so that a place costs only its own words.
 //!
 //! A place is a set of things that exist there; a detector sees a thing that exists with some probability, and one that does not with
 //! another. Seeing a rare word twice says much, seeing a common one little, and words that go together count once, by the tree of
@@ -81,7 +82,7 @@ impl<'a> Appearance<'a> {
         evidence
     }
 
-    /// `p(z_q | z_parent, L)` of a word in an observation (equation 11), at a place where it was seen once, or was not.
+    /// `p(z_q | z_parent, L)` of a word in an observation, at a place where it was seen once, or was not: the sum over `e_q`.
     fn likelihood(&self, word: usize, seen: &[bool], at_place: bool) -> f64 {
         let now = seen[word];
         let given = match self.tree.parent[word] {
@@ -93,14 +94,15 @@ impl<'a> Appearance<'a> {
             + (1.0 - exists) * self.observed(word, now, false, given)
     }
 
-    /// `p(e_q | L)` after one observation of the place (equation 7).
+    /// `p(e_q | L)` after one observation of the place, by Bayes' rule.
     fn exists_at(&self, word: usize, seen: bool) -> f64 {
         let prior = self.exists[word];
         let with = self.detected(word, seen, true) * prior;
         with / (with + self.detected(word, seen, false) * (1.0 - prior))
     }
 
-    /// `p(z_q | e_q, z_parent)` (equations 18 to 20).
+    /// `p(z_q | e_q, z_parent)`, made of the detector and the tree: the odds of `z_q` given its parent, divided by its odds alone, times the
+    /// detector's odds.
     fn observed(&self, word: usize, now: bool, exists: bool, given: f64) -> f64 {
         let either = |probability: f64, now: bool| if now { probability } else { 1.0 - probability };
         let marginal = self.tree.marginal[word];

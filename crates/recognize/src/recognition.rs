@@ -65,7 +65,8 @@ const ONE_PLACE: f64 = 3.0;
 /// Extents of matched maps as shares of the submap length: the reference, the query when searched, and when aligned.
 const EXTENTS: [f64; 3] = [1.0, 0.5, 1.0 / 6.0];
 
-/// Finds candidates of a graph in the plane. Words of scans are learnt unless other words are given; with them, the scans may be missing, and candidates have no measurements then.
+/// Finds candidates of a graph in the plane. Words are learnt from the scans unless others are given. With those, the graph may have no
+/// scans: its candidates have no measurements then.
 /// O(n log n + candidates) with lengths of routes and scans as factors.
 ///
 /// # Errors
@@ -173,7 +174,7 @@ impl Lookup<'_> {
             let other = shortlist[at];
             let appearance = self.appearance_of(other, &shortlist, &evidence, others);
             let headings = resemblances.as_ref().map_or_else(Vec::new, |found| found[at].headings.clone());
-            // A heading of the keyframe in the frame of the other is the opposite turn in the opposite direction.
+            // The edge leads from the lower keyframe: from the other end, the heading has the other sign.
             if other < keyframe {
                 Proposal { from: other, to: keyframe, appearance, headings }
             } else {
