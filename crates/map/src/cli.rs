@@ -67,23 +67,13 @@ fn draw(command: &Command, context: &mut Context) -> anyhow::Result<Outcome> {
             bail!("{option} is {value}, but must be a positive number of metres");
         }
     }
-    if command.graph == Source::Standard && command.scans == Some(Source::Standard) {
-        bail!("only one input can be standard input; name a file for the other");
-    }
     let files = command.ros.as_deref().map(|prefix| ["pgm", "yaml"].map(|kind| with_suffix(prefix, kind)));
     for file in files.iter().flatten() {
         context.check_further_output("--ros", file)?;
     }
     let graph = context.read_graph(&command.graph, "graph")?;
-    let scans = match &command.scans {
-        None => Scans::of_graph(&graph)?,
-        Some(source) => {
-            let (name, bytes) = context.read_bytes(source, "scans")?;
-            let scans = Scans::read(&name, &bytes[..])?;
-            scans.check_nodes(&graph)?;
-            scans
-        }
-    };
+    let file = command.scans.as_ref().map(|source| context.read_bytes(source, "scans")).transpose()?;
+    let scans = Scans::of_file_or_graph(file.as_ref(), &graph)?;
     let grid = Grid::of_graph(&graph, &scans, command.resolution, max_range)?;
     let (occupied, free) = (grid.count(Cell::Occupied), grid.count(Cell::Free));
     info!(

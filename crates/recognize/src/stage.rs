@@ -61,15 +61,8 @@ impl GraphStage for Options {
                 "the graph has dimension 3, but laser scans are matched in the plane; use a graph of dimension 2"
             );
         }
-        let scans = match &self.scans {
-            Some(source) => {
-                let (file, bytes) = context.read_bytes(source, "scans")?;
-                let scans = Scans::read(&file, &bytes[..])?;
-                scans.check_nodes(graph)?;
-                scans
-            }
-            None => Scans::of_graph(graph)?,
-        };
+        let file = self.scans.as_ref().map(|source| context.read_bytes(source, "scans")).transpose()?;
+        let scans = Scans::of_file_or_graph(file.as_ref(), graph)?;
         let words = match &self.words {
             Some(source) => {
                 let (file, bytes) = context.read_bytes(source, "words")?;

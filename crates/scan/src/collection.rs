@@ -50,6 +50,18 @@ impl Scans {
         Ok(scans)
     }
 
+    /// The scans of a file, given by its name and content, whose nodes the graph must have; without a file those in the graph.
+    ///
+    /// # Errors
+    ///
+    /// As for [`of_graph`](Self::of_graph) and [`read`](Self::read).
+    pub fn of_file_or_graph(file: Option<&(String, Vec<u8>)>, graph: &PoseGraph) -> Result<Self, ScanError> {
+        let Some((name, bytes)) = file else { return Self::of_graph(graph) };
+        let scans = Self::read(name, &bytes[..])?;
+        scans.check_nodes(graph)?;
+        Ok(scans)
+    }
+
     /// Checks that the graph has the node of every scan.
     pub fn check_nodes(&self, graph: &PoseGraph) -> Result<(), ScanError> {
         match self.0.keys().find(|node| graph.node_index(**node).is_none()) {

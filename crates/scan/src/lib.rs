@@ -14,10 +14,12 @@
 mod collection;
 mod error;
 mod laser;
+mod wall;
 
 pub use collection::Scans;
 pub use error::ScanError;
 pub use laser::LaserScan;
+pub use wall::{Wall, distance_to_wall};
 
 /// The value of `"kind"` in the records of this crate.
 pub const KIND: &str = "scan";

@@ -52,6 +52,8 @@ pub struct Context {
     given: Given,
     /// Files read so far, including files that no argument names.
     opened: Vec<PathBuf>,
+    /// Whether standard input was read.
+    standard_input_read: bool,
     /// The content to write beside the result, by the option that names the file.
     further: BTreeMap<&'static str, Content>,
 }
@@ -69,6 +71,7 @@ impl Context {
             started: Instant::now(),
             given: Given::default(),
             opened: Vec::new(),
+            standard_input_read: false,
             further: BTreeMap::new(),
         }
     }
@@ -107,8 +110,8 @@ impl Context {
     /// Reads a pose graph. `role` is what the provenance calls it: never a path, so that a pipe and a file
     /// give the same bytes.
     pub fn read_graph(&mut self, source: &Source, role: &str) -> anyhow::Result<PoseGraph> {
+        self.note_opened(source)?;
         let mut input = input::open(source)?;
-        self.note_opened(source);
         let name = input.name.clone();
         let graph = PoseGraph::read(&name, &mut input)?;
         let sha256 = input.finish().with_context(|| format!("{name}: cannot be read to its end"))?;
@@ -118,8 +121,8 @@ impl Context {
 
     /// Reads an input that is not a pose graph, as a whole. Returns its name for messages and its bytes.
     pub fn read_bytes(&mut self, source: &Source, role: &str) -> anyhow::Result<(String, Vec<u8>)> {
+        self.note_opened(source)?;
         let mut input = input::open(source)?;
-        self.note_opened(source);
         let name = input.name.clone();
         let mut bytes = Vec::new();
         (&mut input)
@@ -142,10 +145,16 @@ impl Context {
         self.opened.push(path.into());
     }
 
-    fn note_opened(&mut self, source: &Source) {
-        if let Source::File(path) = source {
-            self.opened.push(path.clone());
+    /// Notes an input. Standard input can be read once; a second reader would find it empty.
+    fn note_opened(&mut self, source: &Source) -> anyhow::Result<()> {
+        match source {
+            Source::File(path) => self.opened.push(path.clone()),
+            Source::Standard if std::mem::replace(&mut self.standard_input_read, true) => {
+                bail!("only one input can be standard input; name files for the others")
+            }
+            Source::Standard => {}
         }
+        Ok(())
     }
 
     /// Adds this run, with the doubts raised so far, to the history of a graph.

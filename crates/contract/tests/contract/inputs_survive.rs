@@ -140,3 +140,15 @@ fn a_simulated_session_replaces_nothing_but_a_simulated_session() {
     ];
     assert_eq!(run("simulate", &words, b"").status.code(), Some(2));
 }
+
+/// A second input from standard input would be empty, and its absence would pass for its content.
+#[test]
+fn standard_input_is_one_input() {
+    let graph = fs::read(samples().path("scans.jsonl")).unwrap();
+    for program in ["map", "recognize"] {
+        let output = run(program, &["-", "--scans", "-"], &graph);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{program}: {said}");
+        assert!(said.contains("only one input can be standard input"), "{program}: {said}");
+    }
+}
