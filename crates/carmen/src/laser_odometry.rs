@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 use posecut_geometry::{LieGroup, SE2};
-use posecut_matching::{Alignment, Cloud, Field, IcpOptions, Neighbours, Window, align};
+use posecut_matching::{Alignment, Cloud, Field, IcpOptions, Neighbours, Window, align, robust_deviation};
 use posecut_scan::LaserScan;
 use serde::Serialize;
 
@@ -115,11 +115,12 @@ fn match_from(
         .filter(|found| found.matched as f64 >= LEAST_MATCHED * query.len() as f64);
     let Some(found) = found else { return Outcome::Unmatched };
     let difference = found.pose.between(&step.motion).log();
-    let square = normalised_square(&difference, step, &found);
+    let odometry = noise::information(step);
+    let square = normalised_square(&difference, &odometry, &found);
     if square > GATE {
         return Outcome::Contradicting;
     }
-    Outcome::Matched { measured: fused(step, &found), difference, square }
+    Outcome::Matched { measured: fused(&difference, &odometry, &found), difference, square }
 }
 
 /// The steps by odometry and scan matching. O(keyframes * beams).
@@ -142,7 +143,8 @@ pub fn by_matching(steps: &[Step], scans: &[&LaserScan]) -> (Vec<Measured>, Agre
         Measured::by_odometry(step)
     });
     let measured = measured.collect();
-    let spread = |row: usize| spread(differences.iter().map(|difference| difference[row]));
+    let spread =
+        |row: usize| spread(&differences.iter().map(|difference| difference[row]).collect::<Vec<_>>());
     agreement.difference_forward_m = spread(0);
     agreement.difference_sideways_m = spread(1);
     agreement.difference_heading_rad = spread(2);
@@ -165,29 +167,23 @@ fn settled(reference: &Reference<'_>, query: &Cloud, start: &SE2, options: &IcpO
 
 /// `d^T (S_odometry + S_match)^-1 d`, written with information matrices, so that a match may be undetermined along a corridor:
 /// `(A^-1 + B^-1)^-1 = A - A (A + B)^-1 A`.
-fn normalised_square(difference: &Vector3<f64>, step: &Step, found: &Alignment) -> f64 {
-    let odometry = noise::information(step);
+fn normalised_square(difference: &Vector3<f64>, odometry: &Matrix3<f64>, found: &Alignment) -> f64 {
     let Some(inverse) = (odometry + found.information).try_inverse() else { return 0.0 };
     let both = odometry - odometry * inverse * odometry;
     difference.dot(&(both * difference)).max(0.0)
 }
 
-/// The product of two independent normal distributions of one pose, in the tangent space at the match (first order).
-fn fused(step: &Step, found: &Alignment) -> Measured {
-    let odometry = noise::information(step);
+/// The product of two independent normal distributions of one pose, in the tangent space at the match (first order); the difference leads
+/// from there to the odometry.
+fn fused(difference: &Vector3<f64>, odometry: &Matrix3<f64>, found: &Alignment) -> Measured {
     let information = odometry + found.information;
-    let towards = found.pose.between(&step.motion).log();
-    let shift = information.try_inverse().map_or_else(Vector3::zeros, |inverse| inverse * odometry * towards);
+    let shift =
+        information.try_inverse().map_or_else(Vector3::zeros, |inverse| inverse * odometry * difference);
     Measured { motion: found.pose.compose(&SE2::exp(&shift)), information }
 }
 
-/// Root mean square, and 1.4826 times the median of the absolute values.
-fn spread(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    let mut sizes: Vec<f64> = values.map(f64::abs).collect();
-    if sizes.is_empty() {
-        return [0.0; 2];
-    }
-    sizes.sort_by(f64::total_cmp);
-    let mean = sizes.iter().map(|size| size * size).sum::<f64>() / sizes.len() as f64;
-    [mean.sqrt(), 1.4826 * sizes[sizes.len() / 2]]
+/// Root mean square and robust standard deviation; 0 of none.
+fn spread(values: &[f64]) -> [f64; 2] {
+    let squares: f64 = values.iter().map(|value| value * value).sum();
+    [(squares / values.len().max(1) as f64).sqrt(), robust_deviation(values)]
 }

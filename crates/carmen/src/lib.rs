@@ -24,4 +24,4 @@ pub use log::{Log, LoggedScan, Repairs};
 pub use options::LogOptions;
 pub use session::{Session, Summary, session_name};
 pub use trajectory::{trajectory, write_trajectory};
-pub use write::write_scan;
+pub use write::{seconds, write_scan};

@@ -8,6 +8,7 @@ use posecut_matching::Cloud;
 use crate::keyframes::Step;
 use crate::laser_odometry::{Outcome, Reference, match_step};
 use crate::log::Log;
+use crate::write::seconds;
 use crate::{LogOptions, Session};
 
 /// Times in microseconds and poses of all scans of a log from its first keyframe on, in the order of the lines: each by odometry from the
@@ -43,12 +44,7 @@ pub fn write_trajectory(poses: &[(i64, SE2)], writer: &mut dyn Write) -> std::io
     for (time, pose) in poses {
         let (sine, cosine) = (0.5 * pose.angle()).sin_cos();
         let [x, y] = [pose.translation.x, pose.translation.y];
-        writeln!(
-            writer,
-            "{}.{:06} {x:.6} {y:.6} 0 0 0 {sine:.9} {cosine:.9}",
-            time / 1_000_000,
-            time % 1_000_000
-        )?;
+        writeln!(writer, "{} {x:.6} {y:.6} 0 0 0 {sine:.9} {cosine:.9}", seconds(*time))?;
     }
     Ok(())
 }

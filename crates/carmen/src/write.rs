@@ -14,7 +14,7 @@ const NO_RETURN: f64 = 81.91;
 pub fn write_scan(scan: &LoggedScan, truth: Option<&SE2>, writer: &mut dyn Write) -> std::io::Result<()> {
     let pose =
         |pose: &SE2| format!("{:.6} {:.6} {:.6}", pose.translation.x, pose.translation.y, pose.angle());
-    let seconds = format!("{}.{:06}", scan.time / 1_000_000, scan.time % 1_000_000);
+    let seconds = seconds(scan.time);
     let end = format!("{seconds} nohost {seconds}");
     let robot = pose(&scan.robot);
     if let Some(truth) = truth {
@@ -26,4 +26,9 @@ pub fn write_scan(scan: &LoggedScan, truth: Option<&SE2>, writer: &mut dyn Write
         write!(writer, " {:.2}", if *range > 0.0 { *range } else { NO_RETURN })?;
     }
     writeln!(writer, " {} {robot} {end}", pose(&scan.robot.compose(&scan.scan.sensor)))
+}
+
+/// Microseconds as seconds with six digits.
+pub fn seconds(time: i64) -> String {
+    format!("{}.{:06}", time / 1_000_000, time % 1_000_000)
 }

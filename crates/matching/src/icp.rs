@@ -133,9 +133,9 @@ fn weigh(rows: &mut [Row], residuals: &[f64], deviation: f64) {
     }
 }
 
-/// 1.4826 times the median of the absolute residuals, metres.
-fn robust_deviation(residuals: &[f64]) -> f64 {
-    let mut sizes: Vec<f64> = residuals.iter().map(|residual| residual.abs()).collect();
+/// The standard deviation of normal values of which some are gross errors: 1.4826 times the median of their sizes; 0 of none. O(values).
+pub fn robust_deviation(values: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = values.iter().map(|value| value.abs()).collect();
     let middle = sizes.len() / 2;
     if sizes.is_empty() {
         return 0.0;

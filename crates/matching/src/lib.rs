@@ -22,6 +22,6 @@ pub use agreement::{Agreement, agreement};
 pub use cloud::Cloud;
 pub use correlative::{Found, Window};
 pub use field::Field;
-pub use icp::{Alignment, IcpOptions, align};
+pub use icp::{Alignment, IcpOptions, align, robust_deviation};
 pub use neighbours::Neighbours;
 pub use sight::{Sight, sight};

@@ -13,11 +13,10 @@ use posecut_random::rand::Rng;
 use posecut_random::{ChaCha8Rng, random};
 use posecut_recognize::places::Places;
 use posecut_recognize::polar_context::{KEY, PolarContext};
+use posecut_recognize::recognition::SHORTLIST;
 use posecut_recognize::{Routes, Settings, Submaps};
 use posecut_scan::Scans;
 
-/// Keyframes that are asked for, as in recognition.
-const SHORTLIST: usize = 50;
 /// Points of every pass are moved by up to this along each axis, metres.
 const NOISE: f64 = 0.1;
 /// Measurements of which the fastest counts.

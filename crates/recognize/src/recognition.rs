@@ -57,7 +57,7 @@ pub struct Recognition {
 }
 
 /// Keyframes that are looked up for each.
-const SHORTLIST: usize = 50;
+pub const SHORTLIST: usize = 50;
 
 /// Places within this path length of each other, metres, are one place.
 const ONE_PLACE: f64 = 3.0;

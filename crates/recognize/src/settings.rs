@@ -12,7 +12,7 @@ pub struct Settings {
     #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", default_value_t = Settings::DEFAULT.submap_length, help_heading = "Places"))]
     pub submap_length: f64,
 
-    /// Describe walls up to this distance, metres; a tenth of it is the least that two places may differ
+    /// Describe walls up to this distance from the keyframe, metres
     #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", default_value_t = Settings::DEFAULT.radius, help_heading = "Places"))]
     pub radius: f64,
 

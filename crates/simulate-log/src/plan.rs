@@ -1,11 +1,8 @@
 //! The building: blocks of rooms between corridors, in a rectangular pattern.
 
-use nalgebra::Vector2;
 use posecut_random::{ChaCha8Rng, random};
+use posecut_scan::Wall;
 use rand::RngExt;
-
-/// A wall from one point to another, metres.
-pub type Wall = [Vector2<f64>; 2];
 
 /// Width of a door, metres.
 const DOOR: f64 = 1.0;

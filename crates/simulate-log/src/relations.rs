@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use posecut_carmen::seconds;
 use posecut_geometry::{LieGroup, SE2};
 
 /// Successive poses of the pairs are this far apart, metres or radians.
@@ -51,7 +52,7 @@ pub fn relations(times: &[i64], poses: &[SE2]) -> Vec<Relation> {
 /// Writes relations, a line `t1 t2 x y z roll pitch yaw` each, in seconds, metres and radians.
 pub fn write_relations(relations: &[Relation], writer: &mut dyn Write) -> std::io::Result<()> {
     for Relation { times, motion } in relations {
-        let [first, second] = times.map(|time| format!("{}.{:06}", time / 1_000_000, time % 1_000_000));
+        let [first, second] = times.map(seconds);
         let (x, y, yaw) = (motion.translation.x, motion.translation.y, motion.angle());
         writeln!(writer, "{first} {second} {x:.6} {y:.6} 0.000000 0.000000 0.000000 {yaw:.6}")?;
     }

@@ -4,11 +4,9 @@ use nalgebra::{UnitComplex, Vector2, Vector3};
 use posecut_carmen::noise::slip_variances;
 use posecut_geometry::{LieGroup, SE2};
 use posecut_random::ChaCha8Rng;
-use posecut_scan::LaserScan;
+use posecut_scan::{LaserScan, Wall, distance_to_wall};
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
-
-use crate::plan::Wall;
 
 /// Beams of a scan, over 180 degrees, as those of the SICK LMS.
 pub const BEAMS: usize = 180;
@@ -48,21 +46,14 @@ pub fn scan(walls: &[Wall], pose: &SE2, noise: f64, random: &mut ChaCha8Rng) -> 
     for beam in 0..BEAMS {
         let direction = pose.rotation * UnitComplex::new(scan.angle(beam));
         let along = Vector2::new(direction.re, direction.im);
-        let nearest =
-            walls.iter().filter_map(|wall| hit(wall, &pose.translation, &along)).fold(REACH, f64::min);
+        let nearest = walls
+            .iter()
+            .filter_map(|wall| distance_to_wall(wall, &pose.translation, &along))
+            .fold(REACH, f64::min);
         // Draw for every beam, so that a changed wall changes no other beam.
         let (error, lost) = (noise * normal(random), random.random_bool(LOST));
         let seen = nearest < REACH && !lost;
         scan.ranges.push(if seen { (nearest + error).max(0.02) } else { 0.0 });
     }
     scan
-}
-
-/// The distance along a ray at which it meets a wall.
-fn hit([start, end]: &Wall, origin: &Vector2<f64>, along: &Vector2<f64>) -> Option<f64> {
-    let wall = end - start;
-    let determinant = along.perp(&wall);
-    let offset = start - origin;
-    let (distance, share) = (offset.perp(&wall) / determinant, offset.perp(along) / determinant);
-    (distance > 0.0 && (0.0..=1.0).contains(&share)).then_some(distance)
 }

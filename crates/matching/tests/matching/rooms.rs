@@ -2,12 +2,9 @@
 
 use nalgebra::Vector2;
 use posecut_geometry::SE2;
-use posecut_scan::LaserScan;
+use posecut_scan::{LaserScan, Wall, distance_to_wall};
 use rand::Rng;
 use rand_distr::{Distribution, Normal};
-
-/// A wall from one point to another, metres.
-pub(crate) type Wall = [Vector2<f64>; 2];
 
 /// An L-shaped room with a pillar.
 pub(crate) fn room() -> Vec<Wall> {
@@ -38,19 +35,12 @@ pub(crate) fn scan(walls: &[Wall], pose: &SE2, deviation: f64, random: &mut impl
     for beam in 0..360 {
         let direction = pose.rotation * nalgebra::UnitComplex::new(scan.angle(beam));
         let along = Vector2::new(direction.re, direction.im);
-        let nearest =
-            walls.iter().filter_map(|wall| hit(wall, &pose.translation, &along)).fold(30.0, f64::min);
+        let nearest = walls
+            .iter()
+            .filter_map(|wall| distance_to_wall(wall, &pose.translation, &along))
+            .fold(30.0, f64::min);
         let range = if nearest < 30.0 { (nearest + noise.sample(random)).max(0.01) } else { 0.0 };
         scan.ranges.push(range);
     }
     scan
-}
-
-/// The distance along a ray at which it meets a wall.
-fn hit([start, end]: &Wall, origin: &Vector2<f64>, along: &Vector2<f64>) -> Option<f64> {
-    let wall = end - start;
-    let determinant = along.perp(&wall);
-    let offset = start - origin;
-    let (distance, share) = (offset.perp(&wall) / determinant, offset.perp(along) / determinant);
-    (distance > 0.0 && (0.0..=1.0).contains(&share)).then_some(distance)
 }
