@@ -8,6 +8,9 @@ use posecut_scan::LaserScan;
 
 use crate::segments::surfels;
 
+/// By what part of a side the borders of squares are moved: the golden section of one, which no simple fraction comes near.
+const OFFSET: f64 = 0.381_966_011_250_105;
+
 /// Points of walls in one frame, with the normals of the walls.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cloud {
@@ -48,18 +51,22 @@ impl Cloud {
         self.origins.extend(other.origins.iter().map(|origin| pose.translation + pose.rotation * origin));
     }
 
-    /// One point for each square of this side: the one seen from nearest, which is the most exact. Points of walls that face different
-    /// ways (the two sides of a door) stay apart. The order is that of the squares. O(n log n).
+    /// One point for each square of this side: the one seen from nearest, which is the most exact, and of several seen from the same
+    /// distance the first. Points of walls that face different ways (the two sides of a door) stay apart. The order is that of the
+    /// squares. O(n log n).
+    ///
+    /// Scanners report ranges in whole centimetres or millimetres. So that the choice does not hang on the last bit of a pose, the squares'
+    /// borders lie off such numbers ([`OFFSET`]), and ranges are compared in whole millimetres.
     #[must_use]
     pub fn thinned(&self, side: f64) -> Self {
         let mut kept: BTreeMap<(i64, i64, u8), usize> = BTreeMap::new();
         for index in 0..self.len() {
-            let square = |value: f64| (value / side).floor() as i64;
+            let square = |value: f64| (value / side + OFFSET).floor() as i64;
             let key =
                 (square(self.points[index].x), square(self.points[index].y), facing(self.normals[index]));
             kept.entry(key)
                 .and_modify(|best| {
-                    if self.range(index) < self.range(*best) {
+                    if self.millimetres(index) < self.millimetres(*best) {
                         *best = index;
                     }
                 })
@@ -76,8 +83,9 @@ impl Cloud {
         self.selected((0..count).map(|number| (number as f64 * step) as usize))
     }
 
-    fn range(&self, index: usize) -> f64 {
-        (self.points[index] - self.origins[index]).norm()
+    /// The distance at which a point was seen.
+    fn millimetres(&self, index: usize) -> i64 {
+        ((self.points[index] - self.origins[index]).norm() * 1000.0).round() as i64
     }
 
     fn selected(&self, indices: impl Iterator<Item = usize>) -> Self {

@@ -30,7 +30,8 @@ impl Field {
     /// The field of a reference, with this resolution and standard deviation, metres. A coarser resolution is used where the points
     /// lie so far apart that the grid would have more than eight million cells. O(points + cells).
     pub fn new(reference: &Cloud, resolution: f64, deviation: f64) -> Self {
-        let margin = 3.0 * deviation + resolution;
+        // The lowest point lies within a cell, not on its border, where the last bit of a pose would move it.
+        let margin = 3.0 * deviation + 1.4 * resolution;
         let (mut low, mut high) = (Vector2::repeat(0.0), Vector2::repeat(0.0));
         if let Some(first) = reference.points.first() {
             (low, high) = (*first, *first);

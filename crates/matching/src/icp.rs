@@ -152,11 +152,10 @@ fn gauss_newton_step(rows: &[Row], residuals: &[f64]) -> Vector3<f64> {
         hessian += weighted * row.jacobian;
         gradient += weighted * *residual;
     }
-    let eigen = determined(&hessian, rows.len()).symmetric_eigen();
+    let eigen = determined(hessian, rows.len());
     let mut step = Vector3::zeros();
     for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
-        // What `determined` removed comes back as zero up to rounding.
-        if *value > 1e-9 * rows.len() as f64 {
+        if *value > 0.0 {
             step -= vector * (vector.dot(&gradient) / value);
         }
     }

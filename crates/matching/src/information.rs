@@ -14,7 +14,7 @@
 //! residuals with the normals held fixed. Its inverse `H M^-1 H` exists along a corridor, too. There the noise of normals gives `H` a
 //! small eigenvalue, which is no information: [`determined`] removes it.
 
-use nalgebra::{Matrix3, RowVector3};
+use nalgebra::{Matrix3, RowVector3, SymmetricEigen, U3};
 
 /// A residual's row of the Jacobian, with the reference point that it was matched with.
 #[derive(Clone, Copy, Debug)]
@@ -28,12 +28,12 @@ pub(crate) struct Row {
 /// give a share of 0.0012.
 const DETERMINED: f64 = 2e-3;
 
-/// The Hessian of so many points without the directions that they do not determine.
-pub(crate) fn determined(hessian: &Matrix3<f64>, points: usize) -> Matrix3<f64> {
+/// The Hessian of so many points, with a zero for the eigenvalue of each direction that they do not determine.
+pub(crate) fn determined(hessian: Matrix3<f64>, points: usize) -> SymmetricEigen<f64, U3> {
     let mut eigen = hessian.symmetric_eigen();
     let least = DETERMINED * points as f64;
     eigen.eigenvalues.apply(|value| *value = if *value > least { *value } else { 0.0 });
-    eigen.recompose()
+    eigen
 }
 
 /// The information matrix of a match, in the order x, y, theta: `H M^-1 H`, zero in directions that the points do not determine. The
@@ -54,7 +54,7 @@ pub(crate) fn information(rows: &mut [Row], deviation: f64, floor: [f64; 3]) -> 
         spread += sum.transpose() * sum;
     }
     spread *= 0.5 * deviation * deviation;
-    let hessian = determined(&hessian, rows.len());
+    let hessian = determined(hessian, rows.len()).recompose();
     // The floor as a covariance of the minimum, `H^-1 M H^-1 + F`, is `M + H F H` in the middle.
     spread += hessian * Matrix3::from_diagonal(&floor.into()) * hessian;
     // Directions that nothing determines: the middle must stay invertible, and their information be zero.

@@ -22,6 +22,12 @@ const MAGNITUDES: usize = 3;
 /// Numbers in a key.
 pub const KEY: usize = KEY_RINGS * MAGNITUDES;
 
+/// Scanners report ranges in whole centimetres or millimetres, in directions of whole parts of a degree. The borders of cells lie off such
+/// numbers, so that the last bit of a pose moves no point to another cell: those of rings by this much, metres,
+const OFF_MILLIMETRES: f64 = 0.000_4;
+/// and those of sectors by this part of a sector. Only differences of headings matter, so that every part would do.
+const OFF_BEAMS: f64 = 0.381_966_011_250_105;
+
 /// The context of a place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PolarContext {
@@ -37,7 +43,7 @@ impl PolarContext {
     pub fn new(cloud: &Cloud, radius: f64) -> Self {
         let mut cells = vec![0.0_f32; RINGS * SECTORS];
         for point in &cloud.points {
-            let ring = (point.norm() / radius * RINGS as f64) as usize;
+            let ring = ((point.norm() + OFF_MILLIMETRES) / radius * RINGS as f64) as usize;
             if ring < RINGS {
                 cells[sector(point) * RINGS + ring] += 1.0;
             }
@@ -101,5 +107,6 @@ pub fn heading(shift: usize) -> f64 {
 }
 
 fn sector(point: &Vector2<f64>) -> usize {
-    ((point.y.atan2(point.x).rem_euclid(TAU) / TAU * SECTORS as f64) as usize).min(SECTORS - 1)
+    let turns = (point.y.atan2(point.x) / TAU + OFF_BEAMS / SECTORS as f64).rem_euclid(1.0);
+    ((turns * SECTORS as f64) as usize).min(SECTORS - 1)
 }

@@ -36,9 +36,7 @@ impl<'a> Submaps<'a> {
     pub fn around(&self, node: usize, length: f64, side: f64) -> Cloud {
         let mut cloud = Cloud::default();
         for &other in self.routes.within(node, length) {
-            // Exactly the identity: ranges in centimetres lie on the borders of squares, and rounding would move them.
-            let pose = if other == node { SE2::new(0.0, 0.0, 0.0) } else { self.routes.between(node, other) };
-            cloud.add(&self.clouds[other], &pose);
+            cloud.add(&self.clouds[other], &self.routes.between(node, other));
         }
         cloud.thinned(side)
     }

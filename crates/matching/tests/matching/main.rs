@@ -6,3 +6,4 @@ mod correlative;
 mod icp;
 mod rooms;
 mod sight;
+mod thinning;
