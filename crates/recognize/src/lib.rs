@@ -11,6 +11,7 @@ pub mod appearance;
 pub mod chow_liu;
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod hypotheses;
 pub mod measure;
 pub mod places;
 pub mod polar_context;

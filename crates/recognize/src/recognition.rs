@@ -7,6 +7,7 @@ use posecut_scan::Scans;
 use rayon::prelude::*;
 
 use crate::appearance::{Appearance, Detector, Evidence};
+use crate::hypotheses::{Measured, odds, rivals};
 use crate::measure::{Extents, Measurement, Reference};
 use crate::places::{Places, Resemblance};
 use crate::tf_idf::TfIdf;
@@ -23,20 +24,18 @@ pub struct Candidate {
     pub appearance: f64,
     /// Where the query is in the frame of the reference; `None` without scans.
     pub measurement: Option<Measurement>,
+    /// The sum of the odds of measurements that put one of the two elsewhere.
+    pub rivals: f64,
 }
 
-/// The log-odds of a correct measurement are linear in its agreement: offset and slope, fitted to two of three logs with an agreed map.
-/// Where most candidates are wrong, they are too large (docs/results/recognition.md).
-const ODDS: [f64; 2] = [-10.75, 19.3];
-
 impl Candidate {
-    /// The probability that the candidate is correct: of its measurement, from the agreement, or of the place, from the words, where there
-    /// is no measurement.
+    /// The probability that the candidate is correct: of its measurement, from the agreement beside that of its rivals, or of the place,
+    /// from the words, where there is no measurement.
     pub fn probability(&self) -> f64 {
         match &self.measurement {
             Some(measurement) => {
-                let [offset, slope] = ODDS;
-                1.0 / (1.0 + (-offset - slope * measurement.agreement).exp())
+                let odds = odds(measurement.agreement);
+                odds / (1.0 + odds + self.rivals)
             }
             None => self.appearance,
         }
@@ -98,7 +97,8 @@ pub fn recognize(
     if scans.is_empty() {
         found.candidates = proposals.into_iter().map(Proposal::without_measurement).collect();
     } else {
-        measure_all(&submaps, proposals, settings, &mut found);
+        let measured = measure_all(&submaps, &proposals, settings);
+        keep(&routes, proposals, measured, settings, &mut found);
     }
     Ok(found)
 }
@@ -119,7 +119,13 @@ struct Proposal {
 
 impl Proposal {
     fn without_measurement(self) -> Candidate {
-        Candidate { from: self.from, to: self.to, appearance: self.appearance, measurement: None }
+        Candidate {
+            from: self.from,
+            to: self.to,
+            appearance: self.appearance,
+            measurement: None,
+            rivals: 0.0,
+        }
     }
 }
 
@@ -231,7 +237,7 @@ impl Lookup<'_> {
 }
 
 /// Matches the scans of all pairs, by reference, so that each local map is prepared once.
-fn measure_all(submaps: &Submaps, proposals: Vec<Proposal>, settings: &Settings, found: &mut Recognition) {
+fn measure_all(submaps: &Submaps, proposals: &[Proposal], settings: &Settings) -> Vec<Option<Measurement>> {
     let [reference, searched, aligned] = EXTENTS.map(|share| share * settings.submap_length);
     let extents = Extents { reference, searched, aligned };
     let groups: Vec<&[Proposal]> = proposals.chunk_by(|one, other| one.from == other.from).collect();
@@ -245,14 +251,36 @@ fn measure_all(submaps: &Submaps, proposals: Vec<Proposal>, settings: &Settings,
             group.iter().map(measure).collect()
         })
         .collect();
-    let measured: Vec<Option<Measurement>> = measured.into_iter().flatten().collect();
-    for (proposal, measurement) in proposals.into_iter().zip(measured) {
-        match measurement {
-            None => found.unmatched += 1,
-            Some(measurement) if measurement.agreement < settings.least_agreement => found.disagreeing += 1,
-            measurement => {
-                found.candidates.push(Candidate { measurement, ..proposal.without_measurement() });
-            }
+    measured.into_iter().flatten().collect()
+}
+
+/// Keeps what agrees enough. What does not is a rival all the same, so that no probability depends on the threshold.
+fn keep(
+    routes: &Routes,
+    proposals: Vec<Proposal>,
+    measurements: Vec<Option<Measurement>>,
+    settings: &Settings,
+    found: &mut Recognition,
+) {
+    let measured: Vec<Measured<'_>> = proposals
+        .iter()
+        .zip(&measurements)
+        .filter_map(|(&Proposal { from, to, .. }, measurement)| {
+            measurement.as_ref().map(|measurement| Measured { from, to, measurement })
+        })
+        .collect();
+    let mut rivals = rivals(routes, &measured).into_iter();
+    for (proposal, measurement) in proposals.into_iter().zip(measurements) {
+        let Some(measurement) = measurement else {
+            found.unmatched += 1;
+            continue;
+        };
+        let rivals = rivals.next().unwrap_or(0.0);
+        if measurement.agreement < settings.least_agreement {
+            found.disagreeing += 1;
+        } else {
+            let candidate = proposal.without_measurement();
+            found.candidates.push(Candidate { measurement: Some(measurement), rivals, ..candidate });
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Where keyframes are along the routes of their sessions, by odometry alone.
 
+use std::cmp::Ordering;
+
 use posecut_geometry::{LieGroup, SE2};
 use posecut_graph::{EdgeKind, PoseGraph};
 
@@ -91,6 +93,11 @@ impl Routes {
         } else {
             f64::INFINITY
         }
+    }
+
+    /// The order of keyframes: by route, then along it.
+    pub fn order(&self, one: usize, other: usize) -> Ordering {
+        self.route[one].cmp(&self.route[other]).then(self.position[one].cmp(&self.position[other]))
     }
 
     /// The pose of one keyframe in the frame of another on the same route, by odometry.

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod appearance;
+mod hypotheses;
 mod logs;
 mod places;
 mod words;
