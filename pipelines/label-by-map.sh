@@ -1,0 +1,32 @@
+#!/bin/sh
+# Labels candidates by the map that the whole pipeline makes of their log: no one measured the building.
+#
+# Usage: pipelines/label-by-map.sh [--ingest PROGRAM] [--recognize PROGRAM] [--verify PROGRAM] [--optimize PROGRAM] [--label PROGRAM]
+#                                  GRAPH OUTPUT LOG
+# An edge is correct if its measurement is within 0.5 m and 0.1 rad of the map. The map is made of LOG with the default options of all
+# stages, whatever those of GRAPH are.
+# PROGRAM [default: those of target/release].
+set -eu
+here=$(dirname "$0")
+programs=$here/../target/release
+ingest=$programs/posecut-ingest recognize=$programs/posecut-recognize verify=$programs/posecut-verify
+optimize=$programs/posecut-optimize label=$programs/posecut-label
+while [ $# -gt 0 ]; do
+  case $1 in
+    --ingest) ingest=$2 && shift 2 ;;
+    --recognize) recognize=$2 && shift 2 ;;
+    --verify) verify=$2 && shift 2 ;;
+    --optimize) optimize=$2 && shift 2 ;;
+    --label) label=$2 && shift 2 ;;
+    --version) echo 'label-by-map.sh 0.1.0' && exit ;;
+    *) break ;;
+  esac
+done
+[ $# -eq 3 ] || { sed -n '2,9s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+graph=$1 output=$2 log=$3
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+"$here/laser-graph.sh" --ingest "$ingest" --recognize "$recognize" "$log" "$work/graph.jsonl"
+"$verify" --quiet "$work/graph.jsonl" -o "$work/judged.jsonl"
+"$optimize" --quiet "$work/judged.jsonl" -o "$work/map.jsonl"
+"$label" --quiet "$graph" --ground-truth "$work/map.jsonl" --tolerance-translation 0.5 --tolerance-rotation 0.1 -o "$output"
