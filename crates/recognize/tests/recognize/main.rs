@@ -4,5 +4,6 @@
 
 mod appearance;
 mod logs;
+mod nclt;
 mod places;
 mod words;
