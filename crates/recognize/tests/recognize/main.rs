@@ -6,4 +6,5 @@ mod appearance;
 mod logs;
 mod nclt;
 mod places;
+mod space;
 mod words;
