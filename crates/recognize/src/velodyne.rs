@@ -37,7 +37,8 @@ pub fn read_folders(
         let (stamp, path) = candidates.min_by_key(|(stamp, _)| stamp.abs_diff(time))?;
         (stamp.abs_diff(time) <= WITHIN).then_some(path)
     };
-    let scans: Vec<Option<SpatialScan>> = graph
+    // All results before the first error, so that it is the same one at any number of threads.
+    let scans: Vec<anyhow::Result<Option<SpatialScan>>> = graph
         .nodes
         .par_iter()
         .map(|node| {
@@ -46,7 +47,8 @@ pub fn read_folders(
             let bytes = fs::read(path).with_context(|| format!("{place}: cannot be read"))?;
             Ok(Some(SpatialScan::new(&read_hits(&place, &bytes)?, options)))
         })
-        .collect::<anyhow::Result<_>>()?;
+        .collect();
+    let scans: Vec<Option<SpatialScan>> = scans.into_iter().collect::<anyhow::Result<_>>()?;
     ensure!(
         scans.iter().any(Option::is_some),
         "none of the {} scans in {} is within 0.05 s of one of the {} keyframes; name the folder of the graph's session",
