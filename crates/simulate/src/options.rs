@@ -44,7 +44,7 @@ pub struct Options {
     #[cfg_attr(feature = "cli", arg(long, value_name = "HZ", default_value_t = Options::DEFAULT.rate))]
     pub rate: f64,
 
-    /// Write hokuyo_30m.bin, the scans of a planar laser scanner, at this rate, Hz; NCLT's has 40 Hz
+    /// Write hokuyo_30m.bin, the scans of a planar laser scanner, at this rate, Hz; the scanner itself has 40 Hz
     #[cfg_attr(feature = "cli", arg(long, value_name = "HZ", help_heading = "Laser scanners"))]
     pub hokuyo: Option<f64>,
 
