@@ -304,3 +304,18 @@ pub(crate) fn compressed(bytes: &[u8]) -> Vec<u8> {
     encoder.write_all(bytes).expect("memory takes it");
     encoder.finish().expect("memory takes it")
 }
+
+/// A file of planar scans with few returns.
+pub(crate) fn planar_scans() -> Vec<Vec<u8>> {
+    let mut bytes = Vec::new();
+    for time in 1..4 {
+        posecut_nclt_sensors::write_hokuyo_scan(time, &[2.0, 0.0, 29.0], &mut bytes)
+            .expect("memory takes it");
+    }
+    vec![bytes]
+}
+
+/// Hits of a turn.
+pub(crate) fn spatial_scans() -> Vec<Vec<u8>> {
+    vec![(0..40_u8).flat_map(|hit| [hit, 80, 255 - hit, 78, hit, 78, 100, hit % 32]).collect()]
+}

@@ -2,6 +2,7 @@
 
 mod logs;
 mod readers;
+mod sensors;
 mod session;
 mod stages;
 
@@ -131,6 +132,8 @@ pub const TARGETS: &[Target] = &[
         read: logs::relative,
         seeds: seeds::relations,
     },
+    Target { name: "hokuyo", words: &[], read: sensors::hokuyo, seeds: seeds::planar_scans },
+    Target { name: "velodyne", words: &[], read: sensors::velodyne, seeds: seeds::spatial_scans },
     Target { name: "session", words: CSV, read: session::directory, seeds: seeds::sessions },
     Target { name: "archive", words: CSV, read: session::archive, seeds: seeds::archives },
     Target { name: "pcm", words: JSON, read: stages::pcm, seeds: seeds::graphs },

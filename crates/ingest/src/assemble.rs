@@ -8,9 +8,10 @@ use crate::clock::{ClockSource, keyframe_times};
 use crate::distance_factor::DistanceFactor;
 use crate::frozen::remove_frozen_ends;
 use crate::gps;
+use crate::laser;
 use crate::odometry::{self, Odometry, Reader, from_row};
 use crate::summary::{CovarianceSource, Origin, Summary};
-use crate::{Choice, Event, FileKind, IngestError, Options, SessionFiles, Table, Trajectory, Warning};
+use crate::{Choice, Event, FileKind, IngestError, Laser, Options, SessionFiles, Table, Trajectory, Warning};
 
 /// The name of the noise model of all odometry edges, used if the options give the standard deviations.
 const NOISE_MODEL: &str = "odometry";
@@ -27,6 +28,8 @@ pub struct Ingested {
     /// The default standard deviations of odometry, metres and radians, if neither the session nor the options give
     /// any.
     pub invented: Option<(f64, f64)>,
+    /// Laser scans at the keyframes, if the session has them. They are not in the graph.
+    pub laser: Option<Laser>,
 }
 
 /// Reads a session. It is in memory as a whole. O(rows).
@@ -47,6 +50,7 @@ pub fn ingest(
     let builder = Builder { session: &session, odometry: &odometry, truth: truth.as_ref(), options };
     let mut graph = builder.graph(&times)?;
     gps::add(&mut reader, &mut graph, options)?;
+    let laser = laser::read(&mut reader, &graph, &odometry.trajectory)?;
     let gaps = odometry.trajectory.gaps.len();
     if gaps > 0 {
         let longest_silence = options.longest_silence;
@@ -69,7 +73,7 @@ pub fn ingest(
             wheel_scale: options.wheel_scale,
         });
     }
-    Ok(Ingested { invented: builder.invented(), graph, summary })
+    Ok(Ingested { invented: builder.invented(), graph, summary, laser })
 }
 
 fn read_truth(reader: &mut Reader<'_>, options: &Options) -> Result<Option<Trajectory>, IngestError> {

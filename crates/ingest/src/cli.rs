@@ -1,6 +1,7 @@
 //! The command line of `posecut-ingest`: builds the pose graph of a session from NCLT's files or from a CARMEN log.
 
 mod log;
+mod sensors;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -28,8 +29,12 @@ struct Command {
     #[arg(long, value_name = "DIRECTORY")]
     images: Option<PathBuf>,
 
+    /// Read laser scans from this file [default: hokuyo_30m.bin in the session, if there is one]
+    #[arg(long, value_name = "FILE", help_heading = "Laser scans")]
+    hokuyo: Option<PathBuf>,
+
     /// Write the scans to this file, one record a line, instead of into the graph
-    #[arg(long, value_name = "FILE", help_heading = "CARMEN logs")]
+    #[arg(long, value_name = "FILE", help_heading = "Laser scans")]
     scans: Option<PathBuf>,
 
     /// Write the pose of the robot at each scan of the log to this file, in the format of the TUM benchmark
@@ -80,6 +85,10 @@ pub fn main() -> ExitCode {
                 command.ground_truth.as_deref(),
                 command.images.as_deref(),
             )?;
+            if let Some(path) = &command.hokuyo {
+                files.set_hokuyo(path);
+            }
+            sensors::check(command, &files, context)?;
             let progress = context.progress(0, "reading");
             let mut inputs = Vec::new();
             let mut ingested = ingest(&mut files, &command.options, &mut |event| match event {
@@ -110,6 +119,7 @@ pub fn main() -> ExitCode {
                 );
             }
             context.record_provenance(&mut ingested.graph, &command.options, None)?;
+            sensors::write(command, &mut ingested, context)?;
             context.write_graph(&ingested.graph)?;
             Ok(Outcome::Done)
         },

@@ -11,6 +11,9 @@ pub enum IngestError {
         /// The given value.
         value: f64,
     },
+    /// A file of a laser scanner is not usable.
+    #[error(transparent)]
+    Sensor(#[from] posecut_nclt_sensors::SensorError),
     /// The system could not read the bytes.
     #[error("{place}: cannot be read: {error}")]
     Io {

@@ -83,6 +83,17 @@ pub enum Warning {
         /// A longer silence than this is a gap, seconds.
         longest_silence: f64,
     },
+    /// Scans were left out or say nothing.
+    Scans {
+        /// The file.
+        file: String,
+        /// Number of scans whose time does not advance.
+        out_of_order: usize,
+        /// Number of keyframes without a scan near them in time.
+        keyframes_without: usize,
+        /// Number of keyframes whose scan has no return.
+        empty: usize,
+    },
     /// The distances of the odometry differ from those of the ground truth.
     WrongDistances {
         /// The session's name.
@@ -135,6 +146,19 @@ impl fmt::Display for Warning {
             Self::Gaps { session, gaps, longest_silence } => {
                 let gap = if *gaps == 1 { "gap" } else { "gaps" };
                 write!(formatter, "{session}: the odometry has {gaps} {gap} longer than {longest_silence} s")
+            }
+            Self::Scans { file, out_of_order, keyframes_without, empty } => {
+                let parts = [
+                    (*out_of_order, "skipped scans whose time does not advance"),
+                    (*keyframes_without, "keyframes without a scan within 0.25 s"),
+                    (*empty, "scans without any return"),
+                ];
+                let named: Vec<String> = parts
+                    .iter()
+                    .filter(|(count, _)| *count > 0)
+                    .map(|(count, what)| format!("{what}: {count}"))
+                    .collect();
+                write!(formatter, "{file}: {}", named.join("; "))
             }
             Self::WrongDistances { session, found, wheel_scale } => {
                 let percent = 100.0 * (1.0 / found.median - 1.0);

@@ -38,6 +38,8 @@ pub enum FileKind {
     Gps,
     /// `gps_rtk.csv`: fixes of the receiver with real-time kinematics.
     GpsRtk,
+    /// `hokuyo_30m.bin`: scans of the planar laser scanner.
+    Hokuyo,
 }
 
 impl FileKind {
@@ -55,6 +57,7 @@ impl FileKind {
             Self::FibreOpticGyro => "kvh.csv",
             Self::Gps => "gps.csv",
             Self::GpsRtk => "gps_rtk.csv",
+            Self::Hokuyo => "hokuyo_30m.bin",
         }
     }
 
@@ -71,6 +74,7 @@ impl FileKind {
             "kvh.csv" => Self::FibreOpticGyro,
             "gps.csv" => Self::Gps,
             "gps_rtk.csv" => Self::GpsRtk,
+            "hokuyo_30m.bin" => Self::Hokuyo,
             _ if name.starts_with("groundtruth_") && csv => Self::GroundTruth,
             _ => return None,
         })
@@ -133,6 +137,19 @@ impl SessionFiles {
     /// Whether a file of that kind was found.
     pub fn has(&self, kind: FileKind) -> bool {
         self.files.contains_key(&kind)
+    }
+
+    /// Takes the laser scans from this file, whatever the session has.
+    pub fn set_hokuyo(&mut self, path: &Path) {
+        self.add_file(FileKind::Hokuyo, path);
+    }
+
+    /// The path of a file, if it was found outside of an archive.
+    pub fn path(&self, kind: FileKind) -> Option<&Path> {
+        match &self.files.get(&kind)?.1 {
+            Place::File(path) => Some(path),
+            Place::Member(_) => None,
+        }
     }
 
     /// The directory or archive, for messages.

@@ -64,7 +64,8 @@ fn options_of_the_other_kind_are_refused_by_name() {
         ),
         (&["a.clf", "--scans", "a.clf"], "a.clf"),
         (&["2012-01-22", "--scan-matching"], "--scan-matching applies to CARMEN logs, but 2012-01-22 is not"),
-        (&["2012-01-22", "--scans", "x"], "--scans applies to CARMEN logs, but 2012-01-22 is not"),
+        (&["2012-01-22", "--scans", "x"], "--scans writes laser scans, but 2012-01-22 has no hokuyo_30m.bin"),
+        (&["a.clf", "--hokuyo", "x"], "--hokuyo applies to NCLT sessions, but a.clf is a CARMEN log"),
         (&["a.clf", "--keyframe-angle", "0"], "--keyframe-angle is 0, but must be a positive number"),
     ] {
         let output = run(folder.path(), arguments, b"");

@@ -4,6 +4,8 @@
 
 #[path = "sessions/gps.rs"]
 mod gps;
+#[path = "sessions/laser.rs"]
+mod laser;
 
 use std::fs;
 use std::io::Write as _;

@@ -1,6 +1,7 @@
 //! Landmark edges from sensor data: which keyframes see the same place, and where one is in the frame of the other.
 //!
 //! - [`places`]: keyframes are described by a polar context of their surroundings ([`polar_context`]) and looked up in a k-d tree.
+//! - [`scan_context`], [`spatial`], [`velodyne`]: the same of three-dimensional scans.
 //! - [`appearance`]: the probability that two keyframes see one place, by words ([`Words`], [`vocabulary`], [`chow_liu`]).
 //! - [`measure`]: scan matching without a start, and how far both agree about what they saw.
 //! - [`recognition`]: all of it, from a graph with scans to [`Candidate`](recognition::Candidate)s.
@@ -17,11 +18,14 @@ pub mod places;
 pub mod polar_context;
 pub mod recognition;
 mod route;
+pub mod scan_context;
 mod settings;
+pub mod spatial;
 #[cfg(feature = "cli")]
 pub mod stage;
 mod submap;
 pub mod tf_idf;
+pub mod velodyne;
 pub mod vocabulary;
 mod words;
 

@@ -1,19 +1,49 @@
 //! Candidates: keyframes whose surroundings look alike.
 
+use std::f64::consts::TAU;
 use std::num::NonZero;
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
 
-use crate::polar_context::{self, KEY, PolarContext};
+use crate::polar_context::{KEY, PolarContext};
+use crate::scan_context::ScanContext;
 use crate::{Routes, Submaps};
 
+/// A descriptor of a place: columns by sector, which another heading shifts, and a key that it leaves as it is.
+pub trait Context: Sync {
+    /// The key.
+    fn key(&self) -> [f64; KEY];
+    /// How alike two contexts are when the other one's sectors are shifted by each number, 0 to 1.
+    fn similarities(&self, other: &Self) -> Vec<f64>;
+}
+
+impl Context for PolarContext {
+    fn key(&self) -> [f64; KEY] {
+        self.key()
+    }
+    fn similarities(&self, other: &Self) -> Vec<f64> {
+        self.similarities(other)
+    }
+}
+
+impl Context for ScanContext {
+    fn key(&self) -> [f64; KEY] {
+        self.key()
+    }
+    fn similarities(&self, other: &Self) -> Vec<f64> {
+        self.similarities(other)
+    }
+}
+
 /// The contexts of all keyframes, indexed by their keys.
-pub struct Places {
+pub struct Places<C = PolarContext> {
     /// Keyframes with a context.
     nodes: Vec<usize>,
-    contexts: Vec<PolarContext>,
+    contexts: Vec<C>,
     keys: Vec<[f64; KEY]>,
+    /// Keyframes that are less alike are not proposed.
+    pub(crate) least_similarity: f64,
     index: ImmutableKdTree<f64, KEY>,
 }
 
@@ -33,7 +63,7 @@ const HEADINGS: usize = 3;
 /// A further heading is kept with this share of the best similarity.
 const NEARLY: f64 = 0.9;
 
-impl Places {
+impl Places<PolarContext> {
     /// Describes keyframes by what was seen within a path length of them, up to a radius, metres. O(keyframes log keyframes).
     pub fn new(submaps: &Submaps, nodes: Vec<usize>, length: f64, radius: f64) -> Self {
         let side = radius / 100.0;
@@ -43,12 +73,14 @@ impl Places {
             .collect();
         Self::of_contexts(nodes, contexts)
     }
+}
 
+impl<C: Context> Places<C> {
     /// Indexes keyframes, ascending, by their contexts. O(keyframes log keyframes).
-    pub fn of_contexts(nodes: Vec<usize>, contexts: Vec<PolarContext>) -> Self {
-        let keys: Vec<[f64; KEY]> = contexts.iter().map(PolarContext::key).collect();
+    pub fn of_contexts(nodes: Vec<usize>, contexts: Vec<C>) -> Self {
+        let keys: Vec<[f64; KEY]> = contexts.iter().map(C::key).collect();
         let index = ImmutableKdTree::new_from_slice(&keys);
-        Self { nodes, contexts, keys, index }
+        Self { nodes, contexts, keys, least_similarity: 0.0, index }
     }
 
     /// The keyframes whose keys are nearest to that of the one at a position, at most `most`, without those within `apart` metres of
@@ -88,7 +120,7 @@ impl Places {
         let best = peaks.first().map_or(0.0, |peak| similarities[*peak]);
         peaks.retain(|peak| similarities[*peak] >= NEARLY * best);
         peaks.truncate(HEADINGS);
-        let headings = peaks.into_iter().map(polar_context::heading).collect();
+        let headings = peaks.into_iter().map(|shift| shift as f64 * TAU / count as f64).collect();
         Resemblance { node: self.nodes[other], similarity: best, headings }
     }
 }

@@ -9,7 +9,8 @@ use rayon::prelude::*;
 use crate::appearance::{Appearance, Detector, Evidence};
 use crate::hypotheses::{Measured, odds, rivals};
 use crate::measure::{Extents, Measurement, Reference};
-use crate::places::{Places, Resemblance};
+use crate::places::{Context, Places, Resemblance};
+use crate::scan_context::ScanContext;
 use crate::tf_idf::TfIdf;
 use crate::{Routes, Settings, Submaps, Words, vocabulary};
 
@@ -78,29 +79,68 @@ pub fn recognize(
     settings: &Settings,
 ) -> anyhow::Result<Recognition> {
     let routes = Routes::of_graph(graph)?;
-    let submaps = Submaps::new(&routes, graph.nodes.iter().map(|node| scans.at(node.id)).collect());
-    let keyframes = graph.nodes.len();
-    let with_scans: Vec<usize> = (0..keyframes).filter(|&node| submaps.has_scan(node)).collect();
+    let submaps = submaps_of(graph, &routes, scans);
+    let with_scans: Vec<usize> = (0..graph.nodes.len()).filter(|&node| submaps.has_scan(node)).collect();
     let places = Places::new(&submaps, with_scans, settings.submap_length, settings.radius);
+    Ok(recognize_places(&routes, &submaps, &places, words, settings))
+}
+
+/// The same with the contexts of three-dimensional scans, by the position of the node, in place of the polar contexts of submaps.
+/// Candidates are measured with the planar scans. Keyframes whose contexts have a larger distance than `settings.context.context_distance`
+/// are not proposed.
+///
+/// # Errors
+///
+/// As for [`recognize`].
+pub fn recognize_in_space(
+    graph: &PoseGraph,
+    scans: &Scans,
+    contexts: Vec<Option<ScanContext>>,
+    words: Option<Words>,
+    settings: &Settings,
+) -> anyhow::Result<Recognition> {
+    let routes = Routes::of_graph(graph)?;
+    let submaps = submaps_of(graph, &routes, scans);
+    let described = contexts.into_iter().enumerate().filter_map(|(node, context)| Some((node, context?)));
+    let (nodes, contexts) =
+        described.filter(|(node, context)| submaps.has_scan(*node) && !context.is_empty()).unzip();
+    let mut places = Places::of_contexts(nodes, contexts);
+    places.least_similarity = 1.0 - settings.context.context_distance;
+    Ok(recognize_places(&routes, &submaps, &places, words, settings))
+}
+
+fn submaps_of<'a>(graph: &PoseGraph, routes: &'a Routes, scans: &'a Scans) -> Submaps<'a> {
+    Submaps::new(routes, graph.nodes.iter().map(|node| scans.at(node.id)).collect())
+}
+
+/// Looks up, judges and measures, whatever places are described by.
+fn recognize_places<C: Context>(
+    routes: &Routes,
+    submaps: &Submaps,
+    places: &Places<C>,
+    words: Option<Words>,
+    settings: &Settings,
+) -> Recognition {
+    let keyframes = routes.len();
     let foreign = words.is_some();
-    let words = words.unwrap_or_else(|| words_of_scans(&submaps, keyframes, settings));
+    let words = words.unwrap_or_else(|| words_of_scans(submaps, keyframes, settings));
     let detector = Detector { seen: settings.seen, imagined: settings.imagined };
     let lookup = Lookup {
-        routes: &routes,
+        routes,
         settings,
         appearance: Appearance::new(&words, detector),
         by_words: foreign.then(|| TfIdf::new(&words)),
-        places: &places,
+        places,
     };
     let proposals = lookup.proposals(keyframes);
     let mut found = Recognition { proposed: proposals.len(), ..Recognition::default() };
-    if scans.is_empty() {
+    if submaps.is_empty() {
         found.candidates = proposals.into_iter().map(Proposal::without_measurement).collect();
     } else {
-        let measured = measure_all(&submaps, &proposals, settings);
-        keep(&routes, proposals, measured, settings, &mut found);
+        let measured = measure_all(submaps, &proposals, settings);
+        keep(routes, proposals, measured, settings, &mut found);
     }
-    Ok(found)
+    found
 }
 
 /// The words by which the scans of keyframes are compared. O(shapes * vocabulary).
@@ -130,16 +170,16 @@ impl Proposal {
 }
 
 /// What is needed to find pairs.
-struct Lookup<'a> {
+struct Lookup<'a, C> {
     routes: &'a Routes,
     settings: &'a Settings,
     appearance: Appearance<'a>,
     /// The index of words that came from elsewhere.
     by_words: Option<TfIdf<'a>>,
-    places: &'a Places,
+    places: &'a Places<C>,
 }
 
-impl Lookup<'_> {
+impl<C: Context> Lookup<'_, C> {
     /// The pairs in the order of their keyframes, each once.
     fn proposals(&self, keyframes: usize) -> Vec<Proposal> {
         let all: Vec<Vec<Proposal>> =
@@ -207,6 +247,10 @@ impl Lookup<'_> {
         let nearest = self.places.nearest(position, SHORTLIST, self.routes, apart);
         let resemblances: Vec<Resemblance> =
             nearest.into_iter().map(|other| self.places.resemblance(position, other)).collect();
+        let resemblances: Vec<Resemblance> = resemblances
+            .into_iter()
+            .filter(|found| found.similarity >= self.places.least_similarity)
+            .collect();
         (resemblances.iter().map(|found| found.node).collect(), Some(resemblances))
     }
 

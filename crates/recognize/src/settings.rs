@@ -3,6 +3,8 @@
 use anyhow::ensure;
 use serde::Serialize;
 
+use crate::scan_context::ContextOptions;
+
 /// What a keyframe is described by, and which candidates are kept.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
@@ -47,6 +49,11 @@ pub struct Settings {
     /// Set the seed of the vocabulary
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Settings::DEFAULT.seed, help_heading = "Probability"))]
     pub seed: u64,
+
+    /// How three-dimensional scans are described.
+    #[cfg_attr(feature = "cli", command(flatten))]
+    #[serde(flatten)]
+    pub context: ContextOptions,
 }
 
 impl Settings {
@@ -62,6 +69,7 @@ impl Settings {
         seen: 0.4,
         imagined: 0.95,
         seed: 1,
+        context: ContextOptions::DEFAULT,
     };
 
     /// Refuses meaningless values.
@@ -102,6 +110,6 @@ impl Settings {
         );
         ensure!(self.candidates > 0, "--candidates is 0; give at least 1");
         ensure!(self.vocabulary > 1, "--vocabulary is {}; give at least 2", self.vocabulary);
-        Ok(())
+        self.context.check()
     }
 }

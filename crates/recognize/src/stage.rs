@@ -1,5 +1,7 @@
 //! Recognition as a stage: reads scans and words, and adds landmark edges.
 
+use std::path::PathBuf;
+
 use anyhow::bail;
 use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::pack_upper_triangle;
@@ -8,7 +10,9 @@ use posecut_scan::Scans;
 use posecut_stage::{Context, Doubt, Examples, GraphStage, Phase, Place, Source, counted, info};
 use serde::Serialize;
 
-use crate::recognition::{Candidate, Recognition, recognize};
+use crate::recognition::{Candidate, Recognition, recognize, recognize_in_space};
+use crate::scan_context::ScanContext;
+use crate::velodyne::read_folders;
 use crate::{Settings, Words};
 
 /// The options of the program.
@@ -24,6 +28,13 @@ pub struct Options {
     #[arg(long, value_name = "FILE", help_heading = "Sensor data")]
     #[serde(skip)]
     pub words: Option<Source>,
+
+    /// Recognise places by the three-dimensional scans in this folder: files UTIME.bin as in NCLT's velodyne_sync; one folder for each session of the graph.
+    ///
+    /// Candidates are measured with the planar scans of the graph, or without them with a slice of the three-dimensional ones.
+    #[arg(long, value_name = "FOLDER", help_heading = "Sensor data")]
+    #[serde(skip)]
+    pub velodyne: Vec<PathBuf>,
 
     /// How places are described and candidates chosen.
     #[command(flatten)]
@@ -62,7 +73,8 @@ impl GraphStage for Options {
             );
         }
         let file = self.scans.as_ref().map(|source| context.read_bytes(source, "scans")).transpose()?;
-        let scans = Scans::of_file_or_graph(file.as_ref(), graph)?;
+        let mut scans = Scans::of_file_or_graph(file.as_ref(), graph)?;
+        let contexts = self.contexts(graph, &mut scans)?;
         let words = match &self.words {
             Some(source) => {
                 let (file, bytes) = context.read_bytes(source, "words")?;
@@ -72,13 +84,41 @@ impl GraphStage for Options {
         };
         if scans.is_empty() && words.is_none() {
             bail!(
-                "the graph has no scans to recognise places by; write them with posecut-ingest LOG, or name a file with --scans or --words"
+                "the graph has no scans to recognise places by; write them with posecut-ingest, or name a file with --scans or --words, or a folder with --velodyne"
             );
         }
-        let found = recognize(graph, &scans, words, &self.settings)?;
+        let found = match contexts {
+            Some(contexts) => recognize_in_space(graph, &scans, contexts, words, &self.settings)?,
+            None => recognize(graph, &scans, words, &self.settings)?,
+        };
         report(&found, graph.nodes.len(), scans.len(), context);
         add(graph, found.candidates);
         Ok(())
+    }
+}
+
+impl Options {
+    /// The contexts of three-dimensional scans, if the options name any. Without planar scans their slices become the scans.
+    fn contexts(
+        &self,
+        graph: &PoseGraph,
+        scans: &mut Scans,
+    ) -> anyhow::Result<Option<Vec<Option<ScanContext>>>> {
+        if self.velodyne.is_empty() {
+            return Ok(None);
+        }
+        let spatial = read_folders(&self.velodyne, graph, &self.settings.context)?;
+        info!(
+            "{} at {}",
+            counted(spatial.iter().flatten().count(), "three-dimensional scan"),
+            counted(graph.nodes.len(), "keyframe")
+        );
+        if scans.is_empty() {
+            let slices = graph.nodes.iter().zip(&spatial);
+            *scans =
+                slices.filter_map(|(node, scan)| Some((node.id, scan.as_ref()?.slice.clone()))).collect();
+        }
+        Ok(Some(spatial.into_iter().map(|scan| scan.map(|scan| scan.context)).collect()))
     }
 }
 

@@ -25,6 +25,11 @@ impl<'a> Submaps<'a> {
         !self.clouds[node].is_empty()
     }
 
+    /// Whether no keyframe has a record of a scan, even one without returns.
+    pub fn is_empty(&self) -> bool {
+        self.scans.iter().all(Option::is_none)
+    }
+
     /// The scans within a path length of a keyframe, metres, with the poses of their keyframes in its frame.
     pub fn scans(&self, node: usize, length: f64) -> impl Iterator<Item = (&LaserScan, SE2)> {
         let near = self.routes.within(node, length).iter();

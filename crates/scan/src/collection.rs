@@ -13,6 +13,13 @@ use crate::{KIND, LaserScan, ScanError};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scans(BTreeMap<u64, LaserScan>);
 
+impl FromIterator<(u64, LaserScan)> for Scans {
+    /// Of nodes and their scans; of two scans of a node the later one.
+    fn from_iter<I: IntoIterator<Item = (u64, LaserScan)>>(scans: I) -> Self {
+        Self(scans.into_iter().collect())
+    }
+}
+
 #[derive(Deserialize)]
 struct Kind<'a> {
     #[serde(borrow)]

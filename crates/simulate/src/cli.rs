@@ -58,6 +58,7 @@ pub fn main() -> ExitCode {
             let summary = write_directory(directory, command.overwrite, is_session_file, |folder| {
                 let session = simulate(&name, &command.options)?;
                 session.files.iter().try_for_each(|file| write(folder, file))?;
+                session.scanners.write(folder)?;
                 Ok(session.summary)
             })?;
             note(&name, &summary, &mut context.statistics);

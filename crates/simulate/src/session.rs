@@ -7,6 +7,7 @@ use rand::RngExt as _;
 
 use crate::campus::Campus;
 use crate::drive::{Instant, drive};
+use crate::scanners::{HOKUYO, Scanners, VELODYNE};
 use crate::sensors::{self, Row};
 use crate::{OptionError, Options};
 
@@ -15,6 +16,8 @@ use crate::{OptionError, Options};
 pub struct Session {
     /// Its files, the ground truth first.
     pub files: Vec<SessionFile>,
+    /// What its laser scanners see, cast when it is written.
+    pub scanners: Scanners,
     /// The drive in numbers.
     pub summary: Summary,
 }
@@ -63,6 +66,7 @@ const FILES: [&str; 8] = [
 /// Whether a simulated session has a file of this name. Real sessions have more files.
 pub fn is_session_file(name: &str) -> bool {
     FILES.contains(&name)
+        || [HOKUYO, VELODYNE].contains(&name)
         || name.strip_prefix("groundtruth_").is_some_and(|rest| rest.strip_suffix(".csv").is_some())
 }
 
@@ -92,7 +96,9 @@ pub fn simulate(name: &str, options: &Options) -> Result<Session, OptionError> {
     ];
     let mut files = vec![SessionFile { name: format!("groundtruth_{name}.csv"), rows: truth }];
     files.extend(FILES.into_iter().zip(rows).map(|(file, rows)| SessionFile { name: file.to_owned(), rows }));
-    Ok(Session { files, summary: Summary::of(&instants, &campus) })
+    let summary = Summary::of(&instants, &campus);
+    let scanners = Scanners::new(name, options, &campus, start, instants);
+    Ok(Session { files, scanners, summary })
 }
 
 impl Summary {

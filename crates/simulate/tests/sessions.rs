@@ -103,10 +103,39 @@ fn a_return_trip_sees_its_way_out_from_the_other_side() {
     assert!(wandering < 0.5, "{wandering}");
 }
 
+/// The times and ranges of the planar scanner.
+fn scanned(options: &Options) -> Vec<(i64, Vec<f64>)> {
+    simulate("2012-01-22", options).unwrap().scanners.planar().collect()
+}
+
+#[test]
+fn scanners_see_the_campus_and_change_no_other_file() {
+    let with = Options { length: Some(100.0), hokuyo: Some(1.0), velodyne: Some(0.2), ..options(1) };
+    let without = Options { hokuyo: None, velodyne: None, ..with.clone() };
+    assert_eq!(files("2012-01-22", &with), files("2012-01-22", &without));
+    let scans = scanned(&with);
+    assert!(scanned(&without).is_empty() && scans == scanned(&with));
+    assert!(scans.windows(2).all(|pair| pair[1].0 - pair[0].0 == 1_000_000), "one a second");
+    let beams: usize = scans.iter().map(|(_, ranges)| ranges.len()).sum();
+    let returns = scans.iter().flat_map(|(_, ranges)| ranges).filter(|range| **range > 0.0).count();
+    assert!(returns * 3 > beams, "{returns} of {beams} beams have a return");
+    let turns: Vec<_> = simulate("2012-01-22", &with).unwrap().scanners.spatial().collect();
+    assert!(turns.len() > 5 && turns.iter().all(|(_, hits)| hits.len() > 10_000));
+}
+
 #[test]
 fn impossible_requests_are_refused() {
-    for wrong in [Options { rate: 1.0, ..options(1) }, Options { length: Some(f64::NAN), ..options(1) }] {
+    for wrong in [
+        Options { rate: 1.0, ..options(1) },
+        Options { length: Some(f64::NAN), ..options(1) },
+        Options { hokuyo: Some(6.0), ..options(1) },
+    ] {
         let error = simulate("x", &wrong).unwrap_err().to_string();
-        assert!(error.starts_with("--rate is 1,") || error.starts_with("--length is NaN"), "{error}");
+        assert!(
+            error.starts_with("--rate is 1,")
+                || error.starts_with("--length is NaN")
+                || error == "--hokuyo is 6, but must be between 0.1 and the 5 Hz of --rate",
+            "{error}"
+        );
     }
 }

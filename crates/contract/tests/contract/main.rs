@@ -19,6 +19,7 @@ mod help_and_usage;
 mod hostile;
 mod inputs_survive;
 mod interruption;
+mod lasers;
 mod manifests;
 mod metamorphic;
 mod priors;

@@ -16,7 +16,7 @@ use super::Command;
 use crate::Options;
 
 /// The option that names the file of the scans.
-const SCANS: &str = "--scans";
+pub(super) const SCANS: &str = "--scans";
 
 /// The option that names the file of the poses at all scans.
 const TRAJECTORY: &str = "--trajectory";
@@ -43,6 +43,9 @@ pub(super) fn run(command: &Command, context: &mut Context) -> anyhow::Result<Ou
     let place = command.session.display().to_string();
     let options = Options { name: None, ..command.options.clone() };
     refuse_changed(&options, &Options::DEFAULT, &format!("{place} is a CARMEN log"), "NCLT sessions")?;
+    if command.hokuyo.is_some() {
+        bail!("--hokuyo applies to NCLT sessions, but {place} is a CARMEN log; omit the option");
+    }
     for (option, path) in [(SCANS, &command.scans), (TRAJECTORY, &command.trajectory)] {
         if let Some(path) = path {
             context.check_further_output(option, path)?;
@@ -80,10 +83,8 @@ pub(super) fn run(command: &Command, context: &mut Context) -> anyhow::Result<Ou
 /// Refuses options of logs for a session that is none.
 pub(super) fn refuse_options_of_logs(command: &Command) -> anyhow::Result<()> {
     let what = format!("{} is not a CARMEN log", command.session.display());
-    for (option, path) in [(SCANS, &command.scans), (TRAJECTORY, &command.trajectory)] {
-        if path.is_some() {
-            bail!("{option} applies to CARMEN logs, but {what}; omit the option");
-        }
+    if command.trajectory.is_some() {
+        bail!("{TRAJECTORY} applies to CARMEN logs, but {what}; omit the option");
     }
     refuse_changed(&command.log, &LogOptions::DEFAULT, &what, "CARMEN logs")
 }

@@ -5,5 +5,7 @@
 mod appearance;
 mod hypotheses;
 mod logs;
+mod nclt;
 mod places;
+mod space;
 mod words;

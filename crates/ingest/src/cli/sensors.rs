@@ -1,0 +1,55 @@
+//! Laser scans of NCLT sessions: where they are written.
+
+use anyhow::{Context as _, bail};
+use posecut_stage::{Context, counted, info, write_atomically};
+
+use super::Command;
+use super::log::SCANS;
+use crate::{FileKind, Ingested, SessionFiles};
+
+/// Refuses a file for scans that the session does not have, or that would replace another file.
+pub(super) fn check(command: &Command, files: &SessionFiles, context: &mut Context) -> anyhow::Result<()> {
+    if let Some(path) = files.path(FileKind::Hokuyo) {
+        context.note_read(path);
+    }
+    let Some(path) = &command.scans else { return Ok(()) };
+    if !files.has(FileKind::Hokuyo) {
+        bail!(
+            "{SCANS} writes laser scans, but {} has no hokuyo_30m.bin; name it with --hokuyo, or omit the option",
+            files.place()
+        );
+    }
+    context.check_further_output(SCANS, path)
+}
+
+/// Writes the scans into the graph, or to the file that the options name.
+pub(super) fn write(command: &Command, ingested: &mut Ingested, context: &mut Context) -> anyhow::Result<()> {
+    let Some(laser) = &ingested.laser else { return Ok(()) };
+    info!(
+        "{} at {}",
+        counted(laser.scans.len(), "laser scan"),
+        counted(ingested.graph.nodes.len(), "keyframe")
+    );
+    let statistics = &mut context.statistics;
+    statistics.note("scans", laser.scans.len());
+    statistics.note("scans_in_file", laser.in_file);
+    statistics.note("scans_out_of_order", laser.out_of_order);
+    statistics.note("keyframes_without_scan", laser.keyframes_without);
+    statistics.note("empty_scans", laser.empty);
+    let records: Vec<String> = laser
+        .scans
+        .iter()
+        .map(|(node, scan)| scan.record(*node))
+        .collect::<Result<_, _>>()
+        .context("a scan cannot be written as JSON")?;
+    match &command.scans {
+        Some(path) => {
+            context.check_further_output(SCANS, path)?;
+            write_atomically(path, |writer| {
+                Ok(records.iter().try_for_each(|record| writeln!(writer, "{record}"))?)
+            })?;
+        }
+        None => ingested.graph.unknown.extend(records),
+    }
+    Ok(())
+}

@@ -1,0 +1,78 @@
+//! The files of NCLT's `velodyne_sync` that belong to the keyframes of a graph.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, ensure};
+use posecut_graph::PoseGraph;
+use posecut_nclt_sensors::velodyne::{read_hits, time_of_name};
+use rayon::prelude::*;
+
+use crate::scan_context::ContextOptions;
+use crate::spatial::SpatialScan;
+
+/// The scan of a keyframe is taken within this time of it, microseconds: the robot moves by 0.1 m at most. NCLT's are taken at the images,
+/// and so at keyframes timed by them.
+const WITHIN: u64 = 50_000;
+
+/// The scans of the keyframes of a graph, by the position of the node; `None` for keyframes without a file. Files are read one by one and
+/// reduced at once. O(hits log hits).
+///
+/// # Errors
+///
+/// A folder or a file cannot be read, or no keyframe has a file.
+pub fn read_folders(
+    folders: &[PathBuf],
+    graph: &PoseGraph,
+    options: &ContextOptions,
+) -> anyhow::Result<Vec<Option<SpatialScan>>> {
+    let mut files: Vec<(i64, PathBuf)> = Vec::new();
+    for folder in folders {
+        files.extend(files_of(folder)?);
+    }
+    files.sort();
+    let nearest = |time: i64| {
+        let after = files.partition_point(|(stamp, _)| *stamp < time);
+        let candidates = files[after.saturating_sub(1)..(after + 1).min(files.len())].iter();
+        let (stamp, path) = candidates.min_by_key(|(stamp, _)| stamp.abs_diff(time))?;
+        (stamp.abs_diff(time) <= WITHIN).then_some(path)
+    };
+    // All results before the first error, so that it is the same one at any number of threads.
+    let scans: Vec<anyhow::Result<Option<SpatialScan>>> = graph
+        .nodes
+        .par_iter()
+        .map(|node| {
+            let Some(path) = node.utime.and_then(nearest) else { return Ok(None) };
+            let place = path.display().to_string();
+            let bytes = fs::read(path).with_context(|| format!("{place}: cannot be read"))?;
+            Ok(Some(SpatialScan::new(&read_hits(&place, &bytes)?, options)))
+        })
+        .collect();
+    let scans: Vec<Option<SpatialScan>> = scans.into_iter().collect::<anyhow::Result<_>>()?;
+    ensure!(
+        scans.iter().any(Option::is_some),
+        "none of the {} scans in {} is within 0.05 s of one of the {} keyframes; name the folder of the graph's session",
+        files.len(),
+        folders.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>().join(" and "),
+        graph.nodes.len()
+    );
+    Ok(scans)
+}
+
+/// The files of a folder that are named by a time.
+fn files_of(folder: &Path) -> anyhow::Result<Vec<(i64, PathBuf)>> {
+    let place = || format!("{}: cannot be read as a folder of velodyne_sync", folder.display());
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).with_context(place)? {
+        let entry = entry.with_context(place)?;
+        if let Some(time) = time_of_name(&entry.file_name().to_string_lossy()) {
+            files.push((time, entry.path()));
+        }
+    }
+    ensure!(
+        !files.is_empty(),
+        "{}: has no file UTIME.bin; name a folder as NCLT's velodyne_sync",
+        folder.display()
+    );
+    Ok(files)
+}
