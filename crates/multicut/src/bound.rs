@@ -16,7 +16,8 @@
 //! cycles where edges are fixed) and fixes edges. [`interior_point`] solves large ones (Mehrotra, SIAM J. Optimization 2(4),
 //! 1992). Every dual point packs these conflicts into the capacities `|c|`, and therefore is a lower bound. [`packing`] also
 //! builds a packing greedily (Lange, Karrenbauer, Andres, ICML 2018, algorithm 1), and [`rerouting`] improves one towards a
-//! proof that a given multicut is optimal, by negotiated congestion ([`negotiation`]); [`spreading`] finds such packings in dense graphs.
+//! proof that a given multicut is optimal, by negotiated congestion ([`negotiation`]); [`spreading`] finds such packings in dense graphs, and
+//! [`windows`] improves a packing part by part.
 //!
 //! Depends on [`graph`](crate::graph).
 
@@ -35,3 +36,4 @@ pub(crate) mod parts_separation;
 pub(crate) mod relaxation;
 pub(crate) mod rerouting;
 pub(crate) mod spreading;
+pub(crate) mod windows;

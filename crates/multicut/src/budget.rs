@@ -38,6 +38,17 @@ impl Budget {
         !self.over
     }
 
+    /// The same budget with at most this much more work.
+    pub(crate) fn part(&self, work: u64) -> Self {
+        let end = self.spent.saturating_add(work);
+        Self { work: Some(self.work.map_or(end, |limit| limit.min(end))), ..self.clone() }
+    }
+
+    /// Adds the work of a [`part`](Self::part).
+    pub(crate) fn charge(&mut self, part: &Self) {
+        self.spend(part.spent - self.spent);
+    }
+
     /// Whether an uninterruptible step of this much work would end in time. If not, the budget is over.
     pub(crate) fn affords(&mut self, work: u64) -> bool {
         let time = Duration::from_nanos(work.saturating_mul(2));

@@ -3,7 +3,8 @@
 //! Each component is reduced to kernels. [`search`] closes a kernel by branch and cut: a packing, the cycle relaxation with
 //! odd wheels, edges fixed by residual cost, branching; [`cut_tree`] closes small kernels, with one linear program throughout.
 //! Before that, small kernels are annealed and dense ones bounded by spread conflicts ([`preparation`]), and solution and packing of long ones
-//! improved in turn ([`bands`]). Depends on all the theory of this crate: [`reduce`](crate::reduce),
+//! improved in turn ([`bands`]), and the
+//! places where they differ solved apart ([`windows`]). Depends on all the theory of this crate: [`reduce`](crate::reduce),
 //! [`heuristics`](crate::heuristics), [`bound`](crate::bound), [`certificate`](crate::certificate).
 
 mod bands;
@@ -11,6 +12,7 @@ mod cut_tree;
 mod preparation;
 mod rounding;
 mod search;
+mod windows;
 
 use std::time::Instant;
 
@@ -192,6 +194,7 @@ fn close_all(components: &mut [Component], seed: u64, budget: &mut Budget) {
         bound_by_spreading(&piece.graph, &mut component.states[place], budget);
         bands::tighten(&piece.graph, &mut component.states[place], budget);
         improve(&piece.graph, &mut component.states[place], ROUNDS, seed, budget);
+        windows::close_in_windows(&piece.graph, &mut component.states[place], budget);
         close(&piece.graph, &mut component.states[place], budget);
     }
 }

@@ -16,10 +16,21 @@ pub(crate) enum Proof {
     /// Cutting one of `edges` lifts the packing's bound by the edge's residual cost, so the rest of the proof may reward
     /// joining them.
     Fixed { conflicts: Vec<Packed>, edges: Vec<(u32, u32)>, reward: f64, rest: Reduced },
+    /// Conflicts, and windows that share the capacity left by them, each with its own proof.
+    Windows { conflicts: Vec<Packed>, windows: Vec<Cutout> },
     /// Two cases: the ends of an edge are joined or apart. The proof of each may reward its case.
     Branch { edge: (u32, u32), reward: f64, joined: Reduced, apart: Reduced },
     /// Cases with weights of inequalities.
     Tree(CaseTree),
+}
+
+/// A window of a kernel: some of its nodes, edges between positions in `nodes` with the capacity that the window takes, signed as
+/// the edge, and a proof for the graph that they make.
+#[derive(Debug, Clone)]
+pub(crate) struct Cutout {
+    pub(crate) nodes: Vec<u32>,
+    pub(crate) edges: Vec<(u32, u32, f64)>,
+    pub(crate) proof: Reduced,
 }
 
 /// A proof for a graph by reductions, with proofs for the kernels that they leave.
@@ -49,6 +60,9 @@ pub(crate) struct Reduced {
 /// wheel 1 1 2 3 / 0 1 / 0 2 / 0 3   weight, rim, and a spoke from the centre for each repulsive edge of
 ///                                the rim, in order, to where the rim enters it
 /// fix 1 2 99                     one conflict, two edges (tail head) fixed, reward; then reduce …
+/// windows 3 2                    three conflicts, two windows
+/// window 4 7 8 9                 nodes of the kernel, numbered 0, 1, … in this window; edges of the kernel with
+/// edges 0 1 0.5 1 2 -1           the capacity that the window takes, signed as the edge; then reduce …
 /// branch 3 8 99                  edge and reward; then reduce … if joined, and reduce … if apart
 /// tree 3 4                       three inequalities, four cases. Conflicts as above, their weight being of no
 /// 1 0 1 4                        account; also:
@@ -126,6 +140,20 @@ fn write_proof(output: &mut impl Write, proof: &Proof) -> std::io::Result<()> {
                 writeln!(output, "{tail} {head}")?;
             }
             write_reduced(output, rest)
+        }
+        Proof::Windows { conflicts, windows } => {
+            writeln!(output, "windows {} {}", conflicts.len(), windows.len())?;
+            write_conflicts(output, conflicts)?;
+            for window in windows {
+                write_line(output, "window", &window.nodes)?;
+                write!(output, "edges")?;
+                for (tail, head, capacity) in &window.edges {
+                    write!(output, " {tail} {head} {capacity}")?;
+                }
+                writeln!(output)?;
+                write_reduced(output, &window.proof)?;
+            }
+            Ok(())
         }
         Proof::Branch { edge: (tail, head), reward, joined, apart } => {
             writeln!(output, "branch {tail} {head} {reward}")?;

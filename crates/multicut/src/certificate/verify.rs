@@ -8,6 +8,7 @@ mod packing;
 mod part;
 mod proof;
 mod tree;
+mod windows;
 
 use std::io::BufRead;
 

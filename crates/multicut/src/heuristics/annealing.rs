@@ -19,13 +19,16 @@ const PROPOSALS: (usize, usize) = (200, 1_000);
 /// Steps of the temperature in a round.
 const STEPS: usize = 50;
 
+/// One round in this many starts from single nodes.
+const FRESH: usize = 3;
+
 /// Work of a proposal.
 const PROPOSAL: u64 = 4;
 
 /// Improves `labels` by simulated annealing: moves of random nodes, each to the cluster of a random neighbour or out of its
 /// own cluster, accepted with probability `e^(-rise / temperature)` (Kirkpatrick, Gelatt, Vecchi 1983; for clusterings of
-/// complete graphs de Amorim, Barthelemy, Ribeiro 1992), and Kernighan-Lin with joins from the end of each round. Every round
-/// starts from the best labels. Ends when `effort` is spent. Never worsens.
+/// complete graphs de Amorim, Barthelemy, Ribeiro 1992), and Kernighan-Lin with joins from the end of each round. Rounds
+/// start from the best labels, and every third from single nodes. Ends when `effort` is spent. Never worsens.
 ///
 /// The pull of each cluster on each node is kept, so that a proposal costs `O(1)` and a move `O(d)` for a node of degree `d`.
 /// That takes `n (n + 1)` numbers for `n` nodes.
@@ -43,13 +46,16 @@ pub(crate) fn anneal(
     let edges = graph.edges().count();
     let mean = graph.edges().map(|edge| edge.2.abs()).sum::<f64>() / edges.max(1) as f64;
     let mut proposals = PROPOSALS.0;
+    let singletons: Vec<u32> = graph.nodes().collect();
     // The n-th root by a loop: every machine gets the same number.
     let cooling = root(COLD, STEPS);
     for round in 0.. {
         if nodes == 0 || budget.spent() >= end || !budget.spend(nodes as u64) {
             return;
         }
-        let mut clusters = Clusters::new(graph, labels);
+        // From a good solution, a round cannot leave its basin if few edges attract; from single nodes it can.
+        let mut clusters =
+            if round % FRESH == 1 { Clusters::new(graph, &singletons) } else { Clusters::new(graph, labels) };
         let mut temperature = HEAT[round % HEAT.len()] * mean;
         let each = proposals * nodes / STEPS;
         for _ in 0..STEPS {

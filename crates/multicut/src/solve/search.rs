@@ -86,6 +86,11 @@ impl State {
         &self.packing
     }
 
+    /// Whether there is a packing; none was sought if the budget was over.
+    pub(super) fn has_packing(&self) -> bool {
+        !self.packing.residual.is_empty()
+    }
+
     /// Replaces the packing.
     pub(super) fn repack(&mut self, kernel: &Kernel, packing: Packing) {
         self.raise(kernel.rounded(packing.bound), || Some(Proof::Packing(packing.conflicts.clone())));
@@ -165,6 +170,13 @@ pub(crate) fn close(graph: &SignedGraph, state: &mut State, budget: &mut Budget)
     let magnitude = magnitude(graph);
     let tree = Tree { big: 1.0 + magnitude.ceil(), tolerance: INNER_TOLERANCE * magnitude };
     tree.close(graph, state, f64::INFINITY, budget);
+}
+
+/// Solves a graph as far as needed to decide whether its optimum is below `cutoff`.
+pub(super) fn solve_part(graph: SignedGraph, cutoff: f64, record: bool, budget: &mut Budget) -> Inside {
+    let magnitude = magnitude(&graph);
+    let tree = Tree { big: 1.0 + magnitude.ceil(), tolerance: INNER_TOLERANCE * magnitude };
+    tree.solve_within(graph, cutoff, record, budget)
 }
 
 /// One kernel's branch-and-cut tree.
@@ -356,9 +368,9 @@ struct Fixed {
     left_out: f64,
 }
 
-/// The result of [`Tree::solve_within`].
-struct Inside {
-    labels: Vec<u32>,
-    bound: f64,
-    proof: Option<Reduced>,
+/// Labels, bound and proof of a graph.
+pub(super) struct Inside {
+    pub(super) labels: Vec<u32>,
+    pub(super) bound: f64,
+    pub(super) proof: Option<Reduced>,
 }

@@ -28,3 +28,16 @@ fn dense_bands_are_proved() {
     assert_eq!(proved(Family::Dense, 1000, 0.1, 20_000_000), -749.0);
     assert_eq!(proved(Family::Dense, 10_000, 0.1, 200_000_000), -9214.0);
 }
+
+#[test]
+fn packings_improved_in_windows_close_a_dense_band() {
+    // One unit was missing after this work before.
+    let graph = generate(Family::Dense, 4000, 0.2, 3).unwrap();
+    let options =
+        Options { time_limit: None, work_limit: Some(160_000_000), certificate: true, ..Options::default() };
+    let solution = solve(&graph, &options);
+    let mut text = Vec::new();
+    solution.certificate.as_ref().unwrap().write(&mut text).unwrap();
+    let verified = verify(&graph, text.as_slice()).unwrap();
+    assert_eq!((solution.objective, verified.lower_bound, solution.optimal), (-7296.0, -7296.0, true));
+}

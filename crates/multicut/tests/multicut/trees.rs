@@ -87,3 +87,39 @@ fn spoiled_trees_are_refuted() {
     let verified = check(&triangle(), "tree 1 2\n1 0 1 2\nfixed 1\n0 1 1\nleaf").unwrap();
     assert_eq!(verified.lower_bound, -4.0);
 }
+
+/// A packing of nothing, and these windows.
+fn windows(list: &[&str]) -> String {
+    format!("windows 0 {}\n{}", list.len(), list.join("\n"))
+}
+
+#[test]
+fn windows_share_capacity() {
+    let window = |a: f64, b: f64, c: f64, weight: f64| {
+        format!(
+            "window 0 1 2\nedges 0 1 {a} 1 2 {b} 0 2 {c}\nreduce 1\npiece - 0 1 2\npack 1\n{weight} 0 1 2"
+        )
+    };
+    // Each window takes half of edge 0 1, and gains that.
+    let half = window(1.0, 1.5, -2.0, 1.0);
+    let verified = check(&triangle(), &windows(&[&half, &half])).unwrap();
+    assert_eq!((verified.lower_bound, verified.optimal), (-2.0, true));
+    assert_eq!(check(&triangle(), &windows(&[&half])).unwrap().lower_bound, -3.0);
+    // Conflicts take capacity first.
+    let text = |weight: f64| format!("windows 1 1\n{weight} 0 1 2\n{half}");
+    assert_eq!(check(&triangle(), &text(1.0)).unwrap().lower_bound, -2.0);
+    for (proof, reason) in [
+        (text(1.5), "takes 1 of edge 0 1"),
+        (windows(&[&half, &half, &half]), "takes 1 of edge 0 1"),
+        (windows(&[&window(2.5, 1.0, -1.0, 1.0)]), "takes 2.5 of edge 0 1"),
+        (windows(&[&window(-1.0, 1.0, -1.0, 1.0)]), "takes -1 of edge 0 1"),
+        (windows(&[&window(1.0, 1.0, f64::NAN, 1.0)]), "takes NaN of edge 0 2"),
+        (windows(&["window 0 9\nedges"]), "no node 9"),
+        (windows(&["window 0 1\nedges 0 2 1"]), "the window has no edge 0 2"),
+        (windows(&["window 0 1\nedges 0 1 1 1 0 1"]), "appears twice"),
+        (windows(&["window 0 1\nreduce 0"]), "expected `edges`"),
+    ] {
+        let error = check(&triangle(), &proof).unwrap_err().to_string();
+        assert!(error.contains(reason), "{proof}: {error}");
+    }
+}

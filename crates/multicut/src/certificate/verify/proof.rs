@@ -91,7 +91,7 @@ impl<B: BufRead> Checker<B> {
             if self
                 .words
                 .first()
-                .is_some_and(|word| ["pack", "fix", "branch", "tree"].contains(&word.as_str()))
+                .is_some_and(|word| ["pack", "fix", "windows", "branch", "tree"].contains(&word.as_str()))
             {
                 let kernel = part.take(&names).map_err(|reason| self.refute(reason))?;
                 bound += self.proof(&kernel, depth)?;
@@ -149,6 +149,7 @@ impl<B: BufRead> Checker<B> {
                 }
                 Ok(self.reduced(rest, depth + 1)?.min(left_out))
             }
+            "windows" => Ok(round(self.windows(kernel, depth)?)),
             _ => {
                 let (tail, head): (u32, u32) = (self.number(1)?, self.number(2)?);
                 let reward: f64 = self.number(3)?;
