@@ -24,6 +24,7 @@ trust: $(if $(DATA),$(EXPERIMENTS) $(REPORT))
 	  echo '  g2o/             benchmark graphs (clean)'; \
 	  echo '  false_closures/  corrupted/, bicocca25b/, kitti/, pcm_two_robots/ (corrupted, bicocca, kitti, kitti-zero, robots)'; \
 	  echo '  nclt/DATE/       NCLT sessions (two-experiences, many-sessions, hard)'; \
+	  echo '  radish/          laser logs (radish, which is not run by default)'; \
 	  echo 'FAMILIES="clean kitti" needs those of these families alone; docs/methods.md says where to get them.'; exit 2; }
 	@test -d $(call quoted,$(DATA)) || { printf '%s: there is no such folder; name the one with g2o/, false_closures/ and nclt/\n' $(call quoted,$(DATA)); exit 2; }
 	@$(if $(trust_unknown),echo 'No family is called $(trust_unknown); there are: $(sort $(patsubst %-real,%,$(patsubst %-simulated,%,$(filter-out methods sessions constants sample,$(basename $(notdir $(wildcard pipelines/trust/*.toml)))))))'; exit 2)

@@ -56,7 +56,7 @@ impl Cloud {
     /// squares. O(n log n).
     ///
     /// Scanners report ranges in whole centimetres or millimetres. So that the choice does not hang on the last bit of a pose, the squares'
-    /// borders lie off such numbers ([`OFFSET`]), and ranges are compared in whole millimetres.
+    /// borders lie off such numbers by `OFFSET`, and ranges are compared in whole millimetres.
     #[must_use]
     pub fn thinned(&self, side: f64) -> Self {
         let mut kept: BTreeMap<(i64, i64, u8), usize> = BTreeMap::new();

@@ -1,7 +1,7 @@
 //! `hokuyo_30m.bin`: the scans of a Hokuyo UTM-30LX.
 //!
 //! A record has 2170 bytes, little-endian: the time in microseconds as `u64`, then 1081 ranges as `u16`
-//! ([`scaled`](crate::scaled)). The beams begin at -135 degrees and are 0.25 degrees apart (`read_hokuyo_30m.py`: `rad0`, `radstep`,
+//! ([`scaled`]). The beams begin at -135 degrees and are 0.25 degrees apart (`read_hokuyo_30m.py`: `rad0`, `radstep`,
 //! `num_hits`), anticlockwise seen from above.
 //!
 //! The scanner is level, 0.28 m in front of the origin of the body, and looks forwards. This is not in `read_hokuyo_30m.py`: it is the

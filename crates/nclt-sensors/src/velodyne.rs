@@ -1,6 +1,6 @@
 //! `velodyne_sync/UTIME.bin`: the hits of one turn of a Velodyne HDL-32E, taken at the time that names the file.
 //!
-//! A record has 8 bytes, little-endian: x, y, z as `u16` ([`scaled`](crate::scaled)), the intensity and the number of the laser as `u8`
+//! A record has 8 bytes, little-endian: x, y, z as `u16` ([`scaled`]), the intensity and the number of the laser as `u8`
 //! (`read_vel_sync.py`). The points are in the frame of the body, x forward, y right, z down: `project_vel_to_cam.py` of the dataset
 //! carries them to the camera by the pose of the camera in the body.
 

@@ -1,6 +1,6 @@
 //! Three-dimensional scans of keyframes: their contexts, and a planar scan of what stands upright.
 //!
-//! Measurements are made in the plane, as the graph is: [`slice`] reduces a scan to the nearest upright thing in each direction.
+//! Measurements are made in the plane, as the graph is: [`slice()`] reduces a scan to the nearest upright thing in each direction.
 
 use std::f64::consts::TAU;
 

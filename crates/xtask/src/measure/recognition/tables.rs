@@ -113,8 +113,8 @@ pub(super) fn words(log: &str, scores: &Scores) -> Vec<Vec<String>> {
     vec![
         row("FAB-MAP of words", "same place", &scores.appearance),
         row("tf-idf of words", "same place", &scores.similarity),
-        row("agreement of scans", "same place", &scores.place),
-        row("agreement of scans", "correct measurement", &scores.correct),
+        row("agreement beside rivals", "same place", &scores.place),
+        row("agreement beside rivals", "correct measurement", &scores.correct),
     ]
 }
 
