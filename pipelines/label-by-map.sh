@@ -1,10 +1,10 @@
 #!/bin/sh
 # Labels candidates by the map that the whole pipeline makes of their log: no one measured the building.
 #
-# Usage: pipelines/label-by-map.sh [--ingest PROGRAM] [--recognize PROGRAM] [--verify PROGRAM] [--optimize PROGRAM] [--label PROGRAM]
-#                                  GRAPH OUTPUT LOG
-# An edge is correct if its measurement is within 0.5 m and 0.1 rad of the map. The map is made of LOG with the default options of all
-# stages, whatever those of GRAPH are.
+# Usage: pipelines/label-by-map.sh [--ingest PROGRAM] [--recognize PROGRAM] [--verify PROGRAM]
+#                                  [--optimize PROGRAM] [--label PROGRAM] GRAPH OUTPUT LOG
+# An edge is correct if its measurement is within 0.5 m and 5.73 degrees (0.1 rad) of the map. The map is made of LOG with the
+# default options of all stages, whatever those of GRAPH are.
 # PROGRAM [default: those of target/release].
 set -eu
 here=$(dirname "$0")
@@ -29,4 +29,4 @@ trap 'rm -rf "$work"' EXIT
 "$here/laser-graph.sh" --ingest "$ingest" --recognize "$recognize" "$log" "$work/graph.jsonl"
 "$verify" --quiet "$work/graph.jsonl" -o "$work/judged.jsonl"
 "$optimize" --quiet "$work/judged.jsonl" -o "$work/map.jsonl"
-"$label" --quiet "$graph" --ground-truth "$work/map.jsonl" --tolerance-translation 0.5 --tolerance-rotation 0.1 -o "$output"
+"$label" --quiet "$graph" --ground-truth "$work/map.jsonl" --tolerance-translation 0.5 --tolerance-rotation 5.73 -o "$output"
