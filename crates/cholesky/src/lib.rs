@@ -24,8 +24,6 @@
 //!
 //!    [`Factor::inverse_column`] solves for any other block, along the paths of the tree alone.
 //!
-//! [`Factor`] has numbers of double or of single precision ([`Scalar`]). The latter take half the memory, and precondition an iteration.
-//!
 //! [`fronts`] has the dense kernels for a program that keeps its own tree of fronts.
 //!
 //! # Complexity
@@ -69,7 +67,6 @@ mod adjacency;
 pub mod fronts;
 mod inverse_column;
 mod ordering;
-mod scalar;
 mod selected_inverse;
 mod symbolic;
 
@@ -77,6 +74,5 @@ pub use adjacency::Adjacency;
 pub use fronts::breakdown::Breakdown;
 pub use fronts::factor::{Factor, Memory, SINGULAR};
 pub use inverse_column::Workspace;
-pub use scalar::Scalar;
 pub use selected_inverse::SelectedInverse;
 pub use symbolic::Symbolic;

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
-use posecut_cholesky::{Factor, Scalar, Symbolic};
+use posecut_cholesky::{Factor, Symbolic};
 use proptest::prelude::*;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -32,20 +32,10 @@ fn matrix<const D: usize>(variables: usize, pairs: &[(usize, usize)], random: &m
 }
 
 fn check<const D: usize>(variables: usize, pairs: &[(usize, usize)], seed: u64) {
-    check_with::<D, f64>(variables, pairs, seed, 1e-11);
-    check_with::<D, f32>(variables, pairs, seed, 1e-3);
-}
-
-fn check_with<const D: usize, T: Scalar>(
-    variables: usize,
-    pairs: &[(usize, usize)],
-    seed: u64,
-    tolerance: f64,
-) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let (diagonal, off_diagonal, dense) = matrix::<D>(variables, pairs, &mut random);
     let symbolic = Symbolic::new(variables, pairs, D);
-    let mut factor = Factor::<D, T>::new(&symbolic);
+    let mut factor = Factor::<D>::new(&symbolic);
     // Two runs, so that leftovers of the first one would show.
     for damping in [0.3, 0.0] {
         factor.factorize(&symbolic, &diagonal, &off_diagonal, damping, [0.0; D]).unwrap();
@@ -59,7 +49,7 @@ fn check_with<const D: usize, T: Scalar>(
             damped[(index, index)] *= 1.0 + damping;
         }
         let rest = (damped * &found - &right).amax();
-        assert!(rest < tolerance * (1.0 + found.amax()), "{rest}");
+        assert!(rest < 1e-11 * (1.0 + found.amax()), "{rest}");
     }
 }
 
@@ -151,11 +141,6 @@ fn indefinite_and_singular_matrices_are_told_by_variable() {
 /// them.
 #[test]
 fn threads_change_no_bit() {
-    threads_change_no_bit_of::<f64>(1e-12);
-    threads_change_no_bit_of::<f32>(1e-4);
-}
-
-fn threads_change_no_bit_of<T: Scalar>(tolerance: f64) {
     let side = 70;
     let pairs = grid(side);
     let variables = side * side;
@@ -173,7 +158,7 @@ fn threads_change_no_bit_of<T: Scalar>(tolerance: f64) {
         let mut values = right.clone();
         // The analysis, too, depends on whether there are several threads.
         let symbolic = pool.install(|| Symbolic::new(variables, &pairs, 6));
-        let mut factor = Factor::<6, T>::new(&symbolic);
+        let mut factor = Factor::<6>::new(&symbolic);
         pool.install(|| factor.factorize(&symbolic, &diagonal, &off_diagonal, 0.0, [0.0; 6])).unwrap();
         factor.solve(&symbolic, &mut values);
         (values, factor.smallest_pivot())
@@ -185,7 +170,7 @@ fn threads_change_no_bit_of<T: Scalar>(tolerance: f64) {
         rest[b] += block.transpose() * values[a];
     }
     let largest = rest.iter().map(SVector::amax).fold(0.0, f64::max);
-    assert!(largest < tolerance, "{largest}");
+    assert!(largest < 1e-12, "{largest}");
     assert_eq!(solve(2), (values.clone(), pivot));
     assert_eq!(solve(3), (values, pivot));
     // If several blocks fail, in subtrees and above them, the error names the same one at any number of threads.

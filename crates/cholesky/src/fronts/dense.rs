@@ -13,7 +13,6 @@ use faer::{Accum, MatMut, Par};
 
 use super::large_front;
 use super::view::FrontView;
-use crate::scalar::Scalar;
 
 /// From this number of operations on, faer's kernels, which choose vector instructions at run time, are worth their entry
 /// cost.
@@ -25,24 +24,16 @@ const LARGEST_FRONT: usize = 40_000_000;
 
 /// Working memory of the dense kernels for fronts of up to `columns` eliminated columns.
 pub fn scratch(columns: usize) -> MemBuffer {
-    scratch_of::<f64>(columns)
-}
-
-/// The same for numbers of any type.
-pub(super) fn scratch_of<T: Scalar>(columns: usize) -> MemBuffer {
-    MemBuffer::new(cholesky_in_place_scratch::<T>(columns, Par::Seq, faer::prelude::default()))
+    MemBuffer::new(cholesky_in_place_scratch::<f64>(columns, Par::Seq, faer::prelude::default()))
 }
 
 /// Eliminates the columns of a front. On failure returns the column whose pivot was not positive.
 #[inline(always)]
-pub fn eliminate<const D: usize>(
-    front: FrontView<'_, impl Scalar>,
-    memory: &mut MemBuffer,
-) -> Result<(), usize> {
+pub fn eliminate<const D: usize>(front: FrontView<'_>, memory: &mut MemBuffer) -> Result<(), usize> {
     let (columns, below) = (front.columns, front.below());
     let operations = columns * (columns * columns / 3 + columns * below + below * below);
     if operations < LARGE_FRONT {
-        eliminate_small::<D, _>(front)
+        eliminate_small::<D>(front)
     } else if operations < LARGEST_FRONT {
         eliminate_large(front, memory)
     } else {
@@ -51,10 +42,7 @@ pub fn eliminate<const D: usize>(
 }
 
 /// Eliminates the columns of a front by faer's dense kernels.
-pub(super) fn eliminate_large<T: Scalar>(
-    front: FrontView<'_, T>,
-    memory: &mut MemBuffer,
-) -> Result<(), usize> {
+pub(super) fn eliminate_large(front: FrontView<'_>, memory: &mut MemBuffer) -> Result<(), usize> {
     let below = front.below();
     let FrontView { panel, height, columns, update, fresh } = front;
     let (mut diagonal, mut rest) =
@@ -72,7 +60,7 @@ pub(super) fn eliminate_large<T: Scalar>(
             BlockStructure::Rectangular,
             rest.as_ref().transpose(),
             BlockStructure::Rectangular,
-            T::of(-1.0),
+            -1.0,
             Par::Seq,
         );
     }
@@ -84,27 +72,27 @@ pub(super) fn eliminate_large<T: Scalar>(
 /// Left-looking loads and stores each block of columns once. Right-looking would rewrite all later columns for every block,
 /// and memory accesses, not arithmetic, limit the speed of small fronts.
 #[inline(always)]
-fn eliminate_small<const D: usize, T: Scalar>(front: FrontView<'_, T>) -> Result<(), usize> {
+fn eliminate_small<const D: usize>(front: FrontView<'_>) -> Result<(), usize> {
     let below = front.below();
     let FrontView { panel, height, columns, update, fresh } = front;
     for start in (0..columns).step_by(D) {
         let (done, later) = panel.split_at_mut(start * height);
         let block = &mut later[..D * height];
-        subtract_products::<D, T>(block, height, start, done, height, start);
-        factor_block::<D, T>(block, height, start)?;
+        subtract_products::<D>(block, height, start, done, height, start);
+        factor_block::<D>(block, height, start)?;
     }
     if fresh {
-        update.fill(T::ZERO);
+        update.fill(0.0);
     }
     let mut column = 0;
     // The last column may be no whole block: an incremental front's right-hand side.
     while column < below {
         let target = &mut update[column * below..];
         if column + D <= below {
-            subtract_products::<D, T>(target, below, column, panel, height, columns + column);
+            subtract_products::<D>(target, below, column, panel, height, columns + column);
             column += D;
         } else {
-            subtract_products::<1, T>(target, below, column, panel, height, columns + column);
+            subtract_products::<1>(target, below, column, panel, height, columns + column);
             column += 1;
         }
     }
@@ -113,20 +101,16 @@ fn eliminate_small<const D: usize, T: Scalar>(front: FrontView<'_, T>) -> Result
 
 /// Cholesky of `D` columns whose diagonal block starts at row `start`.
 #[inline(always)]
-fn factor_block<const D: usize, T: Scalar>(
-    block: &mut [T],
-    height: usize,
-    start: usize,
-) -> Result<(), usize> {
+fn factor_block<const D: usize>(block: &mut [f64], height: usize, start: usize) -> Result<(), usize> {
     for column in 0..D {
         let (done, later) = block.split_at_mut((column + 1) * height);
         let current = &mut done[column * height + start + column..];
         let pivot = current[0];
         // Not `pivot <= 0.0`: NaN must fail too.
-        if !(pivot > T::ZERO && pivot.finite()) {
+        if !(pivot > 0.0 && pivot.is_finite()) {
             return Err(start + column);
         }
-        let scale = pivot.inverse_root();
+        let scale = 1.0 / pivot.sqrt();
         // One division per column; the product has one more rounding error than a quotient.
         for value in current.iter_mut() {
             *value *= scale;
@@ -136,7 +120,7 @@ fn factor_block<const D: usize, T: Scalar>(
             for (value, source) in
                 target[start + column + 1 + offset..].iter_mut().zip(&current[offset + 1..])
             {
-                *value -= factor * *source;
+                *value -= factor * source;
             }
         }
     }
@@ -146,11 +130,11 @@ fn factor_block<const D: usize, T: Scalar>(
 /// `target[first + i, j] -= sum over columns k of source[row + i, k] source[row + j, k]` for `D` columns `j` of the target
 /// and all rows of the source from `row` on. Values above the diagonal are undefined.
 #[inline(always)]
-fn subtract_products<const D: usize, T: Scalar>(
-    target: &mut [T],
+fn subtract_products<const D: usize>(
+    target: &mut [f64],
     stride: usize,
     first: usize,
-    source: &[T],
+    source: &[f64],
     height: usize,
     row: usize,
 ) {
@@ -159,34 +143,34 @@ fn subtract_products<const D: usize, T: Scalar>(
     let length = height - row;
     let mut start = 0;
     while start + 8 <= length {
-        subtract_tile::<D, 8, T>(target, stride, first, source, height, row, start);
+        subtract_tile::<D, 8>(target, stride, first, source, height, row, start);
         start += 8;
     }
     if start + 4 <= length {
-        subtract_tile::<D, 4, T>(target, stride, first, source, height, row, start);
+        subtract_tile::<D, 4>(target, stride, first, source, height, row, start);
         start += 4;
     }
     if start + 2 <= length {
-        subtract_tile::<D, 2, T>(target, stride, first, source, height, row, start);
+        subtract_tile::<D, 2>(target, stride, first, source, height, row, start);
         start += 2;
     }
     if start < length {
-        subtract_tile::<D, 1, T>(target, stride, first, source, height, row, start);
+        subtract_tile::<D, 1>(target, stride, first, source, height, row, start);
     }
 }
 
 /// `W` rows of [`subtract_products`], from the one at `start`.
 #[inline(always)]
-fn subtract_tile<const D: usize, const W: usize, T: Scalar>(
-    target: &mut [T],
+fn subtract_tile<const D: usize, const W: usize>(
+    target: &mut [f64],
     stride: usize,
     first: usize,
-    source: &[T],
+    source: &[f64],
     height: usize,
     row: usize,
     start: usize,
 ) {
-    let mut sums = [[T::ZERO; W]; D];
+    let mut sums = [[0.0_f64; W]; D];
     for (index, sums) in sums.iter_mut().enumerate() {
         sums.copy_from_slice(&target[index * stride + first + start..][..W]);
     }
@@ -198,7 +182,7 @@ fn subtract_tile<const D: usize, const W: usize, T: Scalar>(
         };
         for (sums, factor) in sums.iter_mut().zip(factors) {
             for (sum, value) in sums.iter_mut().zip(values) {
-                *sum = factor.fused(-*value, *sum);
+                *sum = factor.mul_add(-value, *sum);
             }
         }
     }
@@ -209,10 +193,10 @@ fn subtract_tile<const D: usize, const W: usize, T: Scalar>(
 
 /// `target -= sum over c of factors[c] sources[c]`; all are of one length.
 #[inline(always)]
-pub(super) fn subtract_columns<const D: usize, T: Scalar>(
-    target: &mut [T],
-    sources: &[&[T]; D],
-    factors: &[T; D],
+pub(super) fn subtract_columns<const D: usize>(
+    target: &mut [f64],
+    sources: &[&[f64]; D],
+    factors: &[f64; D],
 ) {
     let (tiles, rest) = target.as_chunks_mut::<8>();
     for (index, target) in tiles.iter_mut().enumerate() {
@@ -221,24 +205,24 @@ pub(super) fn subtract_columns<const D: usize, T: Scalar>(
     let start = 8 * tiles.len();
     for (index, target) in rest.iter_mut().enumerate() {
         for (source, factor) in sources.iter().zip(factors) {
-            *target = factor.fused(-source[start + index], *target);
+            *target = factor.mul_add(-source[start + index], *target);
         }
     }
 }
 
 /// `W` rows of [`subtract_columns`].
 #[inline(always)]
-fn subtract_chunk<const D: usize, const W: usize, T: Scalar>(
-    target: &mut [T; W],
-    sources: &[&[T]; D],
-    factors: &[T; D],
+fn subtract_chunk<const D: usize, const W: usize>(
+    target: &mut [f64; W],
+    sources: &[&[f64]; D],
+    factors: &[f64; D],
     start: usize,
 ) {
     let mut sums = *target;
     for (source, factor) in sources.iter().zip(factors) {
         let Some(source) = source[start..].first_chunk::<W>() else { return };
         for (sum, value) in sums.iter_mut().zip(source) {
-            *sum = factor.fused(-*value, *sum);
+            *sum = factor.mul_add(-value, *sum);
         }
     }
     *target = sums;
@@ -247,29 +231,19 @@ fn subtract_chunk<const D: usize, const W: usize, T: Scalar>(
 /// The product of every column with a vector, in `W` partial sums each: a single sum would wait for its own last addition.
 #[inline(always)]
 pub fn products<const D: usize, const W: usize>(columns: &[&[f64]; D], vector: &[f64]) -> [f64; D] {
-    products_of::<D, W, f64>(columns, vector)
-}
-
-/// The same for numbers of any type.
-#[inline(always)]
-pub(super) fn products_of<const D: usize, const W: usize, T: Scalar>(
-    columns: &[&[T]; D],
-    vector: &[T],
-) -> [T; D] {
-    let mut sums = [[T::ZERO; W]; D];
+    let mut sums = [[0.0_f64; W]; D];
     let whole = vector.len() - vector.len() % W;
     for start in (0..whole).step_by(W) {
         let Some(values) = vector[start..].first_chunk::<W>() else { break };
         for (sums, column) in sums.iter_mut().zip(columns) {
             let Some(entries) = column[start..].first_chunk::<W>() else { break };
             for ((sum, entry), value) in sums.iter_mut().zip(entries).zip(values) {
-                *sum = entry.fused(*value, *sum);
+                *sum = entry.mul_add(*value, *sum);
             }
         }
     }
     std::array::from_fn(|index| {
         let rest = columns[index][whole..].iter().zip(&vector[whole..]);
-        let of_tiles = sums[index].iter().fold(T::ZERO, |sum, &part| sum + part);
-        of_tiles + rest.fold(T::ZERO, |sum, (&entry, &value)| sum + entry * value)
+        sums[index].iter().sum::<f64>() + rest.map(|(entry, value)| entry * value).sum::<f64>()
     })
 }

@@ -6,7 +6,6 @@
 )]
 
 use super::view::FrontView;
-use crate::scalar::Scalar;
 
 /// A run of a child's rows that are contiguous in the parent's front, too. In scalars.
 ///
@@ -36,12 +35,12 @@ pub(crate) fn rows_before(runs: &[Run], columns: usize) -> usize {
 /// Adds these columns of the lower triangle of a child's update matrix of that order, column-major, to the parent's front.
 /// `runs` gives the positions of all rows of the child.
 #[inline(always)]
-pub fn extend_add<T: Scalar>(
-    child: &[T],
+pub fn extend_add(
+    child: &[f64],
     order: usize,
     sources: std::ops::Range<usize>,
     runs: &[Run],
-    front: FrontView<'_, T>,
+    front: FrontView<'_>,
 ) {
     let below = front.below();
     let FrontView { panel, height, columns, update, .. } = front;

@@ -5,7 +5,6 @@ use nalgebra::SMatrix;
 
 use super::breakdown::Breakdown;
 use super::task::{Matrix, SmallestPivot, Task, Worker, side_by_side};
-use crate::scalar::Scalar;
 use crate::selected_inverse::SelectedInverse;
 use crate::symbolic::{Front, Symbolic};
 
@@ -13,19 +12,18 @@ use crate::symbolic::{Front, Symbolic};
 /// is the error of sums of that many terms.
 pub const SINGULAR: f64 = 1e-14;
 
-/// Memory and values of a factor with blocks of order `D`: `P A P^T = L L^T`. Its numbers are of type `T`, those of the matrix always of
-/// double precision.
-pub struct Factor<const D: usize, T = f64> {
-    pub(crate) panels: Vec<T>,
+/// Memory and values of a factor with blocks of order `D`: `P A P^T = L L^T`.
+pub struct Factor<const D: usize> {
+    pub(crate) panels: Vec<f64>,
     /// Update matrices on their way to the parents; of no use after the factorisation.
-    pub(crate) stacks: [Vec<T>; 2],
+    pub(crate) stacks: [Vec<f64>; 2],
     /// Memory for a selected inverse.
-    pub(crate) inverse: Vec<T>,
+    pub(crate) inverse: Vec<f64>,
     /// One worker for each stretch of fronts.
     workers: Vec<Worker>,
-    pub(crate) permuted: Vec<T>,
+    pub(crate) permuted: Vec<f64>,
     /// A front's rows of a vector.
-    pub(crate) local: Vec<T>,
+    pub(crate) local: Vec<f64>,
     smallest_pivot: SmallestPivot,
 }
 
@@ -34,37 +32,36 @@ pub struct Factor<const D: usize, T = f64> {
 /// New memory from the operating system comes page by page, on first use. For a program that factorises matrix after matrix
 /// of some 10^4 variables, that takes a tenth of its time.
 #[derive(Debug, Default)]
-pub struct Memory<T = f64> {
-    panels: Vec<T>,
-    stacks: [Vec<T>; 2],
-    inverse: Vec<T>,
+pub struct Memory {
+    panels: Vec<f64>,
+    stacks: [Vec<f64>; 2],
+    inverse: Vec<f64>,
 }
 
 /// Old values may remain: the numeric phase writes before it reads.
-pub(crate) fn resized<T: Scalar>(mut memory: Vec<T>, length: usize) -> Vec<T> {
+pub(crate) fn resized(mut memory: Vec<f64>, length: usize) -> Vec<f64> {
     if memory.capacity() < length {
         // Pages that the system has zeroed, and that nothing touches before the numeric phase.
-        return vec![T::ZERO; length];
+        return vec![0.0; length];
     }
-    memory.resize(length, T::ZERO);
+    memory.resize(length, 0.0);
     memory
 }
 
-impl<const D: usize, T> std::fmt::Debug for Factor<D, T> {
+impl<const D: usize> std::fmt::Debug for Factor<D> {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter.debug_struct("Factor").field("scalars", &self.panels.len()).finish_non_exhaustive()
     }
 }
 
-impl<const D: usize, T: Scalar> Factor<D, T> {
+impl<const D: usize> Factor<D> {
     /// Reserves all memory that factorising and solving with this pattern need.
     pub fn new(symbolic: &Symbolic) -> Self {
-        let (panels, stacks, inverse) = (Vec::new(), [Vec::new(), Vec::new()], Vec::new());
-        Self::with_memory(symbolic, Memory { panels, stacks, inverse })
+        Self::with_memory(symbolic, Memory::default())
     }
 
     /// The same with the memory of another factor, of any pattern. No value of that factor matters.
-    pub fn with_memory(symbolic: &Symbolic, memory: Memory<T>) -> Self {
+    pub fn with_memory(symbolic: &Symbolic, memory: Memory) -> Self {
         let height = symbolic.fronts.iter().map(Front::height).max().unwrap_or(0);
         let Memory { panels, stacks: [even, odd], inverse } = memory;
         let [even_blocks, odd_blocks] = symbolic.stack_blocks;
@@ -72,28 +69,24 @@ impl<const D: usize, T: Scalar> Factor<D, T> {
             panels: resized(panels, symbolic.panel_blocks * D * D),
             stacks: [resized(even, even_blocks * D * D), resized(odd, odd_blocks * D * D)],
             inverse,
-            workers: symbolic
-                .stretches
-                .iter()
-                .map(|stretch| Worker::new::<D, T>(symbolic, stretch))
-                .collect(),
-            permuted: vec![T::ZERO; symbolic.variables() * D],
-            local: vec![T::ZERO; height * D],
+            workers: symbolic.stretches.iter().map(|stretch| Worker::new::<D>(symbolic, stretch)).collect(),
+            permuted: vec![0.0; symbolic.variables() * D],
+            local: vec![0.0; height * D],
             smallest_pivot: SmallestPivot::default(),
         }
     }
 
     /// Lends the memory to a factor with the same pattern and blocks that are no larger. The values of this factor are lost.
-    pub fn lend<const E: usize, R>(&mut self, work: impl FnOnce(&mut Factor<E, T>) -> R) -> R {
+    pub fn lend<const E: usize, T>(&mut self, work: impl FnOnce(&mut Factor<E>) -> T) -> T {
         debug_assert!(E <= D, "memory for smaller blocks is lent");
-        let mut other = Factor::<E, T>::empty();
+        let mut other = Factor::<E>::empty();
         self.exchange(&mut other);
         let result = work(&mut other);
         self.exchange(&mut other);
         result
     }
 
-    fn exchange<const E: usize>(&mut self, other: &mut Factor<E, T>) {
+    fn exchange<const E: usize>(&mut self, other: &mut Factor<E>) {
         std::mem::swap(&mut self.panels, &mut other.panels);
         std::mem::swap(&mut self.stacks, &mut other.stacks);
         std::mem::swap(&mut self.workers, &mut other.workers);
@@ -111,6 +104,12 @@ impl<const D: usize, T: Scalar> Factor<D, T> {
             local: Vec::new(),
             smallest_pivot: SmallestPivot::default(),
         }
+    }
+
+    /// The memory of this factor, and of an inverse computed from it.
+    pub fn into_memory(self, inverse: Option<SelectedInverse<D>>) -> Memory {
+        let inverse = inverse.map_or(self.inverse, |inverse| inverse.panels);
+        Memory { panels: self.panels, stacks: self.stacks, inverse }
     }
 
     /// Factorises the matrix with these diagonal blocks and off-diagonal blocks (row: first of its pair).
@@ -171,13 +170,5 @@ impl<const D: usize, T: Scalar> Factor<D, T> {
     pub fn undetermined(&self) -> Option<(usize, usize)> {
         let SmallestPivot { share, variable, component } = self.smallest_pivot;
         (share.is_nan() || share <= SINGULAR).then_some((variable, component))
-    }
-}
-
-impl<const D: usize> Factor<D> {
-    /// The memory of this factor, and of an inverse computed from it.
-    pub fn into_memory(self, inverse: Option<SelectedInverse<D>>) -> Memory {
-        let inverse = inverse.map_or(self.inverse, |inverse| inverse.panels);
-        Memory { panels: self.panels, stacks: self.stacks, inverse }
     }
 }

@@ -12,7 +12,6 @@ use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
 use super::view::FrontView;
-use crate::scalar::Scalar;
 
 /// Columns eliminated at a time. One thread factorises the diagonal block, so wider blocks leave the other threads idle;
 /// narrower ones need more passes over the rest of the front.
@@ -22,7 +21,7 @@ const BLOCK: usize = 128;
 const STRIP: usize = 192;
 
 /// As `dense::eliminate`, up to rounding.
-pub(super) fn eliminate<T: Scalar>(front: FrontView<'_, T>, memory: &mut MemBuffer) -> Result<(), usize> {
+pub(super) fn eliminate(front: FrontView<'_>, memory: &mut MemBuffer) -> Result<(), usize> {
     let below = front.below();
     let FrontView { panel, height, columns, update, fresh } = front;
     for start in (0..columns).step_by(BLOCK) {
@@ -50,7 +49,7 @@ pub(super) fn eliminate<T: Scalar>(front: FrontView<'_, T>, memory: &mut MemBuff
 }
 
 /// `rest = rest L^-T`.
-fn solve_by_strips<T: Scalar>(diagonal: MatRef<'_, T>, rest: MatMut<'_, T>) {
+fn solve_by_strips(diagonal: MatRef<'_, f64>, rest: MatMut<'_, f64>) {
     let rows = rest.nrows();
     if rows <= STRIP {
         if rows > 0 {
@@ -65,11 +64,11 @@ fn solve_by_strips<T: Scalar>(diagonal: MatRef<'_, T>, rest: MatMut<'_, T>) {
 
 /// `target[i, j] -= sum over columns k of source[i, k] source[j, k]` on and below the diagonal: the target's first column is
 /// column `first` of a matrix whose rows are those of the source. Values above the diagonal are undefined.
-fn subtract_products<T: Scalar>(
-    target: &mut [T],
+fn subtract_products(
+    target: &mut [f64],
     height: usize,
     first: usize,
-    source: MatRef<'_, T>,
+    source: MatRef<'_, f64>,
     accumulate: Accum,
 ) {
     if height == 0 {
@@ -89,10 +88,10 @@ fn subtract_products<T: Scalar>(
             BlockStructure::Rectangular,
             own.transpose(),
             BlockStructure::Rectangular,
-            T::of(-1.0),
+            -1.0,
             Par::Seq,
         );
-        matmul(rest, accumulate, others, own.transpose(), T::of(-1.0), Par::Seq);
+        matmul(rest, accumulate, others, own.transpose(), -1.0, Par::Seq);
     });
 }
 

@@ -8,57 +8,52 @@
 use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::SVector;
 
-use super::dense::{products_of, subtract_columns};
+use super::dense::{products, subtract_columns};
 use super::factor::Factor;
-use crate::scalar::Scalar;
 use crate::symbolic::{Front, Symbolic};
 
-impl<const D: usize, T: Scalar> Factor<D, T> {
+impl<const D: usize> Factor<D> {
     /// Solves `A x = b`; `values` holds `b` and becomes `x`.
     pub fn solve(&mut self, symbolic: &Symbolic, values: &mut [SVector<f64, D>]) {
         for (value, &variable) in self.permuted.chunks_exact_mut(D).zip(&symbolic.order) {
-            for (value, source) in value.iter_mut().zip(values[variable].as_slice()) {
-                *value = T::of(*source);
-            }
+            value.copy_from_slice(values[variable].as_slice());
         }
         Arch::new().dispatch(Substitute { factor: self, symbolic });
         for (value, &variable) in self.permuted.chunks_exact(D).zip(&symbolic.order) {
-            for (target, value) in values[variable].as_mut_slice().iter_mut().zip(value) {
-                *target = value.double();
-            }
+            values[variable].as_mut_slice().copy_from_slice(value);
         }
     }
 }
 
 /// Both triangular solves for one set of vector instructions. Not a closure: a closure would not be inlined.
-struct Substitute<'a, const D: usize, T> {
-    factor: &'a mut Factor<D, T>,
+struct Substitute<'a, const D: usize> {
+    factor: &'a mut Factor<D>,
     symbolic: &'a Symbolic,
 }
 
-impl<const D: usize, T: Scalar> WithSimd for Substitute<'_, D, T> {
+impl<const D: usize> WithSimd for Substitute<'_, D> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Factor { panels, permuted, local, .. } = self.factor;
         for front in &self.symbolic.fronts {
-            forward::<D, T>(self.symbolic, front, panels, permuted, local);
+            forward::<D>(self.symbolic, front, panels, permuted, local);
         }
         for front in self.symbolic.fronts.iter().rev() {
-            backward::<D, T>(self.symbolic, front, panels, permuted, local);
+            backward::<D>(self.symbolic, front, panels, permuted, local);
         }
     }
 }
 
 /// The columns of a front, and working memory for all its rows with the front's own values in it.
 #[inline(always)]
-fn open<'a, const D: usize, T: Scalar>(
+fn open<'a, const D: usize>(
     front: &Front,
-    panels: &'a [T],
-    x: &[T],
-    local: &'a mut [T],
-) -> (&'a [T], &'a mut [T]) {
+    panels: &'a [f64],
+    x: &[f64],
+    local: &'a mut [f64],
+) -> (&'a [f64], &'a mut [f64]) {
     let height = front.height() * D;
     let columns = front.columns * D;
     let local = &mut local[..height];
@@ -68,26 +63,26 @@ fn open<'a, const D: usize, T: Scalar>(
 
 /// The reciprocals of a block's pivots. They do not wait for the values that are solved for, as quotients would.
 #[inline(always)]
-fn reciprocals<const D: usize, T: Scalar>(block: &[T], height: usize, start: usize) -> [T; D] {
-    std::array::from_fn(|column| block[column * height + start + column].reciprocal())
+fn reciprocals<const D: usize>(block: &[f64], height: usize, start: usize) -> [f64; D] {
+    std::array::from_fn(|column| 1.0 / block[column * height + start + column])
 }
 
 /// `x_1 = L^-1 x_1`, then `x_2 -= M x_1`, for the columns of one front. `local` is working memory.
 #[inline(always)]
-pub(crate) fn forward<const D: usize, T: Scalar>(
+pub(crate) fn forward<const D: usize>(
     symbolic: &Symbolic,
     front: &Front,
-    panels: &[T],
-    x: &mut [T],
-    local: &mut [T],
+    panels: &[f64],
+    x: &mut [f64],
+    local: &mut [f64],
 ) {
-    let (panel, local) = open::<D, T>(front, panels, x, local);
+    let (panel, local) = open::<D>(front, panels, x, local);
     let (height, columns) = (local.len(), front.columns * D);
-    local[columns..].fill(T::ZERO);
+    local[columns..].fill(0.0);
     for (block_index, block) in panel.chunks_exact(D * height).enumerate() {
         let start = block_index * D;
-        let mut solved = [T::ZERO; D];
-        let reciprocals = reciprocals::<D, T>(block, height, start);
+        let mut solved = [0.0; D];
+        let reciprocals = reciprocals::<D>(block, height, start);
         for column in 0..D {
             let values = &block[column * height + start..][..D];
             let value = local[start + column] * reciprocals[column];
@@ -98,28 +93,28 @@ pub(crate) fn forward<const D: usize, T: Scalar>(
             }
         }
         let target = &mut local[start + D..];
-        let sources: [&[T]; D] =
+        let sources: [&[f64]; D] =
             std::array::from_fn(|column| &block[column * height + start + D..][..target.len()]);
         subtract_columns(target, &sources, &solved);
     }
     x[front.first * D..][..columns].copy_from_slice(&local[..columns]);
     for (&row, values) in symbolic.rows[front.rows.clone()].iter().zip(local[columns..].chunks_exact(D)) {
         for (target, value) in x[row * D..][..D].iter_mut().zip(values) {
-            *target += *value;
+            *target += value;
         }
     }
 }
 
 /// `x_1 = L^-T (x_1 - M^T x_2)` for the columns of one front. `local` is working memory.
 #[inline(always)]
-pub(crate) fn backward<const D: usize, T: Scalar>(
+pub(crate) fn backward<const D: usize>(
     symbolic: &Symbolic,
     front: &Front,
-    panels: &[T],
-    x: &mut [T],
-    local: &mut [T],
+    panels: &[f64],
+    x: &mut [f64],
+    local: &mut [f64],
 ) {
-    let (panel, local) = open::<D, T>(front, panels, x, local);
+    let (panel, local) = open::<D>(front, panels, x, local);
     let (height, columns) = (local.len(), front.columns * D);
     for (&row, values) in symbolic.rows[front.rows.clone()].iter().zip(local[columns..].chunks_exact_mut(D)) {
         values.copy_from_slice(&x[row * D..][..D]);
@@ -127,15 +122,11 @@ pub(crate) fn backward<const D: usize, T: Scalar>(
     for (block_index, block) in panel.chunks_exact(D * height).enumerate().rev() {
         let start = block_index * D;
         let known = &local[start + D..];
-        let sources: [&[T]; D] =
+        let sources: [&[f64]; D] =
             std::array::from_fn(|column| &block[column * height + start + D..][..known.len()]);
         // Partial sums hide the latency of an addition; the more columns there are, the fewer each needs.
-        let sums = if D < 4 {
-            products_of::<D, 8, T>(&sources, known)
-        } else {
-            products_of::<D, 4, T>(&sources, known)
-        };
-        let reciprocals = reciprocals::<D, T>(block, height, start);
+        let sums = if D < 4 { products::<D, 8>(&sources, known) } else { products::<D, 4>(&sources, known) };
+        let reciprocals = reciprocals::<D>(block, height, start);
         for column in (0..D).rev() {
             let values = &block[column * height + start..][..D];
             let mut sum = local[start + column] - sums[column];

@@ -16,7 +16,6 @@ use super::breakdown::Breakdown;
 use super::dense;
 use super::extend_add::{Run, extend_add, push_rows, rows_before};
 use super::view::FrontView;
-use crate::scalar::Scalar;
 use crate::symbolic::{Front, Stretch, Symbolic};
 
 /// The values to factorise.
@@ -68,11 +67,11 @@ pub(super) struct Worker {
 }
 
 impl Worker {
-    pub(super) fn new<const D: usize, T: Scalar>(symbolic: &Symbolic, stretch: &Stretch) -> Self {
+    pub(super) fn new<const D: usize>(symbolic: &Symbolic, stretch: &Stretch) -> Self {
         let fronts = || stretch.fronts.iter().map(|&front| &symbolic.fronts[front]);
         let columns = fronts().map(|front| front.columns).max().unwrap_or(0);
         Self {
-            memory: dense::scratch_of::<T>(columns * D),
+            memory: dense::scratch(columns * D),
             runs: Vec::with_capacity(fronts().map(Front::height).max().unwrap_or(0)),
             smallest_pivot: SmallestPivot::default(),
         }
@@ -80,17 +79,17 @@ impl Worker {
 }
 
 /// Factorises independent stretches, on all threads. If several fail, reports the first one in their order.
-pub(super) fn side_by_side<const D: usize, T: Scalar>(
+pub(super) fn side_by_side<const D: usize>(
     symbolic: &Symbolic,
     stretches: &[Stretch],
     matrix: Matrix<'_, D>,
-    panels: &mut [T],
-    [even, odd]: &mut [Vec<T>; 2],
+    panels: &mut [f64],
+    [even, odd]: &mut [Vec<f64>; 2],
     workers: &mut [Worker],
 ) -> Result<(), Breakdown> {
     let (mut panels, mut even, mut odd) = (Rest::new(panels), Rest::new(even), Rest::new(odd));
     let scalars = |blocks: &Range<usize>| blocks.start * D * D..blocks.end * D * D;
-    let tasks: Vec<Task<'_, D, T>> = stretches
+    let tasks: Vec<Task<'_, D>> = stretches
         .iter()
         .zip(workers)
         .map(|(stretch, worker)| {
@@ -113,17 +112,17 @@ pub(super) fn side_by_side<const D: usize, T: Scalar>(
 }
 
 /// The rest of a vector after ranges of it were cut out in ascending order.
-struct Rest<'a, T> {
-    values: &'a mut [T],
+struct Rest<'a> {
+    values: &'a mut [f64],
     gone: usize,
 }
 
-impl<'a, T> Rest<'a, T> {
-    fn new(values: &'a mut [T]) -> Self {
+impl<'a> Rest<'a> {
+    fn new(values: &'a mut [f64]) -> Self {
         Self { values, gone: 0 }
     }
 
-    fn cut(&mut self, range: Range<usize>) -> &'a mut [T] {
+    fn cut(&mut self, range: Range<usize>) -> &'a mut [f64] {
         let (part, rest) = std::mem::take(&mut self.values).split_at_mut(range.end - self.gone);
         let part = &mut part[range.start - self.gone..];
         (self.values, self.gone) = (rest, range.end);
@@ -133,20 +132,20 @@ impl<'a, T> Rest<'a, T> {
 
 /// A stretch of fronts and its memory, for one set of vector instructions. Not a closure: a closure would not be inlined, and
 /// the functions it calls would be compiled for the baseline instruction set.
-pub(super) struct Task<'a, const D: usize, T> {
+pub(super) struct Task<'a, const D: usize> {
     pub(super) symbolic: &'a Symbolic,
     pub(super) matrix: Matrix<'a, D>,
     pub(super) fronts: &'a [usize],
     /// The factor from the scalar `panel_base` on.
-    pub(super) panels: &'a mut [T],
+    pub(super) panels: &'a mut [f64],
     pub(super) panel_base: usize,
     /// The stacks, each from a scalar on.
-    pub(super) stacks: [&'a mut [T]; 2],
+    pub(super) stacks: [&'a mut [f64]; 2],
     pub(super) stack_bases: [usize; 2],
     pub(super) worker: &'a mut Worker,
 }
 
-impl<const D: usize, T: Scalar> WithSimd for Task<'_, D, T> {
+impl<const D: usize> WithSimd for Task<'_, D> {
     type Output = Result<(), Breakdown>;
 
     #[inline(always)]
@@ -160,7 +159,7 @@ impl<const D: usize, T: Scalar> WithSimd for Task<'_, D, T> {
             let height = front.height() * D;
             let panel_start = front.panel * D * D - panel_base;
             let panel = &mut panels[panel_start..panel_start + front.columns * D * height];
-            panel.fill(T::ZERO);
+            panel.fill(0.0);
             for local in 0..front.columns {
                 let mut block = diagonal[symbolic.order[front.first + local]];
                 for component in 0..D {
@@ -190,7 +189,7 @@ impl<const D: usize, T: Scalar> WithSimd for Task<'_, D, T> {
                 let child = &symbolic.fronts[child];
                 place_rows::<D>(symbolic, child, runs);
                 let eliminated = 0..rows_before(runs, columns);
-                let (child, order) = update_of::<D, T>(child, others, other_base);
+                let (child, order) = update_of::<D>(child, others, other_base);
                 extend_add(child, order, eliminated, runs, view.reborrow());
             }
             dense::eliminate::<D>(view.reborrow(), memory).map_err(|column| Breakdown {
@@ -200,7 +199,7 @@ impl<const D: usize, T: Scalar> WithSimd for Task<'_, D, T> {
             for &child in &symbolic.children[front.children.clone()] {
                 let child = &symbolic.fronts[child];
                 place_rows::<D>(symbolic, child, runs);
-                let (child, order) = update_of::<D, T>(child, others, other_base);
+                let (child, order) = update_of::<D>(child, others, other_base);
                 let rest = rows_before(runs, columns)..order;
                 extend_add(child, order, rest, runs, view.reborrow());
             }
@@ -209,7 +208,7 @@ impl<const D: usize, T: Scalar> WithSimd for Task<'_, D, T> {
             for column in 0..columns {
                 let (variable, component) = (symbolic.order[front.first + column / D], column % D);
                 let entry = diagonal[variable][(component, component)];
-                let pivot = view.panel[column * height + column].double();
+                let pivot = view.panel[column * height + column];
                 let share = pivot * pivot / (entry + damping * entry.max(floor[component]));
                 smallest_pivot.note(SmallestPivot { share, variable, component });
             }
@@ -220,8 +219,8 @@ impl<const D: usize, T: Scalar> WithSimd for Task<'_, D, T> {
 
 /// Copies a block to block position `(row, column)` of a column-major panel.
 #[inline(always)]
-fn write_block<const D: usize, T: Scalar>(
-    panel: &mut [T],
+fn write_block<const D: usize>(
+    panel: &mut [f64],
     height: usize,
     row: usize,
     column: usize,
@@ -229,9 +228,7 @@ fn write_block<const D: usize, T: Scalar>(
 ) {
     for (offset, source) in block.as_slice().chunks_exact(D).enumerate() {
         let start = (column * D + offset) * height + row * D;
-        for (target, source) in panel[start..start + D].iter_mut().zip(source) {
-            *target = T::of(*source);
-        }
+        panel[start..start + D].copy_from_slice(source);
     }
 }
 
@@ -246,7 +243,7 @@ fn place_rows<const D: usize>(symbolic: &Symbolic, child: &Front, runs: &mut Vec
 
 /// A front's update matrix on its stack, and its order.
 #[inline(always)]
-fn update_of<'a, const D: usize, T>(front: &Front, stack: &'a [T], base: usize) -> (&'a [T], usize) {
+fn update_of<'a, const D: usize>(front: &Front, stack: &'a [f64], base: usize) -> (&'a [f64], usize) {
     let order = front.below() * D;
     (&stack[front.update * D * D - base..][..order * order], order)
 }

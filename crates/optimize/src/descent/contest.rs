@@ -1,9 +1,8 @@
 //! Which of several steps lowers the cost most.
 //!
 //! Where the poses bend, the step that the linear model proposes is good and its retraction is not, or the residuals curve and the
-//! step itself is not good. A factorisation costs several times as much as a trial, so all are tried: the Gauss-Newton step,
-//! this step with its second-order correction ([`acceleration`](super::acceleration)) and, after a number of factorisations, Newton's, each
-//! moved pose by pose and along the stiffest edges.
+//! step itself is not good. A factorisation costs several times as much as a trial, so all are tried: the Gauss-Newton step
+//! and, after a number of factorisations, Newton's, each moved pose by pose and along the stiffest edges.
 
 use nalgebra::SVector;
 use posecut_geometry::LieGroup;
@@ -45,7 +44,6 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         let mut best = first;
         let mut winner = (self.trial.clone(), self.step.clone());
         self.by_tree(terms, poses, first.step, &mut best, &mut winner);
-        self.accelerate(terms, poses, first.step, &mut best, &mut winner);
         if newton && let Some(step) = self.newton_step(terms, poses, damping) {
             self.retract(poses);
             let cost = self.trial_cost(terms);
@@ -99,7 +97,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
     }
 
     /// Keeps the attempt at the trial if it costs less than the best so far.
-    pub(super) fn prefer(&self, attempt: Attempt, best: &mut Attempt, winner: &mut Winner<G, DOF>) {
+    fn prefer(&self, attempt: Attempt, best: &mut Attempt, winner: &mut Winner<G, DOF>) {
         // Also where the best so far is not a number.
         if attempt.cost < best.cost || !best.cost.is_finite() {
             *best = attempt;
@@ -110,10 +108,10 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
 }
 
 /// Poses and step of the best attempt.
-pub(super) type Winner<G, const DOF: usize> = (Vec<G>, Vec<SVector<f64, DOF>>);
+type Winner<G, const DOF: usize> = (Vec<G>, Vec<SVector<f64, DOF>>);
 
 /// `X (I, v) Exp(0, r)` for the step `(v, r)`.
-pub(crate) fn moved_apart<G: LieGroup<DOF>, const DOF: usize>(pose: &G, step: &SVector<f64, DOF>) -> G {
+fn moved_apart<G: LieGroup<DOF>, const DOF: usize>(pose: &G, step: &SVector<f64, DOF>) -> G {
     let (mut along, mut about) = (*step, *step);
     along.rows_range_mut(translations(DOF)..).fill(0.0);
     about.rows_range_mut(..translations(DOF)).fill(0.0);

@@ -14,11 +14,9 @@ pub(super) struct Damping {
     pub(super) value: f64,
     growth: f64,
     largest: f64,
-    /// The largest damping whose step failed, fading with steps that succeed.
-    failed: f64,
 }
 
-/// The damping after a step of this stiffness, its damping included, that kept this share of its promise (less than nothing, if the cost
+/// The first damping after an undamped step of this stiffness that kept this share of its promise (less than nothing, if the cost
 /// rose).
 ///
 /// Along the step, the cost is `f - 2 p a + p a^2 + k a^4` for a share `a` of it with promise `p`: what the model leaves out grows with the
@@ -35,13 +33,12 @@ const LEAST_SHARE: f64 = 1e-3;
 impl Damping {
     /// Starts without damping, and never exceeds this.
     pub(super) fn up_to(largest: f64) -> Self {
-        Self { value: 0.0, growth: 4.0, largest, failed: 0.0 }
+        Self { value: 0.0, growth: 4.0, largest }
     }
 
-    /// Increases damping by its growth, at least to `first`; false if it exceeds the limit.
+    /// Increases damping, from zero to `first`; false if it exceeds the limit.
     pub(super) fn raise(&mut self, first: f64) -> bool {
-        self.failed = self.failed.max(self.value);
-        self.value = if self.value == 0.0 { first } else { first.max(self.value * self.growth) };
+        self.value = if self.value == 0.0 { first } else { self.value * self.growth };
         self.growth *= 2.0;
         self.value <= self.largest
     }
@@ -51,12 +48,9 @@ impl Damping {
         self.value = value.min(self.largest);
     }
 
-    /// Reduces damping after a step of this stiffness with this ratio of gain to promise: Nielsen's rule, but not by more than half below
-    /// twice the damping that failed last. Otherwise every second step would fail where damping has to stay the same.
+    /// Reduces damping after a step of this stiffness with this ratio of gain to promise. Nielsen's rule.
     pub(super) fn lower(&mut self, gain: f64, stiffness: f64) {
-        let lowered = self.value * (1.0 - (2.0 * gain - 1.0).powi(3)).max(0.1);
-        self.value = lowered.max((2.0 * self.failed).min(0.5 * self.value));
-        self.failed *= 0.1;
+        self.value *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(0.1);
         self.growth = 4.0;
         if self.value < NEGLIGIBLE * stiffness {
             self.value = 0.0;

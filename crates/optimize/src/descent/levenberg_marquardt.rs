@@ -157,8 +157,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
                 self.assemble(edges, poses);
             }
         }
-        let stiffness = damping.value + self.stiffness(&step, damping.value);
-        let first = first_damping(stiffness, attempt.gain(outcome.cost));
+        let first = first_damping(self.stiffness(&step, damping.value), attempt.gain(outcome.cost));
         (!damping.raise(first)).then_some(Termination::Stalled)
     }
 
