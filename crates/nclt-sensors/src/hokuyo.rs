@@ -13,6 +13,7 @@ use std::io::{self, Write};
 use posecut_geometry::{LieGroup, SE2};
 use posecut_scan::LaserScan;
 
+use crate::times::nearest;
 use crate::{SensorError, scaled};
 
 /// Beams of a scan.
@@ -125,10 +126,7 @@ impl<'a> Hokuyo<'a> {
 
     /// The usable record nearest to a time, the earlier of two; `None` if all are further away than `within` microseconds. O(log records).
     pub fn nearest(&self, time: i64, within: u64) -> Option<usize> {
-        let after = self.records.partition_point(|(stamp, _)| *stamp < time);
-        let distance = |index: &usize| self.records[*index].0.abs_diff(time);
-        let candidates = after.saturating_sub(1)..(after + 1).min(self.len());
-        candidates.min_by_key(distance).filter(|index| distance(index) <= within)
+        nearest(&self.records, time, within)
     }
 
     /// The ranges of a usable record, metres; 0 for a beam without a return in [`RANGES`]. O(beams).

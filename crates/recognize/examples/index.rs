@@ -11,7 +11,7 @@ use nalgebra::Vector2;
 use posecut_graph::PoseGraph;
 use posecut_random::rand::Rng;
 use posecut_random::{ChaCha8Rng, random};
-use posecut_recognize::places::Places;
+use posecut_recognize::places::{Context as _, Places};
 use posecut_recognize::polar_context::{KEY, PolarContext};
 use posecut_recognize::recognition::SHORTLIST;
 use posecut_recognize::{Routes, Settings, Submaps};

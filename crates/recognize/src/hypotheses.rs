@@ -25,7 +25,7 @@ const ODDS: [f64; 2] = [-10.75, 19.3];
 const DRIFT: [f64; 2] = [1.0, 0.05];
 
 /// Rivals within this path length of each other are one hypothesis, metres: the likeliest counts.
-const ONE_PLACE: f64 = 6.0;
+const ONE_RIVAL: f64 = 6.0;
 
 /// The odds that a measurement is correct, by its agreement alone.
 pub fn odds(agreement: f64) -> f64 {
@@ -86,7 +86,7 @@ fn competing(routes: &Routes, hypotheses: &[Hypothesis], place: usize, pose: &SE
             continue;
         }
         group = match group {
-            Some((first, most)) if routes.path_length(first, other.place) <= ONE_PLACE => {
+            Some((first, most)) if routes.path_length(first, other.place) <= ONE_RIVAL => {
                 Some((first, most.max(other.odds)))
             }
             _ => {

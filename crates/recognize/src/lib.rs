@@ -12,6 +12,7 @@ pub mod appearance;
 pub mod chow_liu;
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod columns;
 pub mod hypotheses;
 pub mod measure;
 pub mod places;

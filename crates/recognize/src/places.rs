@@ -1,38 +1,25 @@
 //! Candidates: keyframes whose surroundings look alike.
 
-use std::f64::consts::TAU;
 use std::num::NonZero;
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
 
+use crate::columns::{Columns, heading};
 use crate::polar_context::{KEY, PolarContext};
-use crate::scan_context::ScanContext;
 use crate::{Routes, Submaps};
 
 /// A descriptor of a place: columns by sector, which another heading shifts, and a key that it leaves as it is.
 pub trait Context: Sync {
-    /// The key.
+    /// The key. O(cells).
     fn key(&self) -> [f64; KEY];
-    /// How alike two contexts are when the other one's sectors are shifted by each number, 0 to 1.
-    fn similarities(&self, other: &Self) -> Vec<f64>;
-}
 
-impl Context for PolarContext {
-    fn key(&self) -> [f64; KEY] {
-        self.key()
-    }
-    fn similarities(&self, other: &Self) -> Vec<f64> {
-        self.similarities(other)
-    }
-}
+    /// The columns.
+    fn columns(&self) -> &Columns;
 
-impl Context for ScanContext {
-    fn key(&self) -> [f64; KEY] {
-        self.key()
-    }
+    /// How alike two contexts are when the other one's sectors are shifted by each number, 0 to 1. O(sectors^2 * rings).
     fn similarities(&self, other: &Self) -> Vec<f64> {
-        self.similarities(other)
+        self.columns().similarities(other.columns())
     }
 }
 
@@ -120,7 +107,7 @@ impl<C: Context> Places<C> {
         let best = peaks.first().map_or(0.0, |peak| similarities[*peak]);
         peaks.retain(|peak| similarities[*peak] >= NEARLY * best);
         peaks.truncate(HEADINGS);
-        let headings = peaks.into_iter().map(|shift| shift as f64 * TAU / count as f64).collect();
+        let headings = peaks.into_iter().map(|shift| heading(shift, count)).collect();
         Resemblance { node: self.nodes[other], similarity: best, headings }
     }
 }

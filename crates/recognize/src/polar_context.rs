@@ -10,6 +10,9 @@ use std::f64::consts::TAU;
 use nalgebra::Vector2;
 use posecut_matching::Cloud;
 
+use crate::columns::Columns;
+use crate::places::Context;
+
 /// Rings, and sectors of each.
 pub const RINGS: usize = 20;
 /// Sectors of each ring.
@@ -31,10 +34,7 @@ const OFF_BEAMS: f64 = 0.381_966_011_250_105;
 /// The context of a place.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PolarContext {
-    /// By sector, then by ring.
-    cells: Vec<f32>,
-    /// The length of each sector's column.
-    norms: Vec<f32>,
+    columns: Columns,
 }
 
 impl PolarContext {
@@ -52,22 +52,23 @@ impl PolarContext {
         for cell in &mut cells {
             *cell = cell.sqrt();
         }
-        let norms = cells
-            .chunks_exact(RINGS)
-            .map(|column| column.iter().map(|cell| cell * cell).sum::<f32>().sqrt())
-            .collect();
-        Self { cells, norms }
+        Self { columns: Columns::new(RINGS, cells) }
+    }
+}
+
+impl Context for PolarContext {
+    fn columns(&self) -> &Columns {
+        &self.columns
     }
 
     /// The magnitudes of the lowest coefficients of each pair of rings: the same for every heading. O(cells).
-    pub fn key(&self) -> [f64; KEY] {
+    fn key(&self) -> [f64; KEY] {
         let mut key = [0.0; KEY];
         for ring in 0..KEY_RINGS {
             for order in 0..MAGNITUDES {
                 let (mut real, mut imaginary) = (0.0, 0.0);
-                for sector in 0..SECTORS {
-                    let at = sector * RINGS + 2 * ring;
-                    let value = f64::from(self.cells[at] + self.cells[at + 1]);
+                for (sector, column) in self.columns.iter().enumerate() {
+                    let value = f64::from(column[2 * ring] + column[2 * ring + 1]);
                     let (sine, cosine) = (TAU * (order * sector) as f64 / SECTORS as f64).sin_cos();
                     real += value * cosine;
                     imaginary += value * sine;
@@ -77,33 +78,6 @@ impl PolarContext {
         }
         key
     }
-
-    /// How alike two contexts are when the other one's sectors are shifted by each number: the mean cosine of columns that both have.
-    /// O(sectors^2 * rings).
-    pub fn similarities(&self, other: &Self) -> Vec<f64> {
-        (0..SECTORS).map(|shift| self.similarity(other, shift)).collect()
-    }
-
-    fn similarity(&self, other: &Self, shift: usize) -> f64 {
-        let (mut sum, mut count) = (0.0_f32, 0);
-        for sector in 0..SECTORS {
-            let turned = (sector + SECTORS - shift) % SECTORS;
-            let norms = self.norms[sector] * other.norms[turned];
-            if norms > 0.0 {
-                let one = &self.cells[sector * RINGS..][..RINGS];
-                let two = &other.cells[turned * RINGS..][..RINGS];
-                sum += one.iter().zip(two).map(|(one, two)| one * two).sum::<f32>() / norms;
-                count += 1;
-            }
-        }
-        // Where hardly any sector has walls in both, nothing is known.
-        f64::from(sum) / f64::from(count.max(SECTORS as i32 / 3))
-    }
-}
-
-/// The heading of a shift: where the x axis of the shifted context's frame points in the frame of the other, radians.
-pub fn heading(shift: usize) -> f64 {
-    shift as f64 * TAU / SECTORS as f64
 }
 
 fn sector(point: &Vector2<f64>) -> usize {

@@ -3,7 +3,8 @@
 //!
 //! The plane around a keyframe is divided into rings and sectors; each cell holds the height of its highest point, 0 if it has none
 //! (equations 1 to 4). A robot that comes back with another heading sees the same columns, shifted. The distance of two contexts is the mean
-//! of `1 - cosine` over the columns, at the best of all shifts (equations 6 and 7). The key of a context is the share of cells of each
+//! of `1 - cosine` over the columns, at the best of all shifts (equations 6 and 7); columns that one of both does not have say nothing, as in
+//! the authors' code. The key of a context is the share of cells of each
 //! ring that have a point, which does not depend on the heading (equation 8).
 
 use std::f64::consts::TAU;
@@ -11,6 +12,9 @@ use std::f64::consts::TAU;
 use anyhow::ensure;
 use nalgebra::Vector3;
 use serde::Serialize;
+
+use crate::columns::Columns;
+use crate::places::Context;
 
 /// Numbers in a key, of which contexts with fewer rings use the first ones.
 pub const MOST_RINGS: usize = crate::polar_context::KEY;
@@ -73,15 +77,10 @@ impl ContextOptions {
     }
 }
 
-/// The context of a scan.
+/// The context of a scan: heights in metres.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScanContext {
-    rings: usize,
-    sectors: usize,
-    /// Heights in metres by sector, then by ring.
-    cells: Vec<f32>,
-    /// The length of each sector's column.
-    norms: Vec<f32>,
+    columns: Columns,
 }
 
 impl ScanContext {
@@ -99,45 +98,28 @@ impl ScanContext {
                 *cell = cell.max(point.z as f32);
             }
         }
-        let length = |column: &[f32]| column.iter().map(|cell| cell * cell).sum::<f32>().sqrt();
-        let norms = cells.chunks_exact(rings).map(length).collect();
-        Self { rings, sectors, cells, norms }
+        Self { columns: Columns::new(rings, cells) }
     }
 
     /// Whether no cell has a point.
     pub fn is_empty(&self) -> bool {
-        self.norms.iter().all(|norm| *norm == 0.0)
+        self.columns.is_empty()
+    }
+}
+
+impl Context for ScanContext {
+    fn columns(&self) -> &Columns {
+        &self.columns
     }
 
     /// The share of the cells of each ring that have a point; 0 beyond the last ring. O(cells).
-    pub fn key(&self) -> [f64; MOST_RINGS] {
+    fn key(&self) -> [f64; MOST_RINGS] {
         let mut key = [0.0; MOST_RINGS];
-        for column in self.cells.chunks_exact(self.rings) {
+        for column in self.columns.iter() {
             for (share, cell) in key.iter_mut().zip(column) {
-                *share += f64::from(u8::from(*cell > 0.0)) / self.sectors as f64;
+                *share += f64::from(u8::from(*cell > 0.0)) / self.columns.sectors() as f64;
             }
         }
         key
-    }
-
-    /// One minus the distance when the other one's sectors are shifted by each number. Columns that one of both does not have say nothing,
-    /// as in the authors' code; where that are more than two thirds, the rest counts as different. O(sectors^2 * rings).
-    pub fn similarities(&self, other: &Self) -> Vec<f64> {
-        (0..self.sectors).map(|shift| self.similarity(other, shift)).collect()
-    }
-
-    fn similarity(&self, other: &Self, shift: usize) -> f64 {
-        let (mut sum, mut count) = (0.0_f32, 0_usize);
-        for sector in 0..self.sectors {
-            let turned = (sector + self.sectors - shift) % self.sectors;
-            let norms = self.norms[sector] * other.norms[turned];
-            if norms > 0.0 {
-                let one = &self.cells[sector * self.rings..][..self.rings];
-                let two = &other.cells[turned * self.rings..][..self.rings];
-                sum += one.iter().zip(two).map(|(one, two)| one * two).sum::<f32>() / norms;
-                count += 1;
-            }
-        }
-        f64::from(sum) / count.max(self.sectors.div_ceil(3)) as f64
     }
 }

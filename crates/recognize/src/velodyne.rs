@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, ensure};
 use posecut_graph::PoseGraph;
+use posecut_nclt_sensors::times::nearest;
 use posecut_nclt_sensors::velodyne::{read_hits, time_of_name};
 use rayon::prelude::*;
 
@@ -31,18 +32,13 @@ pub fn read_folders(
         files.extend(files_of(folder)?);
     }
     files.sort();
-    let nearest = |time: i64| {
-        let after = files.partition_point(|(stamp, _)| *stamp < time);
-        let candidates = files[after.saturating_sub(1)..(after + 1).min(files.len())].iter();
-        let (stamp, path) = candidates.min_by_key(|(stamp, _)| stamp.abs_diff(time))?;
-        (stamp.abs_diff(time) <= WITHIN).then_some(path)
-    };
     // All results before the first error, so that it is the same one at any number of threads.
     let scans: Vec<anyhow::Result<Option<SpatialScan>>> = graph
         .nodes
         .par_iter()
         .map(|node| {
-            let Some(path) = node.utime.and_then(nearest) else { return Ok(None) };
+            let at = node.utime.and_then(|time| nearest(&files, time, WITHIN));
+            let Some((_, path)) = at.map(|index| &files[index]) else { return Ok(None) };
             let place = path.display().to_string();
             let bytes = fs::read(path).with_context(|| format!("{place}: cannot be read"))?;
             Ok(Some(SpatialScan::new(&read_hits(&place, &bytes)?, options)))

@@ -64,7 +64,6 @@ impl World {
 
     /// The walls of which a part may be within a distance of a point, in their order. O(squares within).
     pub fn near(&self, point: &Vector2<f64>, within: f64) -> Vec<&StandingWall> {
-        let square = |value: f64| (value / CELL).floor() as i64;
         let mut found = BTreeSet::new();
         for x in square(point.x - within)..=square(point.x + within) {
             for y in square(point.y - within)..=square(point.y + within) {
@@ -76,7 +75,6 @@ impl World {
 
     fn add(&mut self, wall: StandingWall) {
         let [low, high] = [wall.ends[0].inf(&wall.ends[1]), wall.ends[0].sup(&wall.ends[1])];
-        let square = |value: f64| (value / CELL).floor() as i64;
         for x in square(low.x)..=square(high.x) {
             for y in square(low.y)..=square(high.y) {
                 self.cells.entry([x, y]).or_default().push(self.walls.len());
@@ -149,6 +147,11 @@ impl Frame {
     fn at(&self, along: f64, aside: f64) -> Vector2<f64> {
         self.start + self.along * along + self.aside * aside
     }
+}
+
+/// The row or column of the index that a coordinate is in, metres.
+fn square(coordinate: f64) -> i64 {
+    (coordinate / CELL).floor() as i64
 }
 
 /// The distance between two segments, metres.

@@ -3,6 +3,7 @@
 use posecut_geometry::SE2;
 use posecut_nclt_sensors::Hokuyo;
 use posecut_nclt_sensors::velodyne::{read_hits, write_hits};
+use posecut_recognize::places::Context as _;
 use posecut_recognize::scan_context::ContextOptions;
 use posecut_recognize::spatial::SpatialScan;
 

@@ -4,7 +4,9 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Rotation2, Vector2};
 use posecut_matching::Cloud;
-use posecut_recognize::polar_context::{PolarContext, SECTORS, heading};
+use posecut_recognize::columns::heading;
+use posecut_recognize::places::Context as _;
+use posecut_recognize::polar_context::{PolarContext, SECTORS};
 use proptest::prelude::*;
 
 /// Points with the polar coordinates of a cell's middle, so that a turn by whole sectors moves none across a border.
@@ -34,7 +36,7 @@ proptest! {
     ) {
         let here = cloud(&cells);
         // A robot whose heading is larger by an angle sees all turned back by it.
-        let there = PolarContext::new(&turned(&here, -heading(shift)), 10.0);
+        let there = PolarContext::new(&turned(&here, -heading(shift, SECTORS)), 10.0);
         let here = PolarContext::new(&here, 10.0);
         for (one, other) in here.key().iter().zip(there.key()) {
             prop_assert!((one - other).abs() < 1e-9);

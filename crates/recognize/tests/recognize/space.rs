@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::Vector3;
 use posecut_nclt_sensors::velodyne::Hit;
 use posecut_recognize::Settings;
+use posecut_recognize::places::Context as _;
 use posecut_recognize::recognition::recognize_in_space;
 use posecut_recognize::scan_context::{ContextOptions, ScanContext};
 use posecut_recognize::spatial::slice;
