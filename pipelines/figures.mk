@@ -40,9 +40,10 @@ endef
 $(foreach format,$(FIGURES),$(eval $(call figures_as,$(format))))
 
 # ---- one page -----------------------------------------------------------------------------------------------
-# Regimes and the trust benchmark are put in where `make regimes` and `make trust` have left results.
+# Maps of laser logs, regimes and the trust benchmark are put in where `make map`, `make regimes` and `make trust` have left results.
 report: run $(REPORT)
 	@$(REPORT) html --quiet $(table_arguments) $(foreach file,$(maps_found),--regimes $(file)) \
+	  $(addprefix --map ,$(patsubst %/optimized.jsonl,%,$(sort $(wildcard $(RESULTS)/map/*/optimized.jsonl)))) \
 	  $(addprefix --trust ,$(wildcard $(RESULTS)/trust/results.jsonl)) \
 	  --title 'posecut: $(if $(NCLT),NCLT sessions,simulated sessions)' -o $(RESULTS)/report$(suffix).html
 	@echo 'The page: $(RESULTS)/report$(suffix).html'

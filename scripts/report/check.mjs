@@ -9,6 +9,7 @@ import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { narrow, print, themes } from "./appearance.mjs";
 import { choices, filled } from "./content.mjs";
+import { logs } from "./logs.mjs";
 import { keyboard, layersAndZoom } from "./maps.mjs";
 import { check, faults, file, said, settled } from "./page.mjs";
 import { regimes } from "./regimes.mjs";
@@ -37,6 +38,7 @@ try {
   await choices(page);
   await layersAndZoom(page);
   await keyboard(page);
+  await logs(page);
   await regimes(page);
   await themes(page);
   await narrow(page);

@@ -4,6 +4,7 @@ import { check, faults, pixels, settled, shot } from "./page.mjs";
 export async function filled(page) {
   const sections = await page.evaluate(() => [...document.querySelectorAll("main > section")].map((section) => {
     const painted = [...section.querySelectorAll("canvas")].every((canvas) => {
+      if (canvas.closest("[hidden]")) return true;
       if (!canvas.clientWidth) return false;
       const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
       return data.some((value, index) => value !== data[index % 4]);
@@ -16,7 +17,7 @@ export async function filled(page) {
       unnamed: [...section.querySelectorAll("canvas, svg:not(.swatch)")].filter((one) => !one.getAttribute("aria-label")).length,
     };
   }));
-  const expected = { table: [0, 1], trajectories: [0, 1], graphs: [2, 0], error: [0, 1], consistency: [1, 0], components: [2, 0], regimes: [0, 4], trust: [0, 1], history: [0, 0] };
+  const expected = { table: [0, 1], trajectories: [0, 1], graphs: [2, 0], error: [0, 1], consistency: [1, 0], components: [2, 0], maps: [3, 0], regimes: [0, 4], trust: [0, 1], history: [0, 0] };
   for (const [id, [canvases, drawings]] of Object.entries(expected)) {
     const section = sections.find((one) => one.id === id);
     if (!section) {

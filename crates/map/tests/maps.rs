@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use posecut_graph::PoseGraph;
-use posecut_map::{Cell, Grid, MapError, Picture, ros};
+use posecut_map::{Cell, Grid, MapError, Picture, ros, write_opacity};
 use posecut_scan::Scans;
 
 /// Two nodes, 1 m apart; the first sees a wall 2 m ahead and one 1 m to the left, the second nothing new.
@@ -67,6 +67,25 @@ fn the_picture_has_the_trajectory_and_the_first_row_on_top() {
     assert_eq!(pixels[..7], [124; 7]);
     assert!(pixels[8] < 80 && pixels[15] > 140, "{pixels:?}");
     assert_eq!(pixels[21..28], [124, 249, 249, 249, 171, 38, 124]);
+}
+
+#[test]
+fn ink_is_opaque_on_walls_faint_on_floors_and_nothing_elsewhere() {
+    let grid = grid(&graph());
+    let mut bytes = Vec::new();
+    write_opacity(&grid, &mut bytes).unwrap();
+    let mut decoder = png::Decoder::new(std::io::Cursor::new(&bytes));
+    decoder.set_transformations(png::Transformations::EXPAND);
+    let mut reader = decoder.read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut pixels).unwrap();
+    assert!(pixels.chunks(4).all(|pixel| pixel[..3] == [0, 0, 0]), "one colour");
+    let opacity: Vec<u8> = pixels.chunks(4).map(|pixel| pixel[3]).collect();
+    assert_eq!(opacity.len(), 35, "7 cells are an odd row of half bytes");
+    assert_eq!(opacity[..7], [0; 7]);
+    // The wall to the left was hit once, that ahead twice: the probabilities are 0.70 and 0.85.
+    assert_eq!(opacity[8], 102);
+    assert_eq!(opacity[21..28], [0, 0, 0, 17, 17, 170, 0]);
 }
 
 #[test]

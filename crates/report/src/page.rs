@@ -3,6 +3,7 @@
 //!
 //! - [`collect`]: collects the page's data from results and from the graphs in the same folders.
 //! - [`view`]: the data in the form that the page's scripts read.
+//! - [`maps`]: draws the maps of laser logs.
 //! - [`tables`], [`trust`], [`history`]: the parts of the page that are HTML.
 //! - [`document`]: assembles the page.
 //!
@@ -11,6 +12,7 @@
 pub mod collect;
 pub mod document;
 pub mod history;
+pub mod maps;
 pub mod tables;
 pub mod trust;
 pub mod view;

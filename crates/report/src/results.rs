@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use posecut_graph::StageDoubt;
+use posecut_stage::info;
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -99,7 +100,7 @@ pub fn read_all(paths: &[PathBuf]) -> anyhow::Result<Vec<RunResult>> {
 }
 
 /// Reads results like [`read_all`], with the file of each. A file whose name ends in `.jsonl` or `.jsonl.gz` has one
-/// result a line.
+/// result a line. A file in a directory that has errors of relations alone, as `make map` leaves it, belongs to no table: it is skipped.
 pub fn read_located(paths: &[PathBuf]) -> anyhow::Result<Vec<Located>> {
     let mut files = Vec::new();
     for path in paths {
@@ -113,7 +114,7 @@ pub fn read_located(paths: &[PathBuf]) -> anyhow::Result<Vec<Located>> {
     files.dedup();
     let mut results = Vec::new();
     for file in files {
-        read(&file, &mut results)?;
+        read(&file, !paths.contains(&file), &mut results)?;
     }
     Ok(results)
 }
@@ -131,7 +132,7 @@ fn collect(directory: &Path, files: &mut Vec<PathBuf>) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn read(path: &Path, results: &mut Vec<Located>) -> anyhow::Result<()> {
+fn read(path: &Path, found: bool, results: &mut Vec<Located>) -> anyhow::Result<()> {
     let place = path.display().to_string();
     let unreadable = || format!("{place}: cannot be read");
     let mut input = posecut_stage::open_file(path)?;
@@ -140,6 +141,10 @@ fn read(path: &Path, results: &mut Vec<Located>) -> anyhow::Result<()> {
     let sha256 = input.finish().with_context(unreadable)?;
     let name = path.to_string_lossy();
     if !(name.ends_with(".jsonl") || name.ends_with(".jsonl.gz")) {
+        if found && has_relations_alone(&bytes) {
+            info!("{place}: skipped, because it has errors of relations but no RMSE");
+            return Ok(());
+        }
         let result = parse(&place, &bytes)?;
         results.push(Located { path: path.to_owned(), result, sha256 });
         return Ok(());
@@ -152,6 +157,11 @@ fn read(path: &Path, results: &mut Vec<Located>) -> anyhow::Result<()> {
         results.push(Located { path: path.to_owned(), result, sha256: sha256.clone() });
     }
     Ok(())
+}
+
+fn has_relations_alone(bytes: &[u8]) -> bool {
+    let result: Option<Value> = serde_json::from_slice(bytes).ok();
+    result.is_some_and(|result| result["rmse"].is_null() && result["relations"].is_object())
 }
 
 fn parse(place: &str, bytes: &[u8]) -> anyhow::Result<RunResult> {

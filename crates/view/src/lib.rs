@@ -42,5 +42,5 @@ mod view;
 
 pub use frame::Frame;
 pub use page::page;
-pub use states::{Kind, Summary, summary};
+pub use states::{Kind, Summary, kind, summary};
 pub use view::{Alternative, Remark, Severity, View};

@@ -45,6 +45,11 @@ impl State {
     }
 }
 
+/// What became of a landmark edge, without the stage that decided it.
+pub fn kind(edge: &Edge) -> Kind {
+    State::of(Some(edge)).kind
+}
+
 /// The state of each edge.
 #[derive(Debug, Serialize)]
 pub(crate) struct States {

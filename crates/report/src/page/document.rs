@@ -9,7 +9,7 @@ const TEMPLATE: &str = include_str!("../../assets/page.html");
 const STYLE: &str = include_str!("../../assets/page.css");
 
 /// The scripts in the order in which they run.
-const SCRIPTS: [&str; 19] = [
+const SCRIPTS: [&str; 20] = [
     "// Series of numbers as posecut-report writes them: base 64 of zigzag differences, 7 bits a byte, lowest first.\n",
     script::SERIES,
     include_str!("../../assets/script/places.js"),
@@ -25,6 +25,7 @@ const SCRIPTS: [&str; 19] = [
     include_str!("../../assets/script/error.js"),
     include_str!("../../assets/script/consistency.js"),
     include_str!("../../assets/script/components.js"),
+    include_str!("../../assets/script/logs.js"),
     include_str!("../../assets/script/regimes.js"),
     include_str!("../../assets/script/trust.js"),
     include_str!("../../assets/script/reliability.js"),
@@ -37,6 +38,7 @@ const GRAPHS: &str = include_str!("../../assets/section/graphs.html");
 const ERROR: &str = include_str!("../../assets/section/error.html");
 const CONSISTENCY: &str = include_str!("../../assets/section/consistency.html");
 const COMPONENTS: &str = include_str!("../../assets/section/components.html");
+const MAPS: &str = include_str!("../../assets/section/maps.html");
 const REGIMES: &str = include_str!("../../assets/section/regimes.html");
 const TRUST: &str = include_str!("../../assets/section/trust.html");
 const RELIABILITY: &str = include_str!("../../assets/section/reliability.html");
@@ -52,6 +54,8 @@ pub struct Parts {
     pub published: String,
     /// Requested sessions that have no data.
     pub missing: Vec<String>,
+    /// The numbers of the maps of laser logs; empty without maps.
+    pub maps: String,
     /// The tables of the trust benchmark; empty without its results.
     pub trust: String,
     /// Where the numbers come from.
@@ -65,6 +69,8 @@ pub fn document(page: &Page, parts: &Parts) -> anyhow::Result<String> {
     let script = script::wrapped(&SCRIPTS);
     let data = json(&serde_json::to_string(page)?);
     Ok(fill(TEMPLATE, |name| match name {
+        // Maps of laser logs are pictures in the page itself.
+        "policy" if !page.maps.is_empty() => Some(format!("{}; img-src data:", policy(STYLE, &script))),
         "policy" => Some(policy(STYLE, &script)),
         "style" => Some(STYLE.to_owned()),
         "script" => Some(script.clone()),
@@ -132,6 +138,11 @@ fn drawing(page: &Page, parts: &Parts, name: &str) -> Option<String> {
             any(|method| method.landmarks.is_some()),
             COMPONENTS,
             "The multicut has processed none of the graphs beside the results.",
+        ),
+        "maps" => section(
+            !page.maps.is_empty(),
+            &fill(MAPS, |name| (name == "table").then(|| parts.maps.clone())),
+            "There are no maps of laser logs; make map LOG=FILE makes them, and make report then shows them.",
         ),
         "regimes" => section(
             page.regimes.is_some(),

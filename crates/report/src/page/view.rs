@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::maps::LogMaps;
 use crate::figure::regret::Regrets;
 use crate::regimes::Map;
 use crate::trust::reliability::Reliability;
@@ -17,6 +18,8 @@ pub const ERROR_STEP: f64 = 0.01;
 pub struct Page {
     /// One entry for each label `pipeline`.
     pub experiments: Vec<Experiment>,
+    /// Maps of laser logs.
+    pub maps: Vec<LogMaps>,
     /// The map of regimes, if there is one.
     pub regimes: Option<Map>,
     /// The regret of every run of the trust benchmark, if there are results of it.
@@ -25,6 +28,8 @@ pub struct Page {
     pub reliability: Option<Reliability>,
     /// The step of positions, metres.
     pub position_step: f64,
+    /// The step of positions on maps of laser logs, metres.
+    pub map_step: f64,
     /// The step of errors, metres.
     pub error_step: f64,
     /// The names of the axes of drawn coordinates: to the right, upwards.

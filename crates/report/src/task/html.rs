@@ -6,6 +6,7 @@ use crate::figure::Frame;
 use crate::figure::regret::regrets;
 use crate::page::collect::{Selection, experiment};
 use crate::page::document::{Parts, document};
+use crate::page::maps::{self, LogMaps, MAP_STEP};
 use crate::page::trust::html;
 use crate::page::view::{ERROR_STEP, POSITION_STEP, Page};
 use crate::page::{history, tables as page_tables};
@@ -23,7 +24,7 @@ use posecut_stage::{Context, counted, info};
 #[derive(Args)]
 pub(crate) struct Html {
     /// Results of posecut-evaluate, or directories to search for *.result.json; graphs are expected in the same directories
-    #[arg(required_unless_present = "trust")]
+    #[arg(required_unless_present_any = ["trust", "map"])]
     results: Vec<PathBuf>,
 
     /// Add published figures from this TOML file
@@ -37,6 +38,10 @@ pub(crate) struct Html {
     /// Add columns for these sessions, which have no data
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     missing: Vec<String>,
+
+    /// Add the maps of a laser log, before and after rejection, from this folder of make map; may be repeated
+    #[arg(long, value_name = "FOLDER")]
+    map: Vec<PathBuf>,
 
     /// Add the map of regimes from this file of results, one per line; may be repeated
     #[arg(long, value_name = "FILE")]
@@ -76,15 +81,23 @@ impl Html {
             .map(|table| experiment(table, &located, &published, selection, context))
             .collect::<anyhow::Result<Vec<_>>>()?;
         let graphs = context.inputs.len();
+        let maps = self
+            .map
+            .iter()
+            .map(|folder| maps::read(folder, context))
+            .collect::<anyhow::Result<Vec<LogMaps>>>()?;
         let regimes = self.regimes(context)?;
         let trust = self.trust(context)?;
         let (right, up) = self.frame.directions();
+        let map_table = maps::table(&maps);
         let page = Page {
             experiments,
+            maps,
             regimes,
             trust: trust.as_ref().map(|benchmark| regrets(benchmark, Half::Test)),
             reliability: trust.as_ref().and_then(|benchmark| reliability(benchmark, Half::Test)),
             position_step: POSITION_STEP,
+            map_step: MAP_STEP,
             error_step: ERROR_STEP,
             axes: [right, up],
         };
@@ -96,6 +109,7 @@ impl Html {
                 .collect(),
             published: published.source.clone(),
             missing: self.missing.clone(),
+            maps: map_table,
             trust: trust.as_ref().map_or_else(String::new, |benchmark| html(&tables(benchmark, Half::Test))),
             history: history::history(&located, &context.inputs),
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -104,6 +118,7 @@ impl Html {
         info!("{}, {}, {} kB", counted(located.len(), "result"), counted(graphs, "graph"), text.len() / 1000);
         context.statistics.note("results", located.len());
         context.statistics.note("graphs", graphs);
+        context.statistics.note("maps", page.maps.len());
         context.statistics.note("bytes", text.len());
         Ok(text.into_bytes())
     }

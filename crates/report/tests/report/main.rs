@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod maps;
 mod page;
 mod regimes;
 mod tables;
