@@ -1,5 +1,7 @@
 //! Steps between keyframes by odometry and scan matching together.
 
+use std::cell::OnceCell;
+
 use nalgebra::{Matrix3, Vector3};
 use posecut_geometry::{LieGroup, SE2};
 use posecut_matching::{Alignment, Cloud, Field, IcpOptions, Neighbours, Window, align, robust_deviation};
@@ -59,18 +61,20 @@ impl Measured {
 pub(crate) struct Reference<'a> {
     cloud: &'a Cloud,
     index: Neighbours,
+    field: OnceCell<Field>,
 }
 
 impl<'a> Reference<'a> {
     pub(crate) fn new(cloud: &'a Cloud) -> Self {
-        Self { cloud, index: Neighbours::new(&cloud.points, IcpOptions::default().first_distance) }
+        let index = Neighbours::new(&cloud.points, IcpOptions::default().first_distance);
+        Self { cloud, index, field: OnceCell::new() }
     }
 }
 
 /// The result of matching one scan with another.
 pub(crate) enum Outcome {
-    /// The product of match and odometry, the difference of both, and its normalised square.
-    Matched { measured: Measured, difference: Vector3<f64>, square: f64 },
+    /// The product of match and odometry, the difference of both, its normalised square, and the number of points with a partner.
+    Matched { measured: Measured, difference: Vector3<f64>, square: f64, points: usize },
     /// ICP did not settle, or too few points found a partner.
     Unmatched,
     /// The match is too far from the odometry.
@@ -88,20 +92,43 @@ const FIELD: f64 = 0.1;
 /// The least mean likelihood of a second start.
 const LEAST_SCORE: f64 = 0.5;
 
-/// Matches a scan with an earlier one, starting from the odometry, and from the best pose of a window around it where that fails.
+/// A match is doubted beyond this squared normalised distance from the odometry: the 95 % quantile of chi-square with three degrees of
+/// freedom.
+const DOUBTFUL: f64 = 7.81;
+
+/// Matches a scan with an earlier one, starting from the odometry, and from the best pose of a window around it where that fails or leads
+/// far from the odometry.
 pub(crate) fn match_step(reference: &Reference<'_>, query: &Cloud, step: &Step) -> Outcome {
     let options = IcpOptions::default();
-    let outcome = match_from(reference, query, step, &step.motion, &options);
-    if let Outcome::Matched { .. } = outcome {
-        return outcome;
+    let first = match_from(reference, query, step, &step.motion, &options);
+    if let Outcome::Matched { square, .. } = first
+        && square <= DOUBTFUL
+    {
+        return first;
     }
     let [distance, angle] = WINDOW;
     let window = Window { middle: step.motion, distance, angle };
-    let field = Field::new(reference.cloud, GRID[0], FIELD);
-    let Some(found) = field.search(query, &[window], GRID[1], LEAST_SCORE) else { return outcome };
+    let field = reference.field.get_or_init(|| Field::new(reference.cloud, GRID[0], FIELD));
+    let Some(found) = field.search(query, &[window], GRID[1], LEAST_SCORE) else { return first };
     // The start is near, and a wider search for partners would lead ICP away again.
     let near = IcpOptions { first_distance: options.least_distance, ..options };
-    match_from(reference, query, step, &found.pose, &near)
+    let second = match_from(reference, query, step, &found.pose, &near);
+    if matches!(first, Outcome::Matched { .. }) && first.quality() >= second.quality() {
+        first
+    } else {
+        second
+    }
+}
+
+impl Outcome {
+    /// How good a match is: a point without a partner counts as much as half a squared standard deviation from the odometry. In a turn, ICP
+    /// may come to rest at a pose that matches half of the points.
+    fn quality(&self) -> f64 {
+        match self {
+            Self::Matched { points, square, .. } => *points as f64 - 0.5 * square,
+            Self::Unmatched | Self::Contradicting => f64::NEG_INFINITY,
+        }
+    }
 }
 
 fn match_from(
@@ -120,7 +147,12 @@ fn match_from(
     if square > GATE {
         return Outcome::Contradicting;
     }
-    Outcome::Matched { measured: fused(&difference, &odometry, &found), difference, square }
+    Outcome::Matched {
+        measured: fused(&difference, &odometry, &found),
+        difference,
+        square,
+        points: found.matched,
+    }
 }
 
 /// The steps by odometry and scan matching. O(keyframes * beams).
@@ -131,7 +163,7 @@ pub fn by_matching(steps: &[Step], scans: &[&LaserScan]) -> (Vec<Measured>, Agre
     let mut squares = 0.0;
     let measured = steps.iter().zip(clouds.windows(2)).map(|(step, pair)| {
         match match_step(&Reference::new(&pair[0]), &pair[1], step) {
-            Outcome::Matched { measured, difference, square } => {
+            Outcome::Matched { measured, difference, square, .. } => {
                 agreement.matched += 1;
                 differences.push(difference);
                 squares += square;
@@ -154,7 +186,7 @@ pub fn by_matching(steps: &[Step], scans: &[&LaserScan]) -> (Vec<Measured>, Agre
 
 /// The match of two scans, if ICP comes to rest or settles.
 fn settled(reference: &Reference<'_>, query: &Cloud, start: &SE2, options: &IcpOptions) -> Option<Alignment> {
-    let Reference { cloud, index } = reference;
+    let Reference { cloud, index, .. } = reference;
     let found = align(cloud, index, query, start, options)?;
     if found.converged {
         return Some(found);

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::Context as _;
+use nalgebra::{Matrix3, Rotation2, Vector2};
 use serde::Deserialize;
 
 /// x, y and heading, metres and radians.
@@ -16,6 +17,8 @@ pub(super) struct Landmark {
     from: u64,
     to: u64,
     measurement: Pose,
+    /// The upper triangle of the information matrix, of x, y and heading in the frame of the end.
+    information: [f64; 6],
     #[serde(default)]
     rejected_by: Option<String>,
     #[serde(default)]
@@ -35,6 +38,8 @@ pub(super) struct Map(BTreeMap<u64, Pose>);
 
 /// A measurement is correct within these distances of the map, metres and radians.
 pub(super) const CORRECT: (f64, f64) = (0.5, 0.1);
+/// In a direction with a larger standard deviation than this, metres, a measurement claims nothing, and is correct within so many of them.
+const VAGUE: (f64, f64) = (0.5, 3.0);
 /// Two keyframes see the same place within this distance, metres.
 pub(super) const SAME_PLACE: f64 = 3.0;
 
@@ -72,13 +77,28 @@ impl Map {
         Some([cosine * x + sine * y, cosine * y - sine * x, to[2] - from[2]])
     }
 
-    /// Whether the measurement of an edge agrees with the map.
+    /// Whether the measurement of an edge agrees with the map, in the directions that it measures.
     pub(super) fn correct(&self, edge: &Landmark) -> bool {
         let Some(pose) = self.relative(edge) else { return false };
         let measured = edge.measurement;
-        let distance = (pose[0] - measured[0]).hypot(pose[1] - measured[1]);
+        let off = Vector2::new(pose[0] - measured[0], pose[1] - measured[1]);
+        // The covariance is in the frame of the end.
+        let off = Rotation2::new(-measured[2]) * off;
+        let [xx, xy, xt, yy, yt, tt] = edge.information;
+        let information = Matrix3::new(xx, xy, xt, xy, yy, yt, xt, yt, tt);
+        let Some(covariance) = information.try_inverse() else { return false };
+        let along = covariance.fixed_view::<2, 2>(0, 0).into_owned().symmetric_eigen();
+        let mut squared = 0.0;
+        for (variance, direction) in along.eigenvalues.iter().zip(along.eigenvectors.column_iter()) {
+            let (error, deviation) = (direction.dot(&off).abs(), variance.max(0.0).sqrt());
+            match deviation > VAGUE.0 {
+                true if error > VAGUE.1 * deviation => return false,
+                true => (),
+                false => squared += error * error,
+            }
+        }
         let (sine, cosine) = (pose[2] - measured[2]).sin_cos();
-        distance < CORRECT.0 && sine.atan2(cosine).abs() < CORRECT.1
+        squared.sqrt() < CORRECT.0 && sine.atan2(cosine).abs() < CORRECT.1
     }
 
     /// Whether both ends of an edge are at the same place of the map.
@@ -94,7 +114,29 @@ mod tests {
     use super::*;
 
     fn edge(measurement: Pose) -> Landmark {
-        Landmark { id: 0, from: 3, to: 7, measurement, rejected_by: None, score: 0.0, appearance: 0.0 }
+        let information = [1e4, 0.0, 0.0, 1e4, 0.0, 1e5];
+        Landmark {
+            id: 0,
+            from: 3,
+            to: 7,
+            measurement,
+            information,
+            rejected_by: None,
+            score: 0.0,
+            appearance: 0.0,
+        }
+    }
+
+    /// The end looks along the y axis of the start, so its y axis is the negative x axis of the start.
+    #[test]
+    fn a_direction_that_is_not_measured_does_not_count() {
+        let map = Map([(3, [0.0, 0.0, 0.0]), (7, [2.0, 0.0, FRAC_PI_2])].into());
+        let vague =
+            |measurement| Landmark { information: [1e4, 0.0, 0.0, 0.2, 0.0, 1e5], ..edge(measurement) };
+        assert!(map.correct(&vague([4.0, 0.4, FRAC_PI_2])));
+        assert!(!map.correct(&vague([4.0, 0.6, FRAC_PI_2])));
+        assert!(!map.correct(&vague([9.0, 0.0, FRAC_PI_2])));
+        assert!(!map.correct(&edge([4.0, 0.4, FRAC_PI_2])));
     }
 
     #[test]
