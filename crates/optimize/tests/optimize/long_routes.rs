@@ -26,6 +26,22 @@ fn long_routes_with_few_closures_converge_within_fifty_factorisations() {
     }
 }
 
+/// A descent that takes more than twenty steps is halted for another start, which needs information with an inverse. Without one, it has to
+/// go on.
+#[test]
+fn a_hard_descent_goes_on_if_there_is_no_other_start() {
+    let (truth, mut edges) = long_route(2000, 20, &mut ChaCha8Rng::seed_from_u64(1));
+    let last = edges.len() - 1;
+    edges[last].information[(2, 2)] = 0.0;
+    let poses = vec![truth[0]; truth.len()];
+    let problem = Problem::new(poses, edges).unwrap();
+    let solve = |initialisation| optimize(&problem, &Options { initialisation, ..Options::default() });
+    let (relaxed, best) = (solve(Initialisation::Chordal), solve(Initialisation::Best));
+    println!("{} {} {} {}", relaxed.cost, relaxed.iterations, best.cost, best.iterations);
+    assert!(relaxed.converged && relaxed.iterations > 20);
+    assert!(best.converged && best.cost <= relaxed.cost * (1.0 + 1e-9));
+}
+
 /// Where only the stiffest edges carry a step, it is corrected to second order. Without that, 27 to 45 factorisations.
 #[test]
 fn corrected_steps_converge_within_twenty_five_factorisations() {
