@@ -207,11 +207,11 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
         }
         if may_halt && !outcome.termination.converged() {
             let lifted = continued(&mut workspace, edges, &candidate.poses, options, &mut report);
+            starts.push_front(Candidate { halted: Some((result, outcome.cost)), ..candidate });
             if let Some(poses) = lifted {
-                starts.push_front(Candidate { halted: Some((result, outcome.cost)), ..candidate });
                 starts.push_front(Candidate::new(Start::Lifted, cost(part, &poses), poses));
-                continue;
             }
+            continue;
         }
         if best.is_none() || outcome.cost < report.cost {
             report.adopt(candidate.start, candidate.cost, &outcome);

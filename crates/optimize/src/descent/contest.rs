@@ -2,7 +2,8 @@
 //!
 //! Where the poses bend, the step that the linear model proposes is good and its retraction is not, or the residuals curve and the
 //! step itself is not good. A factorisation costs several times as much as a trial, so all are tried: the Gauss-Newton step
-//! and, after a number of factorisations, Newton's, each moved pose by pose and along the stiffest edges.
+//! and, after a number of factorisations, Newton's, each moved pose by pose and along the stiffest edges. Where only the latter helps, the
+//! Gauss-Newton step is also tried with a correction of second order ([`acceleration`](super::acceleration)).
 
 use nalgebra::SVector;
 use posecut_geometry::LieGroup;
@@ -35,6 +36,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         poses: &[G],
         damping: f64,
         newton: bool,
+        before: f64,
         first: Attempt,
     ) -> Attempt {
         let held = self.pattern.held;
@@ -44,6 +46,10 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         let mut best = first;
         let mut winner = (self.trial.clone(), self.step.clone());
         self.by_tree(terms, poses, first.step, &mut best, &mut winner);
+        // The step fails, and the tree is what it lacks.
+        if first.cost > before && best.cost < first.cost {
+            self.accelerate(terms, poses, first.step, &mut best, &mut winner);
+        }
         if newton && let Some(step) = self.newton_step(terms, poses, damping) {
             self.retract(poses);
             let cost = self.trial_cost(terms);
@@ -97,7 +103,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
     }
 
     /// Keeps the attempt at the trial if it costs less than the best so far.
-    fn prefer(&self, attempt: Attempt, best: &mut Attempt, winner: &mut Winner<G, DOF>) {
+    pub(super) fn prefer(&self, attempt: Attempt, best: &mut Attempt, winner: &mut Winner<G, DOF>) {
         // Also where the best so far is not a number.
         if attempt.cost < best.cost || !best.cost.is_finite() {
             *best = attempt;
@@ -108,7 +114,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
 }
 
 /// Poses and step of the best attempt.
-type Winner<G, const DOF: usize> = (Vec<G>, Vec<SVector<f64, DOF>>);
+pub(super) type Winner<G, const DOF: usize> = (Vec<G>, Vec<SVector<f64, DOF>>);
 
 /// `X (I, v) Exp(0, r)` for the step `(v, r)`.
 fn moved_apart<G: LieGroup<DOF>, const DOF: usize>(pose: &G, step: &SVector<f64, DOF>) -> G {

@@ -187,12 +187,13 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         -2.0 * slope - self.equations.curvature(self.pattern, &self.step)
     }
 
-    fn scaled_dot(&self, a: &Steps<DOF>, b: &Steps<DOF>) -> f64 {
+    fn scaled_dot(&self, a: &[SVector<f64, DOF>], b: &[SVector<f64, DOF>]) -> f64 {
         let blocks = a.iter().zip(b).zip(&self.equations.diagonal);
         blocks.map(|((a, b), block)| a.component_mul(&block.diagonal()).dot(b)).sum()
     }
 
-    fn scaled_norm(&self, a: &Steps<DOF>) -> f64 {
+    /// The norm of `diag(H)`.
+    pub(super) fn scaled_norm(&self, a: &[SVector<f64, DOF>]) -> f64 {
         self.scaled_dot(a, a).sqrt()
     }
 }

@@ -129,7 +129,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         let mut attempt = self.evaluate(edges, poses, step, equations, before);
         if *hard && met.is_none() && !(attempt.gain(outcome.cost) >= GOOD) {
             let newton = outcome.factorizations > PATIENCE;
-            attempt = self.contest(edges, poses, damping.value, newton, attempt);
+            attempt = self.contest(edges, poses, damping.value, newton, outcome.cost, attempt);
         }
         let Attempt { step, cost } = attempt;
         let lower =

@@ -143,6 +143,11 @@ pub trait Term<G, const DOF: usize> {
     fn curve(&self, poses: &[G]) -> Linearised<DOF> {
         self.linearise(poses)
     }
+    /// Half the gradient for its second derivative in place of its residual. The derivative is along a curve through these poses, from the
+    /// poses on it at the parameters `share` and `-share`. `None` if it has no residual.
+    fn bend(&self, _poses: &[G], _ahead: &[G], _behind: &[G], _share: f64) -> Option<Gradient<DOF>> {
+        None
+    }
     /// Its linear model.
     fn gradient(&self, poses: &[G]) -> Gradient<DOF> {
         let model = self.linearise(poses);
@@ -177,6 +182,15 @@ impl<G: LieGroup<DOF>, const DOF: usize> Term<G, DOF> for Edge<G, DOF> {
 
     fn curve(&self, poses: &[G]) -> Linearised<DOF> {
         curve(self, poses)
+    }
+
+    fn bend(&self, poses: &[G], ahead: &[G], behind: &[G], share: f64) -> Option<Gradient<DOF>> {
+        let relative = poses[self.from].between(&poses[self.to]);
+        let (error, jacobian) = self.measurement.between(&relative).log_with_jacobian();
+        let (cost, weight) = charge(self.kernel, error.dot(&(self.information * error)));
+        let at = |poses: &[G]| residual(&self.measurement, &poses[self.from], &poses[self.to]);
+        let second = (at(ahead) + at(behind) - error * 2.0) / (share * share);
+        Some(Gradient::new(&relative, jacobian.tr_mul(&(self.information * second)) * weight, cost))
     }
 
     #[inline(always)]

@@ -59,6 +59,19 @@ fn the_best_start_in_space_is_as_good_as_the_truth() {
     }
 }
 
+/// If steps were also corrected with positions and rotations apart, the descent from the relaxation would end at 870.9 before it counts as
+/// hard, and the start that leads to 867.6 would not be tried.
+#[test]
+fn corrected_steps_do_not_hide_that_a_descent_is_hard() {
+    let (truth, mut edges) = sphere(150, &mut ChaCha8Rng::seed_from_u64(4));
+    add_rotation_noise(&mut edges, 0.4, &mut ChaCha8Rng::seed_from_u64(4));
+    let best = solve(&truth, &edges, Initialisation::Best);
+    let relaxed = solve(&truth, &edges, Initialisation::Chordal);
+    println!("{} {}", best.cost, relaxed.cost);
+    assert!(best.converged && best.cost < 867.560 && best.components[0].start.name() == "lifted");
+    assert!(relaxed.cost > 870.0);
+}
+
 /// The chordal relaxation alone ends 14 % above the minimum.
 #[test]
 fn a_manhattan_world_with_noise_of_three_tenths_is_solved_from_more_dimensions() {
