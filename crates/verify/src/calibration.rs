@@ -60,9 +60,9 @@ impl Factors {
 const LOCAL: f64 = 900.0;
 
 impl Calibration {
-    /// Whether the factor of landmark edges is the smallest one considered: the loops may ask for a smaller one.
+    /// Whether the ascent ended at the smallest factor of landmark edges that it steps to: the loops may ask for a smaller one.
     pub fn is_landmark_least(&self) -> bool {
-        self.landmark <= LANDMARK_LEAST * (1.0 + 1e-9)
+        (self.landmark / LANDMARK_LEAST - 1.0).abs() < 1e-9
     }
 
     /// The factor that turns the claimed covariance of a loop's landmark edges into that of a local error, never below the
