@@ -141,11 +141,13 @@ fn read(path: &Path, found: bool, results: &mut Vec<Located>) -> anyhow::Result<
     let sha256 = input.finish().with_context(unreadable)?;
     let name = path.to_string_lossy();
     if !(name.ends_with(".jsonl") || name.ends_with(".jsonl.gz")) {
-        if found && has_relations_alone(&bytes) {
-            info!("{place}: skipped, because it has errors of relations but no RMSE");
-            return Ok(());
-        }
-        let result = parse(&place, &bytes)?;
+        let result = match parse(&place, &bytes) {
+            Err(_) if found && has_relations_alone(&bytes) => {
+                info!("{place}: skipped, because it has errors of relations but no RMSE");
+                return Ok(());
+            }
+            parsed => parsed?,
+        };
         results.push(Located { path: path.to_owned(), result, sha256 });
         return Ok(());
     }
@@ -164,16 +166,20 @@ fn has_relations_alone(bytes: &[u8]) -> bool {
     result.is_some_and(|result| result["rmse"].is_null() && result["relations"].is_object())
 }
 
+/// Refuses what another program or another version wrote.
+pub(crate) fn check_format(place: &str, format: &str, version: u64) -> anyhow::Result<()> {
+    if format != "posecut-result" || version != 1 {
+        bail!(
+            "{place}: is \"{format}\" version {version}, but must be posecut-result version 1; evaluate again"
+        );
+    }
+    Ok(())
+}
+
 fn parse(place: &str, bytes: &[u8]) -> anyhow::Result<RunResult> {
     let result: RunResult = serde_json::from_slice(bytes)
         .with_context(|| format!("{place}: is not a result; write results with posecut-evaluate"))?;
-    if result.format != "posecut-result" || result.version != 1 {
-        bail!(
-            "{place}: is \"{}\" version {}, but must be posecut-result version 1; evaluate again",
-            result.format,
-            result.version
-        );
-    }
+    check_format(place, &result.format, result.version)?;
     if !result.rmse.is_finite() {
         bail!("{place}: its RMSE is not a finite number; evaluate again");
     }

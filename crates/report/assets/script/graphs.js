@@ -52,17 +52,7 @@ if (byId("graph-left-map")) {
         const style = styles[layer.name];
         for (const edge of edges.filter((one) => fate(one) === layer.name)) {
           const ends = [edge.from, edge.to].map((node) => toScreen(track.x[node], track.y[node]));
-          context.beginPath();
-          context.moveTo(...ends[0]);
-          context.lineTo(...ends[1]);
-          strokeLine(context, style);
-          if (!style.dot) continue;
-          context.fillStyle = style.colour;
-          for (const [x, y] of ends) {
-            context.beginPath();
-            context.arc(x, y, 5, 0, 2 * Math.PI);
-            context.fill();
-          }
+          strokeEdge(context, ends, style);
         }
       }
     };

@@ -90,20 +90,6 @@ if (byId("maps-log")) {
     }));
   }
 
-  function line(context, ends, style) {
-    context.beginPath();
-    context.moveTo(...ends[0]);
-    context.lineTo(...ends[1]);
-    strokeLine(context, style);
-    if (!style.dot) return;
-    context.fillStyle = style.colour;
-    for (const [x, y] of ends) {
-      context.beginPath();
-      context.arc(x, y, 5, 0, 2 * Math.PI);
-      context.fill();
-    }
-  }
-
   function painter(log, map) {
     if (!pictures.has(map)) pictures.set(map, new Ink(map, () => camera.paint()));
     const track = placesOf(map);
@@ -124,10 +110,10 @@ if (byId("maps-log")) {
         const style = kind.style();
         // Hundreds of rejected candidates would hide the map.
         context.globalAlpha = kind.name === "r" ? Math.max(0.15, Math.min(1, 40 / countOf(kind))) : 1;
-        for (const one of candidates) if (one.kind === kind.name) line(context, ends(one), style);
+        for (const one of candidates) if (one.kind === kind.name) strokeEdge(context, ends(one), style);
       }
       context.globalAlpha = 1;
-      if (pointed) line(context, ends(pointed), { colour: colour("ink"), width: 3, dot: true });
+      if (pointed) strokeEdge(context, ends(pointed), { colour: colour("ink"), width: 3, dot: true });
     };
   }
 

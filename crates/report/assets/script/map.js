@@ -175,6 +175,21 @@ function trace(context, toScreen, track, from, to, style) {
   strokeLine(context, style);
 }
 
+/** An edge between two points of the screen, with dots at its ends if the style has them. */
+function strokeEdge(context, ends, style) {
+  context.beginPath();
+  context.moveTo(...ends[0]);
+  context.lineTo(...ends[1]);
+  strokeLine(context, style);
+  if (!style.dot) return;
+  context.fillStyle = style.colour;
+  for (const [x, y] of ends) {
+    context.beginPath();
+    context.arc(x, y, 5, 0, 2 * Math.PI);
+    context.fill();
+  }
+}
+
 function strokeLine(context, style) {
   context.strokeStyle = style.colour;
   context.lineWidth = style.width;

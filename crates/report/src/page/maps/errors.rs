@@ -1,7 +1,9 @@
 //! Errors of measured relations, as `posecut-evaluate --relations` writes them.
 
-use anyhow::{Context as _, bail};
+use anyhow::Context as _;
 use serde::Deserialize;
+
+use crate::results::check_format;
 
 /// Errors of relative motions (Kuemmerle et al., Autonomous Robots 27, 2009).
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -35,12 +37,6 @@ struct Evaluation {
 pub(super) fn errors(name: &str, bytes: &[u8]) -> anyhow::Result<Option<RelationErrors>> {
     let result: Evaluation = serde_json::from_slice(bytes)
         .with_context(|| format!("{name}: is not a result; write it with posecut-evaluate --relations"))?;
-    if result.format != "posecut-result" || result.version != 1 {
-        bail!(
-            "{name}: is \"{}\" version {}, but must be posecut-result version 1; evaluate again",
-            result.format,
-            result.version
-        );
-    }
+    check_format(name, &result.format, result.version)?;
     Ok(result.relations)
 }
