@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "functions of tests may panic and print")]
 
+use posecut_geometry::SE2;
 use posecut_optimize::{Initialisation, Options, Problem, optimize};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -42,6 +43,13 @@ fn a_hard_descent_goes_on_if_there_is_no_other_start() {
     assert!(best.converged && best.cost <= relaxed.cost * (1.0 + 1e-9));
 }
 
+fn converges_within_twenty_five(problem: &Problem<SE2, 3>, initialisation: Initialisation) {
+    let solution = optimize(problem, &Options { initialisation, ..Options::default() });
+    let count = solution.components[0].factorizations;
+    println!("{} poses: {} {count}", problem.poses().len(), solution.cost);
+    assert!(solution.converged && count <= 25, "{count}");
+}
+
 /// Where only the stiffest edges carry a step, it is corrected to second order. Without that, 27 to 45 factorisations.
 #[test]
 fn corrected_steps_converge_within_twenty_five_factorisations() {
@@ -49,12 +57,7 @@ fn corrected_steps_converge_within_twenty_five_factorisations() {
         [(5000, 40, 1), (5000, 40, 4), (15_000, 60, 1), (15_000, 60, 3), (20_000, 30, 2), (20_000, 30, 3)]
     {
         let (truth, edges) = long_route(poses, closures, &mut ChaCha8Rng::seed_from_u64(seed));
-        let problem = Problem::new(truth, edges).unwrap();
-        let options = Options { initialisation: Initialisation::Chordal, ..Options::default() };
-        let solution = optimize(&problem, &options);
-        let count = solution.components[0].factorizations;
-        println!("{poses} {closures} {seed}: {} {count}", solution.cost);
-        assert!(solution.converged && count <= 25, "{count}");
+        converges_within_twenty_five(&Problem::new(truth, edges).unwrap(), Initialisation::Chordal);
     }
 }
 
@@ -64,11 +67,6 @@ fn corrected_steps_converge_within_twenty_five_factorisations_where_headings_are
     for (poses, closures, seed) in [(15_000, 60, 3), (20_000, 30, 1)] {
         let (truth, mut edges) = long_route(poses, closures, &mut ChaCha8Rng::seed_from_u64(seed));
         add_rotation_noise(&mut edges, 0.03, &mut ChaCha8Rng::seed_from_u64(seed));
-        let problem = Problem::new(truth, edges).unwrap();
-        let options = Options { initialisation: Initialisation::Given, ..Options::default() };
-        let solution = optimize(&problem, &options);
-        let count = solution.components[0].factorizations;
-        println!("{poses} {closures} {seed}: {} {count}", solution.cost);
-        assert!(solution.converged && count <= 25, "{count}");
+        converges_within_twenty_five(&Problem::new(truth, edges).unwrap(), Initialisation::Given);
     }
 }
