@@ -140,8 +140,9 @@ const COHERENT: f64 = 1e-6;
 const COHERENT_MOST: f64 = 1e-2;
 /// A coherent variance without effect.
 const NEGLIGIBLE: f64 = 1e-12;
-/// The smallest factor of landmark edges. Neighbouring keyframes share scans, so their measurements agree with each other better than with the
-/// world: loops through two of them ask for a factor near 0.01 on the log intel. Six edges, all off by the same 5 m, then bent the map.
+/// The smallest factor of landmark edges that the ascent steps to; a start below it may stand. Neighbouring keyframes share scans, so their
+/// measurements agree with each other better than with the world: loops through two of them ask for a factor near 0.01 on the log intel. Six
+/// edges, all off by the same 5 m, then bent the map.
 const LANDMARK_LEAST: f64 = 0.1;
 /// Evidence below which covariances are used as claimed, nats.
 const LEAST_EVIDENCE: f64 = 10.0;
