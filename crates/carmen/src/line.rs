@@ -40,8 +40,8 @@ pub(crate) enum Message {
     Scan(Box<Scan>),
     /// Where the robot truly was: microseconds and pose.
     Truth(i64, SE2),
-    /// A scan without odometry.
-    Bare,
+    /// A scan without odometry, or of a second scanner.
+    Unused,
     /// Any other.
     Other,
 }
@@ -80,7 +80,7 @@ pub(crate) fn parse(line: usize, text: &str, field_of_view: f64, max_range: f64)
             let [x, y, theta, _, _, _] = fields.numbers("the poses")?;
             Ok(Message::Truth(fields.time()?, SE2::new(x, y, theta)))
         }
-        Some("RAWLASER1" | "RLASER" | "ROBOTLASER2") => Ok(Message::Bare),
+        Some("RAWLASER1" | "RLASER" | "ROBOTLASER2") => Ok(Message::Unused),
         _ => Ok(Message::Other),
     }
 }

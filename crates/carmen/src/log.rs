@@ -44,6 +44,8 @@ pub struct Repairs {
     pub out_of_order: usize,
     /// Scans with another number of beams than the first one.
     pub other_beams: usize,
+    /// Scans without odometry, and of a second scanner.
+    pub unused_scans: usize,
     /// Ranges that are no distances: NaN, infinite, negative.
     pub meaningless_ranges: usize,
     /// Scans without any return.
@@ -72,7 +74,7 @@ impl Log {
             let message = line::parse(line, &text, options.field_of_view, options.max_range)
                 .map_err(|problem| refused(problem, DOWNLOAD))?;
             reading
-                .add(message)
+                .add(line, message)
                 .map_err(|problem| refused(problem, "cut the log here and read its parts"))?;
         }
         reading.finish(place)
@@ -86,15 +88,21 @@ struct Reading {
     log: Log,
     lasers: Vec<SE2>,
     beams: Option<usize>,
-    bare: usize,
+    /// The line and the beams of the first scan with another number of beams.
+    first_other: Option<(usize, usize)>,
+    /// The line of the first scan that is not used.
+    first_unused: Option<usize>,
 }
 
 impl Reading {
-    fn add(&mut self, message: Message) -> Result<(), String> {
+    fn add(&mut self, line: usize, message: Message) -> Result<(), String> {
         match message {
             Message::Scan(scan) => self.add_scan(*scan)?,
             Message::Truth(time, pose) => self.log.truth.push((time, pose)),
-            Message::Bare => self.bare += 1,
+            Message::Unused => {
+                self.first_unused.get_or_insert(line);
+                self.log.repairs.unused_scans += 1;
+            }
             Message::Other => {}
         }
         Ok(())
@@ -117,6 +125,7 @@ impl Reading {
         }
         if *self.beams.get_or_insert(scan.ranges.len()) != scan.ranges.len() {
             repairs.other_beams += 1;
+            self.first_other.get_or_insert((scan.line, scan.ranges.len()));
             return Ok(());
         }
         let mut ranges = scan.ranges;
@@ -141,10 +150,18 @@ impl Reading {
         let refused = |problem: String, remedy: &str| {
             Err(LogError::Log { place: place.to_owned(), problem, remedy: remedy.to_owned() })
         };
+        let at = |line: usize, problem: String, remedy: &'static str| {
+            Err(LogError::Line { place: place.to_owned(), line, problem, remedy })
+        };
         let (read, repairs) = (self.log.scans.len(), self.log.repairs);
-        if read == 0 && self.bare > 0 {
-            let problem = format!("it has {} scans of kinds without odometry and none with it", self.bare);
-            return refused(problem, "use the log of a robot that wrote FLASER or ROBOTLASER1 lines");
+        if read == 0
+            && let Some(line) = self.first_unused
+        {
+            let problem = format!(
+                "this scan, the first of {}, has no odometry or is of a second scanner, and so are all others",
+                repairs.unused_scans
+            );
+            return at(line, problem, "use the log of a robot that wrote FLASER or ROBOTLASER1 lines");
         }
         if read == 0 {
             return refused(
@@ -153,13 +170,15 @@ impl Reading {
             );
         }
         let all = read + repairs.other_beams;
-        if repairs.other_beams * MOST_LEFT_OUT > all {
+        if let Some((line, beams)) = self.first_other
+            && repairs.other_beams * MOST_LEFT_OUT > all
+        {
             let problem = format!(
-                "{} of {all} scans have another number of beams than the first one, which has {}",
-                repairs.other_beams,
-                self.beams.unwrap_or(0)
+                "this scan has {beams} beams, but the first one of the log has {}; {} of {all} scans have another number than the first",
+                self.beams.unwrap_or(0),
+                repairs.other_beams
             );
-            return refused(problem, "split the log where this begins");
+            return at(line, problem, "split the log here");
         }
         if repairs.empty_scans == read {
             let problem = format!("none of its {read} scans has a return");

@@ -1,11 +1,9 @@
 //! The pose graph of a log.
 
-use std::io::Write;
-
 use posecut_geometry::covariance::pack_upper_triangle;
 use posecut_geometry::{LieGroup, SE2};
 use posecut_graph::{Dimension, Edge, EdgeKind, Header, Node, NodeTruth, PoseGraph};
-use posecut_scan::LaserScan;
+use posecut_scan::{LaserScan, put_into_graph};
 use serde::Serialize;
 
 use crate::keyframes::keyframes;
@@ -100,19 +98,13 @@ impl Session {
     }
 
     /// Puts the scans into the graph, as records after its edges.
+    ///
+    /// # Errors
+    ///
+    /// A scan cannot be written as JSON.
     pub fn put_scans_into_graph(&mut self) -> serde_json::Result<()> {
-        for (node, scan) in self.graph.nodes.iter().zip(&self.scans) {
-            self.graph.unknown.push(scan.record(node.id)?);
-        }
-        Ok(())
-    }
-
-    /// Writes the records of the scans, one a line.
-    pub fn write_scans(&self, writer: &mut dyn Write) -> std::io::Result<()> {
-        for (node, scan) in self.graph.nodes.iter().zip(&self.scans) {
-            writeln!(writer, "{}", scan.record(node.id)?)?;
-        }
-        Ok(())
+        let nodes: Vec<u64> = self.graph.nodes.iter().map(|node| node.id).collect();
+        put_into_graph(nodes.into_iter().zip(&self.scans), &mut self.graph)
     }
 }
 

@@ -4,7 +4,7 @@ use std::io::Write as _;
 
 use posecut_carmen::{Log, LogOptions, Session, expanded, looks_like_log, trajectory, write_trajectory};
 use posecut_graph::PoseGraph;
-use posecut_scan::Scans;
+use posecut_scan::{Scans, write_records};
 
 /// A line with a scan of these ranges at a position along x, at a time in seconds.
 fn flaser(ranges: &str, x: f64, time: f64) -> String {
@@ -52,7 +52,8 @@ fn a_drive_becomes_keyframes_with_odometry_and_scans() {
     assert!((scans.at(3).unwrap().angle_step - std::f64::consts::FRAC_PI_4).abs() < 1e-12);
 
     let mut sidecar = Vec::new();
-    session.write_scans(&mut sidecar).unwrap();
+    let nodes = session.graph.nodes.iter().map(|node| node.id);
+    write_records(nodes.zip(&session.scans), &mut sidecar).unwrap();
     assert_eq!(Scans::read("sidecar", &sidecar[..]).unwrap(), scans);
 }
 
@@ -152,7 +153,14 @@ fn scans_slightly_out_of_order_are_kept_and_a_set_clock_is_refused() {
 #[test]
 fn scans_without_odometry_are_refused() {
     let said = read("RAWLASER1 0 -1 3 0.5 20 0.01 0 1 1.0 0 5.0 host 0.5\n").unwrap_err();
-    assert!(said.starts_with("a.log: it has 1 scans of kinds without odometry and none with it;"), "{said}");
+    assert!(
+        said.starts_with(
+            "a.log, line 1: this scan, the first of 1, has no odometry or is of a second scanner"
+        ),
+        "{said}"
+    );
+    let log = read(&(drive() + "RAWLASER1 0 -1 3 0.5 20 0.01 0 1 1.0 0 5.0 host 0.5\n")).unwrap();
+    assert_eq!((log.repairs.unused_scans, log.scans.len()), (1, 4));
     let said = read("ODOM 0 0 0 0 0 0 1 host 1\n").unwrap_err();
     assert!(said.starts_with("a.log: it has no scans; name a CARMEN log"), "{said}");
     let still = [0.0, 1.0, 2.0].map(|time| flaser("1 2", 0.0, time)).concat();
@@ -170,7 +178,9 @@ fn another_number_of_beams_is_left_out_and_many_are_refused() {
     assert_eq!((log.repairs.other_beams, log.scans.len()), (1, 14));
     let said = read(&(drive() + &flaser("1 2 3", 3.0, 40.0))).unwrap_err();
     assert!(
-        said.contains("1 of 5 scans have another number of beams than the first one, which has 4"),
+        said.starts_with(
+            "a.log, line 11: this scan has 3 beams, but the first one of the log has 4; 1 of 5 scans"
+        ),
         "{said}"
     );
 }

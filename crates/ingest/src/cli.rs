@@ -1,6 +1,7 @@
 //! The command line of `posecut-ingest`: builds the pose graph of a session from NCLT's files or from a CARMEN log.
 
 mod log;
+mod scans;
 mod sensors;
 
 use std::path::PathBuf;

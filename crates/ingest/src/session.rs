@@ -219,8 +219,8 @@ impl SessionFiles {
         let broken = |error: std::io::Error| {
             IngestError::session(
                 &path.display().to_string(),
-                format!("it is not a valid tar.gz archive ({error})"),
-                "download it again with scripts/fetch-nclt.sh, which checks it",
+                format!("it is neither a CARMEN log nor a whole tar.gz archive ({error})"),
+                "name a log whose first line is a message, or download the archive again with scripts/fetch-nclt.sh, which checks it",
             )
         };
         let expanded = Expansion::new(BufReader::new(file), MultiGzDecoder::new);

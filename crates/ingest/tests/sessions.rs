@@ -186,7 +186,11 @@ fn an_archive_gives_the_same_graph_as_its_directory() {
     let whole = fs::read(&archive).unwrap();
     fs::write(&archive, &whole[..whole.len() / 2]).unwrap();
     let error = run(&archive, &options()).err().unwrap().to_string();
-    assert!(error.contains("not a valid tar.gz archive") && error.contains("download it again"), "{error}");
+    assert!(
+        error.contains("neither a CARMEN log nor a whole tar.gz archive")
+            && error.contains("download the archive again"),
+        "{error}"
+    );
 }
 
 #[test]

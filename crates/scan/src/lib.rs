@@ -14,11 +14,13 @@
 mod collection;
 mod error;
 mod laser;
+mod records;
 mod wall;
 
 pub use collection::Scans;
 pub use error::ScanError;
 pub use laser::LaserScan;
+pub use records::{put_into_graph, write_records};
 pub use wall::{Wall, distance_to_wall};
 
 /// The value of `"kind"` in the records of this crate.

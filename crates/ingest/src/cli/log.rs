@@ -3,7 +3,7 @@
 use std::io::Read as _;
 use std::path::Path;
 
-use anyhow::{Context as _, bail};
+use anyhow::bail;
 use posecut_carmen::{
     Log, LogError, LogOptions, Session, Summary, expanded, looks_like_log, session_name, trajectory,
     write_trajectory,
@@ -13,10 +13,8 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::Command;
+use super::scans::{self, SCANS};
 use crate::Options;
-
-/// The option that names the file of the scans.
-pub(super) const SCANS: &str = "--scans";
 
 /// The option that names the file of the poses at all scans.
 const TRAJECTORY: &str = "--trajectory";
@@ -72,11 +70,10 @@ pub(super) fn run(command: &Command, context: &mut Context) -> anyhow::Result<Ou
         let poses = trajectory(&log, &session, &command.log);
         write_atomically(path, |writer| Ok(write_trajectory(&poses, writer)?))?;
     }
-    match &command.scans {
-        Some(path) => write_atomically(path, |writer| Ok(session.write_scans(writer)?))?,
-        None => session.put_scans_into_graph().context("a scan cannot be written as JSON")?,
-    }
-    context.write_graph(&session.graph)?;
+    let Session { mut graph, scans, .. } = session;
+    let nodes: Vec<u64> = graph.nodes.iter().map(|node| node.id).collect();
+    scans::write(command.scans.as_deref(), nodes.into_iter().zip(&scans), &mut graph)?;
+    context.write_graph(&graph)?;
     Ok(Outcome::Done)
 }
 
@@ -111,6 +108,11 @@ fn warn_of_repairs(place: &str, log: &Log) {
     }
     for (count, what, why) in [
         (repairs.other_beams, "scan", "another number of beams than the first one"),
+        (
+            repairs.unused_scans,
+            "scan",
+            "without odometry, or of a second scanner: RAWLASER1, RLASER, ROBOTLASER2",
+        ),
         (repairs.meaningless_ranges, "range", "NaN, infinite or negative: taken as no return"),
     ] {
         if count > 0 {

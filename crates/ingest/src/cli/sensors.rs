@@ -1,10 +1,10 @@
 //! Laser scans of NCLT sessions: where they are written.
 
-use anyhow::{Context as _, bail};
-use posecut_stage::{Context, counted, info, write_atomically};
+use anyhow::bail;
+use posecut_stage::{Context, counted, info};
 
 use super::Command;
-use super::log::SCANS;
+use super::scans::{self, SCANS};
 use crate::{FileKind, Ingested, SessionFiles};
 
 /// Refuses a file for scans that the session does not have, or that would replace another file.
@@ -36,20 +36,10 @@ pub(super) fn write(command: &Command, ingested: &mut Ingested, context: &mut Co
     statistics.note("scans_out_of_order", laser.out_of_order);
     statistics.note("keyframes_without_scan", laser.keyframes_without);
     statistics.note("empty_scans", laser.empty);
-    let records: Vec<String> = laser
-        .scans
-        .iter()
-        .map(|(node, scan)| scan.record(*node))
-        .collect::<Result<_, _>>()
-        .context("a scan cannot be written as JSON")?;
-    match &command.scans {
-        Some(path) => {
-            context.check_further_output(SCANS, path)?;
-            write_atomically(path, |writer| {
-                Ok(records.iter().try_for_each(|record| writeln!(writer, "{record}"))?)
-            })?;
-        }
-        None => ingested.graph.unknown.extend(records),
+    if let Some(path) = &command.scans {
+        // Once more, now that the files of the session have been read.
+        context.check_further_output(SCANS, path)?;
     }
-    Ok(())
+    let scans = laser.scans.iter().map(|(node, scan)| (*node, scan));
+    scans::write(command.scans.as_deref(), scans, &mut ingested.graph)
 }
