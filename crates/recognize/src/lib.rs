@@ -1,6 +1,6 @@
 //! Landmark edges from sensor data: which keyframes see the same place, and where one is in the frame of the other.
 //!
-//! - [`places`]: keyframes are described by a polar context of their surroundings ([`polar_context`]) and looked up in a k-d tree.
+//! - [`places`]: keyframes are described by a polar context of their surroundings ([`polar_context`]) and looked up by its key ([`keys`]).
 //! - [`scan_context`], [`spatial`], [`velodyne`]: the same of three-dimensional scans.
 //! - [`appearance`]: the probability that two keyframes see one place, by words ([`Words`], [`vocabulary`], [`chow_liu`]).
 //! - [`measure`]: scan matching without a start, and how far both agree about what they saw.
@@ -14,6 +14,7 @@ pub mod chow_liu;
 pub mod cli;
 pub mod columns;
 pub mod hypotheses;
+pub mod keys;
 pub mod measure;
 pub mod places;
 pub mod polar_context;

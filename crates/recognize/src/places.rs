@@ -2,17 +2,17 @@
 
 use std::num::NonZero;
 
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
 
 use crate::columns::{Columns, heading};
-use crate::polar_context::{KEY, PolarContext};
+use crate::keys::{Key, Keys};
+use crate::polar_context::PolarContext;
 use crate::{Routes, Submaps};
 
 /// A descriptor of a place: columns by sector, which another heading shifts, and a key that it leaves as it is.
 pub trait Context: Sync {
     /// The key. O(cells).
-    fn key(&self) -> [f64; KEY];
+    fn key(&self) -> Key;
 
     /// The columns.
     fn columns(&self) -> &Columns;
@@ -28,10 +28,9 @@ pub struct Places<C = PolarContext> {
     /// Keyframes with a context.
     nodes: Vec<usize>,
     contexts: Vec<C>,
-    keys: Vec<[f64; KEY]>,
+    keys: Keys,
     /// Keyframes that are less alike are not proposed.
     pub(crate) least_similarity: f64,
-    index: ImmutableKdTree<f64, KEY>,
 }
 
 /// A keyframe that looks like another.
@@ -65,9 +64,8 @@ impl Places<PolarContext> {
 impl<C: Context> Places<C> {
     /// Indexes keyframes, ascending, by their contexts. O(keyframes log keyframes).
     pub fn of_contexts(nodes: Vec<usize>, contexts: Vec<C>) -> Self {
-        let keys: Vec<[f64; KEY]> = contexts.iter().map(C::key).collect();
-        let index = ImmutableKdTree::new_from_slice(&keys);
-        Self { nodes, contexts, keys, least_similarity: 0.0, index }
+        let keys = Keys::new(contexts.iter().map(C::key).collect());
+        Self { nodes, contexts, keys, least_similarity: 0.0 }
     }
 
     /// The keyframes whose keys are nearest to that of the one at a position, at most `most`, without those within `apart` metres of
@@ -76,15 +74,9 @@ impl<C: Context> Places<C> {
         let here = self.nodes[position];
         let beside = routes.within(here, apart).len();
         let Some(count) = NonZero::new(most + beside) else { return Vec::new() };
-        let mut found: Vec<(f64, usize)> = self
-            .index
-            .nearest_n::<SquaredEuclidean>(&self.keys[position], count)
-            .into_iter()
-            .map(|neighbour| (neighbour.distance, neighbour.item as usize))
-            .filter(|(_, other)| routes.path_length(here, self.nodes[*other]) > apart)
-            .collect();
-        found.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
-        found.into_iter().take(most).map(|(_, other)| other).collect()
+        let elsewhere = |other: &usize| routes.path_length(here, self.nodes[*other]) > apart;
+        let nearest = self.keys.nearest(position, count).into_iter();
+        nearest.map(|(_, other)| other).filter(elsewhere).take(most).collect()
     }
 
     /// The position of a keyframe among those with a context.

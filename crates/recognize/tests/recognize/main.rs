@@ -4,6 +4,7 @@
 
 mod appearance;
 mod hypotheses;
+mod keys;
 mod logs;
 mod nclt;
 mod places;

@@ -1,4 +1,4 @@
-//! Contexts turn with the heading, and the index finds what a search of all would find.
+//! Contexts turn with the heading.
 
 use std::f64::consts::TAU;
 
