@@ -8,8 +8,9 @@ use posecut_scan::LaserScan;
 
 use crate::segments::surfels;
 
-/// By what part of a side the borders of squares are moved: the golden section of one, which no simple fraction comes near.
-const OFFSET: f64 = 0.381_966_011_250_105;
+/// By what part of a cell the borders of cells are moved where scanners report whole units: the golden section of one, which no simple
+/// fraction comes near.
+pub const OFF_GRID: f64 = 0.381_966_011_250_105;
 
 /// Points of walls in one frame, with the normals of the walls.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -56,12 +57,12 @@ impl Cloud {
     /// squares. O(n log n).
     ///
     /// Scanners report ranges in whole centimetres or millimetres. So that the choice does not hang on the last bit of a pose, the squares'
-    /// borders lie off such numbers by `OFFSET`, and ranges are compared in whole millimetres.
+    /// borders lie off such numbers by [`OFF_GRID`], and ranges are compared in whole millimetres.
     #[must_use]
     pub fn thinned(&self, side: f64) -> Self {
         let mut kept: BTreeMap<(i64, i64, u8), usize> = BTreeMap::new();
         for index in 0..self.len() {
-            let square = |value: f64| (value / side + OFFSET).floor() as i64;
+            let square = |value: f64| (value / side + OFF_GRID).floor() as i64;
             let key =
                 (square(self.points[index].x), square(self.points[index].y), facing(self.normals[index]));
             kept.entry(key)

@@ -19,7 +19,7 @@ mod segments;
 mod sight;
 
 pub use agreement::{Agreement, agreement};
-pub use cloud::Cloud;
+pub use cloud::{Cloud, OFF_GRID};
 pub use correlative::{Found, Window};
 pub use field::Field;
 pub use icp::{Alignment, IcpOptions, align, robust_deviation};

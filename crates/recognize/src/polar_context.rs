@@ -8,7 +8,7 @@
 use std::f64::consts::TAU;
 
 use nalgebra::Vector2;
-use posecut_matching::Cloud;
+use posecut_matching::{Cloud, OFF_GRID};
 
 use crate::columns::Columns;
 use crate::places::Context;
@@ -26,10 +26,9 @@ const MAGNITUDES: usize = 3;
 pub const KEY: usize = KEY_RINGS * MAGNITUDES;
 
 /// Scanners report ranges in whole centimetres or millimetres, in directions of whole parts of a degree. The borders of cells lie off such
-/// numbers, so that the last bit of a pose moves no point to another cell: those of rings by this much, metres,
+/// numbers, so that the last bit of a pose moves no point to another cell: those of rings by this much, metres, and those of sectors by
+/// [`OFF_GRID`] of a sector. Only differences of headings matter, so that every part would do.
 const OFF_MILLIMETRES: f64 = 0.000_4;
-/// and those of sectors by this part of a sector. Only differences of headings matter, so that every part would do.
-const OFF_BEAMS: f64 = 0.381_966_011_250_105;
 
 /// The context of a place.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,6 +80,6 @@ impl Context for PolarContext {
 }
 
 fn sector(point: &Vector2<f64>) -> usize {
-    let turns = (point.y.atan2(point.x) / TAU + OFF_BEAMS / SECTORS as f64).rem_euclid(1.0);
+    let turns = (point.y.atan2(point.x) / TAU + OFF_GRID / SECTORS as f64).rem_euclid(1.0);
     ((turns * SECTORS as f64) as usize).min(SECTORS - 1)
 }

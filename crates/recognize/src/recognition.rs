@@ -54,6 +54,8 @@ pub struct Recognition {
     pub unmatched: usize,
     /// Those that were dropped because too little agrees.
     pub disagreeing: usize,
+    /// Those that were dropped because their probability is too low.
+    pub improbable: usize,
 }
 
 /// Keyframes that are looked up for each.
@@ -140,6 +142,9 @@ fn recognize_places<C: Context>(
         let measured = measure_all(submaps, &proposals, settings);
         keep(routes, proposals, measured, settings, &mut found);
     }
+    let before = found.candidates.len();
+    found.candidates.retain(|candidate| candidate.probability() >= settings.least_score);
+    found.improbable = before - found.candidates.len();
     found
 }
 

@@ -25,19 +25,19 @@ pub const MOST_RINGS: usize = crate::polar_context::KEY;
 #[cfg_attr(feature = "cli", group(skip))]
 pub struct ContextOptions {
     /// Divide the plane around a keyframe into this many rings
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = ContextOptions::DEFAULT.context_rings, help_heading = "Scan Context"))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = ContextOptions::DEFAULT.context_rings, requires = "velodyne", help_heading = "Scan Context"))]
     pub context_rings: usize,
 
     /// Divide each ring into this many sectors
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = ContextOptions::DEFAULT.context_sectors, help_heading = "Scan Context"))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = ContextOptions::DEFAULT.context_sectors, requires = "velodyne", help_heading = "Scan Context"))]
     pub context_sectors: usize,
 
     /// Describe points up to this horizontal distance from the keyframe, metres
-    #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", default_value_t = ContextOptions::DEFAULT.context_radius, help_heading = "Scan Context"))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", default_value_t = ContextOptions::DEFAULT.context_radius, requires = "velodyne", help_heading = "Scan Context"))]
     pub context_radius: f64,
 
     /// Propose only keyframes whose contexts have at most this distance, 0 to 1; lower values give fewer candidates, and fewer wrong ones
-    #[cfg_attr(feature = "cli", arg(long, value_name = "DISTANCE", default_value_t = ContextOptions::DEFAULT.context_distance, help_heading = "Scan Context"))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DISTANCE", default_value_t = ContextOptions::DEFAULT.context_distance, requires = "velodyne", help_heading = "Scan Context"))]
     pub context_distance: f64,
 }
 

@@ -15,7 +15,7 @@ pub struct Settings {
     pub submap_length: f64,
 
     /// Describe walls up to this distance from the keyframe, metres
-    #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", default_value_t = Settings::DEFAULT.radius, help_heading = "Places"))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", default_value_t = Settings::DEFAULT.radius, conflicts_with = "velodyne", help_heading = "Places"))]
     pub radius: f64,
 
     /// Propose no two keyframes within this path length of each other, metres
@@ -30,8 +30,12 @@ pub struct Settings {
     #[cfg_attr(feature = "cli", arg(long, value_name = "SHARE", default_value_t = Settings::DEFAULT.least_agreement, help_heading = "Candidates"))]
     pub least_agreement: f64,
 
+    /// Keep a candidate if its score, the probability that it is correct, is at least this, 0 to 1; higher values give fewer candidates, and fewer wrong ones
+    #[cfg_attr(feature = "cli", arg(long, value_name = "P", default_value_t = Settings::DEFAULT.least_score, help_heading = "Candidates"))]
+    pub least_score: f64,
+
     /// Set the number of different words that are learnt from the scans
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Settings::DEFAULT.vocabulary, help_heading = "Probability"))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Settings::DEFAULT.vocabulary, conflicts_with = "words", help_heading = "Probability"))]
     pub vocabulary: usize,
 
     /// Set the probability that a keyframe sees a place that no other keyframe saw
@@ -47,7 +51,7 @@ pub struct Settings {
     pub imagined: f64,
 
     /// Set the seed of the vocabulary
-    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Settings::DEFAULT.seed, help_heading = "Probability"))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = Settings::DEFAULT.seed, conflicts_with = "words", help_heading = "Probability"))]
     pub seed: u64,
 
     /// How three-dimensional scans are described.
@@ -64,6 +68,7 @@ impl Settings {
         exclusion_length: 15.0,
         candidates: 4,
         least_agreement: 0.6,
+        least_score: 0.0,
         vocabulary: 400,
         new_place: 0.5,
         seen: 0.4,
@@ -96,6 +101,7 @@ impl Settings {
         );
         for (option, value) in [
             ("--least-agreement", self.least_agreement),
+            ("--least-score", self.least_score),
             ("--new-place", self.new_place),
             ("--seen", self.seen),
             ("--imagined", self.imagined),

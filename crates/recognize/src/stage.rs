@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use anyhow::bail;
 use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::pack_upper_triangle;
-use posecut_graph::{Dimension, Edge, EdgeKind, PoseGraph};
+use posecut_graph::{Dimension, Edge, EdgeKind, InputDigest, PoseGraph};
 use posecut_scan::Scans;
-use posecut_stage::{Context, Doubt, Examples, GraphStage, Phase, Place, Source, counted, info};
+use posecut_stage::{Context, Doubt, Examples, GraphStage, Phase, Place, Source, counted, digest, info};
 use serde::Serialize;
 
 use crate::recognition::{Candidate, Recognition, recognize, recognize_in_space};
 use crate::scan_context::ScanContext;
-use crate::velodyne::read_folders;
+use crate::velodyne::{Spatial, read_folders};
 use crate::{Settings, Words};
 
 /// The options of the program.
@@ -74,7 +74,7 @@ impl GraphStage for Options {
         }
         let file = self.scans.as_ref().map(|source| context.read_bytes(source, "scans")).transpose()?;
         let mut scans = Scans::of_file_or_graph(file.as_ref(), graph)?;
-        let contexts = self.contexts(graph, &mut scans)?;
+        let contexts = self.contexts(graph, &mut scans, context)?;
         let words = match &self.words {
             Some(source) => {
                 let (file, bytes) = context.read_bytes(source, "words")?;
@@ -103,11 +103,15 @@ impl Options {
         &self,
         graph: &PoseGraph,
         scans: &mut Scans,
+        context: &mut Context,
     ) -> anyhow::Result<Option<Vec<Option<ScanContext>>>> {
         if self.velodyne.is_empty() {
             return Ok(None);
         }
-        let spatial = read_folders(&self.velodyne, graph, &self.settings.context)?;
+        let Spatial { scans: spatial, digests } =
+            read_folders(&self.velodyne, graph, &self.settings.context, digest)?;
+        let sha256 = digest(digests.as_bytes());
+        context.inputs.push(InputDigest { name: "velodyne".to_owned(), sha256 });
         info!(
             "{} at {}",
             counted(spatial.iter().flatten().count(), "three-dimensional scan"),
@@ -124,22 +128,27 @@ impl Options {
 
 fn report(found: &Recognition, keyframes: usize, scans: usize, context: &mut Context) {
     info!(
-        "{} from {keyframes} keyframes: {} proposed, {} without a match, {} with too little agreement",
+        "{} from {keyframes} keyframes: {} proposed, {} without a match, {} with too little agreement{}",
         counted(found.candidates.len(), "landmark edge"),
         found.proposed,
         found.unmatched,
-        found.disagreeing
+        found.disagreeing,
+        match found.improbable {
+            0 => String::new(),
+            improbable => format!(", {improbable} with too low a score"),
+        }
     );
     let statistics = &mut context.statistics;
     statistics.note("scans", scans);
     statistics.note("proposed", found.proposed);
     statistics.note("unmatched", found.unmatched);
     statistics.note("disagreeing", found.disagreeing);
+    statistics.note("improbable", found.improbable);
     statistics.note("landmark_edges", found.candidates.len());
     if found.proposed > 0 && found.candidates.is_empty() {
         context.doubt(
             Doubt::NothingKept,
-            "no candidate was kept; lower --least-agreement, or check the scans and the odometry",
+            "no candidate was kept; lower --least-agreement or --least-score, or check the scans and the odometry",
         );
     }
 }

@@ -1,5 +1,6 @@
 //! The files of NCLT's `velodyne_sync` that belong to the keyframes of a graph.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -16,8 +17,16 @@ use crate::spatial::SpatialScan;
 /// and so at keyframes timed by them.
 const WITHIN: u64 = 50_000;
 
-/// The scans of the keyframes of a graph, by the position of the node; `None` for keyframes without a file. Files are read one by one and
-/// reduced at once. O(hits log hits).
+/// The scans of a graph.
+pub struct Spatial {
+    /// By the position of the node; `None` for keyframes without a file.
+    pub scans: Vec<Option<SpatialScan>>,
+    /// A line `DIGEST  NAME` for each file that was read, by name: what `sha256sum` prints of them, if the digest is that.
+    pub digests: String,
+}
+
+/// The scans of the keyframes of a graph. Files are read one by one and reduced at once; `digest` gives that of a file's content.
+/// O(hits log hits).
 ///
 /// # Errors
 ///
@@ -26,33 +35,45 @@ pub fn read_folders(
     folders: &[PathBuf],
     graph: &PoseGraph,
     options: &ContextOptions,
-) -> anyhow::Result<Vec<Option<SpatialScan>>> {
+    digest: impl Fn(&[u8]) -> String + Sync,
+) -> anyhow::Result<Spatial> {
     let mut files: Vec<(i64, PathBuf)> = Vec::new();
     for folder in folders {
         files.extend(files_of(folder)?);
     }
     files.sort();
     // All results before the first error, so that it is the same one at any number of threads.
-    let scans: Vec<anyhow::Result<Option<SpatialScan>>> = graph
+    let read: Vec<anyhow::Result<Option<(usize, String, SpatialScan)>>> = graph
         .nodes
         .par_iter()
         .map(|node| {
             let at = node.utime.and_then(|time| nearest(&files, time, WITHIN));
-            let Some((_, path)) = at.map(|index| &files[index]) else { return Ok(None) };
+            let Some(index) = at else { return Ok(None) };
+            let path = &files[index].1;
             let place = path.display().to_string();
             let bytes = fs::read(path).with_context(|| format!("{place}: cannot be read"))?;
-            Ok(Some(SpatialScan::new(&read_hits(&place, &bytes)?, options)))
+            Ok(Some((index, digest(&bytes), SpatialScan::new(&read_hits(&place, &bytes)?, options))))
         })
         .collect();
-    let scans: Vec<Option<SpatialScan>> = scans.into_iter().collect::<anyhow::Result<_>>()?;
+    let (mut scans, mut digests) = (Vec::with_capacity(read.len()), BTreeMap::new());
+    for scan in read {
+        scans.push(scan?.map(|(index, digest, scan)| {
+            digests.insert(index, digest);
+            scan
+        }));
+    }
     ensure!(
-        scans.iter().any(Option::is_some),
+        !digests.is_empty(),
         "none of the {} scans in {} is within 0.05 s of one of the {} keyframes; name the folder of the graph's session",
         files.len(),
         folders.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>().join(" and "),
         graph.nodes.len()
     );
-    Ok(scans)
+    let line = |(index, digest): (usize, String)| {
+        let name = files[index].1.file_name().map(|name| name.to_string_lossy().into_owned());
+        format!("{digest}  {}\n", name.unwrap_or_default())
+    };
+    Ok(Spatial { scans, digests: digests.into_iter().map(line).collect() })
 }
 
 /// The files of a folder that are named by a time.

@@ -1,6 +1,7 @@
 //! Scan Context: laws of the descriptor, and a simulated session with three-dimensional scans.
 
 use std::f64::consts::TAU;
+use std::fs;
 
 use nalgebra::Vector3;
 use posecut_nclt_sensors::velodyne::Hit;
@@ -9,7 +10,7 @@ use posecut_recognize::places::Context as _;
 use posecut_recognize::recognition::recognize_in_space;
 use posecut_recognize::scan_context::{ContextOptions, ScanContext};
 use posecut_recognize::spatial::slice;
-use posecut_recognize::velodyne::read_folders;
+use posecut_recognize::velodyne::{Spatial, read_folders};
 use posecut_scan::Scans;
 use proptest::prelude::*;
 
@@ -81,7 +82,13 @@ fn three_dimensional_scans_recognise_the_way_back() {
     let graph = graph(&folder);
     assert!(graph.unknown.is_empty());
     let folders = [folder.path().join("2012-01-22/velodyne_sync")];
-    let spatial = read_folders(&folders, &graph, &OPTIONS).unwrap();
+    let Spatial { scans: spatial, digests } =
+        read_folders(&folders, &graph, &OPTIONS, |bytes| bytes.len().to_string()).unwrap();
+    assert_eq!(digests.lines().count(), spatial.iter().flatten().count(), "one file a keyframe");
+    let first = fs::read_dir(&folders[0]).unwrap().map(|entry| entry.unwrap().path()).min().unwrap();
+    let expected =
+        format!("{}  {}", fs::metadata(&first).unwrap().len(), first.file_name().unwrap().display());
+    assert_eq!(digests.lines().next(), Some(expected.as_str()));
     let slices = graph.nodes.iter().zip(&spatial);
     let scans: Scans =
         slices.filter_map(|(node, scan)| Some((node.id, scan.as_ref()?.slice.clone()))).collect();
@@ -104,8 +111,9 @@ fn folders_of_other_sessions_are_refused() {
         node.utime = node.utime.map(|time| time + 1_000_000_000_000);
     }
     let path = folder.path().join("2012-01-22/velodyne_sync");
-    let said = read_folders(&[path], &graph, &OPTIONS).unwrap_err().to_string();
+    let none = |_: &[u8]| String::new();
+    let said = read_folders(&[path], &graph, &OPTIONS, none).err().unwrap().to_string();
     assert!(said.starts_with("none of the ") && said.contains("is within 0.05 s"), "{said}");
-    let said = read_folders(&[folder.path().to_owned()], &graph, &OPTIONS).unwrap_err().to_string();
+    let said = read_folders(&[folder.path().to_owned()], &graph, &OPTIONS, none).err().unwrap().to_string();
     assert!(said.contains("has no file UTIME.bin"), "{said}");
 }
