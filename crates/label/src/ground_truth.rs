@@ -4,11 +4,13 @@
 //! `E = Z^-1 (X_i^-1 X_j)` moves by less than one tolerance and turns by less than another.
 
 mod chain;
+mod relations;
 mod track;
 
 use std::collections::HashMap;
 
-use anyhow::bail;
+use anyhow::{Context as _, bail};
+use posecut_evaluate::relations::{Relation, RelationErrors, Track};
 use posecut_geometry::{LieGroup as _, SE3};
 use posecut_graph::{Dimension, EdgeKind, NodeTruth, PoseGraph};
 use serde::Serialize;
@@ -100,6 +102,19 @@ impl GroundTruth {
             .filter_map(|(node, time)| Some((node, track.at(time, longest_silence)?.to_spatial())))
             .collect();
         Ok(Self { source: file.to_owned(), poses })
+    }
+
+    /// The map that measured relations, whose file is named for messages, make of the odometry of a graph, and how far it is from them.
+    /// `track` has the poses of the log at every scan. No landmark edge has a part in it.
+    pub fn of_relations(
+        name: &str,
+        graph: &PoseGraph,
+        relations: &[Relation],
+        track: &Track,
+    ) -> anyhow::Result<(Self, RelationErrors)> {
+        let (poses, errors) = relations::poses(graph, relations, track).with_context(|| name.to_owned())?;
+        let poses = graph.nodes.iter().map(|node| node.id).zip(poses).collect();
+        Ok((Self { source: name.to_owned(), poses }, errors))
     }
 
     /// The ground truth of another graph of this dimension: its truth, else its poses, else poses composed along its

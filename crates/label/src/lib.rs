@@ -64,7 +64,7 @@ pub fn check_labels(graph: &PoseGraph) -> anyhow::Result<()> {
     let mut unknown = graph.edges_of(EdgeKind::Landmark).filter(|edge| edge.truth_correct().is_none());
     if let Some(first) = unknown.next() {
         bail!(
-            "there is no label \"truth\":{{\"correct\":…}} on {} of {} landmark edges (first: {}); name a source of labels: --labels, --correct-pairs, --all-correct, --ground-truth or --vertices",
+            "there is no label \"truth\":{{\"correct\":…}} on {} of {} landmark edges (first: {}); name a source of labels: --labels, --correct-pairs, --all-correct, --ground-truth, --relations or --vertices",
             1 + unknown.count(),
             graph.edges_of(EdgeKind::Landmark).count(),
             described(first)

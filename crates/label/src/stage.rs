@@ -1,8 +1,10 @@
 //! Labelling as a stage: reads the source of labels that the options name.
 
 use anyhow::Context as _;
+use posecut_evaluate::relations::{RelationErrors, Track, relations};
+use posecut_evaluate::summary::Summary;
 use posecut_graph::{EdgeKind, PoseGraph};
-use posecut_stage::{Context, Examples, GraphStage, Phase, Place, Source, info};
+use posecut_stage::{Context, Examples, GraphStage, Phase, Place, Source, counted, info};
 use serde::Serialize;
 
 use crate::ground_truth::{self, Comparison, GroundTruth};
@@ -41,6 +43,17 @@ pub struct Options {
     #[serde(skip)]
     pub ground_truth: Option<Source>,
 
+    /// Compare edges with the map that the measured relations in this file make of the odometry: lines `t1 t2 x y z roll pitch yaw`
+    #[arg(
+        long,
+        value_name = "FILE",
+        group = "source",
+        requires = "trajectory",
+        help_heading = "Source of labels"
+    )]
+    #[serde(skip)]
+    pub relations: Option<Source>,
+
     /// Compare edges with the poses of the nodes, and move these poses to the ground truth
     #[arg(long, group = "source", help_heading = "Source of labels")]
     pub vertices: bool,
@@ -49,6 +62,11 @@ pub struct Options {
     #[arg(long, value_name = "FILE", requires = "ground_truth", help_heading = "Ground truth")]
     #[serde(skip)]
     pub times: Option<Source>,
+
+    /// Read the poses of the log at each scan for --relations from this file: the --trajectory of posecut-ingest
+    #[arg(long, value_name = "FILE", requires = "relations", help_heading = "Ground truth")]
+    #[serde(skip)]
+    pub trajectory: Option<Source>,
 
     /// How edges are compared with the ground truth.
     #[command(flatten)]
@@ -72,6 +90,10 @@ impl GraphStage for Options {
         (
             "Call edges within 1 m and 10 degrees of the ground truth correct",
             "posecut label graph.jsonl --ground-truth truth.jsonl \\\n    --tolerance-translation 1 --tolerance-rotation 10 -o labelled.jsonl",
+        ),
+        (
+            "Label candidates of a laser log by relations that people measured",
+            "posecut ingest robot.log --scan-matching --trajectory robot.tum | posecut recognize \\\n    | posecut label --relations robot.relations --trajectory robot.tum \\\n        --tolerance-translation 0.5 --tolerance-rotation 6 -o labelled.jsonl",
         ),
     ]);
 
@@ -110,6 +132,14 @@ impl Options {
         if self.vertices {
             return Ok(Some(GroundTruth::taken_from(graph)));
         }
+        if let Some((source, trajectory)) = self.relations.as_ref().zip(self.trajectory.as_ref()) {
+            let (file, bytes) = context.read_bytes(source, "relations")?;
+            let (track_file, track) = context.read_bytes(trajectory, "trajectory")?;
+            let (known, track) = (relations(&file, &bytes[..])?, Track::read(&track_file, &track[..])?);
+            let (truth, errors) = GroundTruth::of_relations(&file, graph, &known, &track)?;
+            report(&errors, context);
+            return Ok(Some(truth));
+        }
         let Some(source) = &self.ground_truth else { return Ok(None) };
         if let Some(times) = &self.times {
             let (file, bytes) = context.read_bytes(source, "ground truth")?;
@@ -123,4 +153,16 @@ impl Options {
         })?;
         GroundTruth::of_graph(&name, &truth, graph.header.dimension).map(Some)
     }
+}
+
+/// How far the map that relations make is from them.
+fn report(errors: &RelationErrors, context: &mut Context) {
+    let mean = |summary: &Option<Summary>| summary.as_ref().map_or(0.0, |summary| summary.mean);
+    info!(
+        "the map of {} and the odometry is off them by {:.3} m and {:.2} degrees on average",
+        counted(errors.compared, "relation"),
+        mean(&errors.translation_m),
+        mean(&errors.rotation_rad).to_degrees()
+    );
+    context.statistics.note("relations", errors);
 }

@@ -5,3 +5,4 @@
 mod labels;
 #[cfg(feature = "cli")]
 mod program;
+mod relations;
