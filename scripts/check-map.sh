@@ -1,10 +1,10 @@
 #!/bin/sh
-# Runs `make map` on a simulated log and checks its pictures, its counts and the section of the page; then without place recognition.
+# Runs `make map` on a simulated log and checks its pictures, its counts and the section of the page; then without place recognition, then with another program in the same folder.
 #
 # Usage: scripts/check-map.sh [FOLDER OF RESULTS]; needs the release programs. It takes about ten seconds.
 set -eu
 cd "$(dirname "$0")/.."
-unset MAKEFLAGS MAKELEVEL MFLAGS LOG RELATIONS RECOGNIZE VERIFY 2>/dev/null || true
+unset MAKEFLAGS MAKELEVEL MFLAGS LOG RELATIONS INGEST RECOGNIZE VERIFY 2>/dev/null || true
 programs=${CARGO_TARGET_DIR:-target}/release
 results=${1:-results}
 work=$(mktemp -d)
@@ -47,4 +47,17 @@ picture "$work/cat/map/robot/before.png"
 if grep -q all-candidates "$work/said"; then fail 'make map names all-candidates.png, but does not make it'; fi
 "$programs/posecut-report" html --quiet --map "$work/cat/map/robot" -o "$work/page.html"
 grep -q 'There are no candidates in robot' "$work/page.html" || fail 'the page does not say that there are no candidates'
+
+# In the same folder, only what depends on another program is made again.
+touch "$work/before"
+again() { make --no-print-directory map "RESULTS=$results" "$@" >"$work/said" 2>"$work/log" || { cat "$work/log"; fail "make map $* fails"; }; }
+newer() { [ -n "$(find "$map/$1" -newer "$work/before")" ]; }
+again
+newer optimized.jsonl && fail 'make map makes the map again, though nothing changed'
+again VERIFY=cat
+newer judged.jsonl && newer map.png || fail 'make map VERIFY=cat leaves the verdicts of posecut-verify'
+newer graph.jsonl && fail 'make map VERIFY=cat recognises places again'
+[ ! -e "$map/all-candidates.jsonl" ] || fail 'the map with all candidates stays, though all are in use in the map itself'
+again
+grep -q '"verify_verdict"' "$map/judged.jsonl" || fail 'make map leaves the graph of VERIFY=cat'
 echo "make map: $all candidates, $accepted accepted, $rejected rejected; three maps, and two without place recognition"

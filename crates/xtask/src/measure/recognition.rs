@@ -15,7 +15,7 @@ use crate::Verdict;
 use crate::machine::{Machine, today};
 use graph::Map;
 use ranking::Scored;
-use running::{Errors, Log, Scores, Way, named};
+use running::{Errors, Log, Scores, Threshold, Way};
 
 /// Measure place recognition on laser logs: accuracy, candidates, seconds, words and index
 ///
@@ -26,6 +26,9 @@ pub(crate) struct Recognition {
     /// Keep candidates with at least these agreements, beside the default of posecut-recognize
     #[arg(long, num_args = 1.., default_values_t = [0.45, 0.7])]
     agreements: Vec<f64>,
+    /// Keep candidates with at least these scores, in further runs
+    #[arg(long, num_args = 1.., default_values_t = [0.3, 0.5])]
+    scores: Vec<f64>,
     /// Measure the index with at least this number of keyframes
     #[arg(long, default_value_t = 10_000)]
     keyframes: usize,
@@ -75,23 +78,28 @@ impl Recognition {
 
     fn measured(&self, name: &'static str, log: &Log, relations: Option<PathBuf>) -> anyhow::Result<Found> {
         let (graph, trajectory, ingest) = log.ingest(true)?;
-        let agreements = std::iter::once(None).chain(self.agreements.iter().copied().map(Some));
+        let agreements = self.agreements.iter().copied().map(Threshold::Agreement);
+        let thresholds = agreements.chain(self.scores.iter().copied().map(Threshold::Score));
+        let thresholds = std::iter::once(Threshold::Default).chain(thresholds);
         let ways: Vec<Way> =
-            agreements.map(|agreement| log.way(&graph, agreement)).collect::<anyhow::Result<_>>()?;
-        // The map at the default threshold is the agreed one.
+            thresholds.map(|threshold| log.way(&graph, threshold)).collect::<anyhow::Result<_>>()?;
         let first = &ways[0];
-        let map = Map::read(&first.optimised)?;
+        // By relations if there are any, else the map at the default threshold.
+        let map = match &relations {
+            Some(relations) => Map::of_truth(&log.by_relations(&graph, &trajectory, relations)?)?,
+            None => Map::read(&first.optimised)?,
+        };
         let mut errors = Vec::new();
         if let Some(relations) = relations {
             let (odometry, along, _) = log.ingest(false)?;
             errors.push(("odometry".to_owned(), running::relations(&odometry, &along, &relations)?));
             errors.push(("scan matching".to_owned(), running::relations(&graph, &trajectory, &relations)?));
             for way in &ways {
-                let title = format!("whole pipeline, `--least-agreement` {}", named(way.agreement));
+                let title = format!("whole pipeline, {}", way.threshold.title());
                 errors.push((title, running::relations(&way.optimised, &trajectory, &relations)?));
             }
         }
-        let (all, _) = log.recognize(&graph, Some(0.0))?;
+        let (all, _) = log.recognize(&graph, Threshold::Agreement(0.0))?;
         let (duration, scans) = running::duration(&trajectory)?;
         Ok(Found {
             name,

@@ -38,8 +38,7 @@ pub(super) struct Log<'a> {
 
 /// What the way from recognition to a map found at one threshold.
 pub(super) struct Way {
-    /// The threshold; `None` is the program's own.
-    pub(super) agreement: Option<f64>,
+    pub(super) threshold: Threshold,
     /// The edges after verification.
     pub(super) edges: Vec<Landmark>,
     pub(super) optimised: PathBuf,
@@ -47,9 +46,29 @@ pub(super) struct Way {
     pub(super) seconds: [Seconds; 3],
 }
 
-/// What tables call a threshold.
-pub(super) fn named(agreement: Option<f64>) -> String {
-    agreement.map_or_else(|| "default".to_owned(), |agreement| agreement.to_string())
+/// Which candidates posecut-recognize keeps.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Threshold {
+    /// Its own choice.
+    Default,
+    Agreement(f64),
+    Score(f64),
+}
+
+impl Threshold {
+    /// The option of posecut-recognize.
+    fn option(self) -> Option<String> {
+        match self {
+            Self::Default => None,
+            Self::Agreement(least) => Some(format!("--least-agreement={least}")),
+            Self::Score(least) => Some(format!("--least-score={least}")),
+        }
+    }
+
+    /// What tables call it.
+    pub(super) fn title(self) -> String {
+        self.option().map_or_else(|| "default".to_owned(), |option| format!("`{}`", option.replace('=', " ")))
+    }
 }
 
 /// Errors of relations: mean and standard deviation in metres and radians.
@@ -83,32 +102,46 @@ impl Log<'_> {
         Ok((graph, trajectory, seconds))
     }
 
-    /// Recognition alone, with the program's own threshold if none is given.
-    pub(super) fn recognize(
+    fn of_threshold(&self, threshold: Threshold, end: &str) -> PathBuf {
+        self.path(&format!("{}.{end}", threshold.option().as_deref().unwrap_or("default")))
+    }
+
+    /// The graph with the truth that relations give.
+    pub(super) fn by_relations(
         &self,
         graph: &Path,
-        agreement: Option<f64>,
-    ) -> anyhow::Result<(PathBuf, Seconds)> {
-        let recognized = self.path(&format!("{}.recognized.jsonl", named(agreement)));
+        trajectory: &Path,
+        relations: &Path,
+    ) -> anyhow::Result<PathBuf> {
+        let labelled = self.path("labelled.jsonl");
+        let mut command = Command::new(program("label"));
+        command.arg("-q").arg(graph).arg("--relations").arg(relations).arg("--trajectory").arg(trajectory);
+        must(command.arg("-o").arg(&labelled))?;
+        Ok(labelled)
+    }
+
+    /// Recognition alone.
+    pub(super) fn recognize(&self, graph: &Path, threshold: Threshold) -> anyhow::Result<(PathBuf, Seconds)> {
+        let recognized = self.of_threshold(threshold, "recognized.jsonl");
         let mut command = Command::new(program("recognize"));
         command.arg("-q").arg(graph).arg("-o").arg(&recognized);
-        command.args(agreement.map(|agreement| format!("--least-agreement={agreement}")));
+        command.args(threshold.option());
         let seconds = run(&mut command)?;
         Ok((recognized, seconds))
     }
 
     /// From the graph of posecut-ingest to an optimised map.
-    pub(super) fn way(&self, graph: &Path, agreement: Option<f64>) -> anyhow::Result<Way> {
-        let (recognized, recognition) = self.recognize(graph, agreement)?;
-        let verified = self.path(&format!("{}.verified.jsonl", named(agreement)));
-        let optimised = self.path(&format!("{}.optimised.jsonl", named(agreement)));
+    pub(super) fn way(&self, graph: &Path, threshold: Threshold) -> anyhow::Result<Way> {
+        let (recognized, recognition) = self.recognize(graph, threshold)?;
+        let verified = self.of_threshold(threshold, "verified.jsonl");
+        let optimised = self.of_threshold(threshold, "optimised.jsonl");
         let stage = |name: &str, from: &Path, to: &Path| {
             run(Command::new(program(name)).arg("-q").arg(from).arg("-o").arg(to))
         };
         let verification = stage("verify", &recognized, &verified)?;
         let optimisation = stage("optimize", &verified, &optimised)?;
         let edges = landmarks(&verified)?;
-        Ok(Way { agreement, edges, optimised, seconds: [recognition, verification, optimisation] })
+        Ok(Way { threshold, edges, optimised, seconds: [recognition, verification, optimisation] })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::graph::Map;
 use super::ranking::{Bin, ENDS, Scored, area, bins, precision_at_full_recall, recall_at_full_precision};
-use super::running::{Errors, IndexTimes, STAGES, Scores, Seconds, Way, named};
+use super::running::{Errors, IndexTimes, STAGES, Scores, Seconds, Way};
 use crate::markdown::{cells, table};
 use crate::numbers::thousands;
 
@@ -47,7 +47,7 @@ pub(super) fn thresholds(log: &str, ways: &[Way], map: &Map) -> Vec<Vec<String>>
         let wrong = count(None, false);
         vec![
             log.to_owned(),
-            named(way.agreement),
+            way.threshold.title(),
             all.to_string(),
             format!("{:.0} %", 100.0 * wrong as f64 / all.max(1) as f64),
             way.edges.iter().filter(|edge| edge.accepted()).count().to_string(),
@@ -61,15 +61,7 @@ pub(super) fn thresholds(log: &str, ways: &[Way], map: &Map) -> Vec<Vec<String>>
 }
 
 pub(super) fn thresholds_table(rows: &[Vec<String>]) -> String {
-    let head = [
-        "log",
-        "`--least-agreement`",
-        "candidates",
-        "wrong",
-        "accepted",
-        "wrong accepted",
-        "correct rejected",
-    ];
+    let head = ["log", "threshold", "candidates", "wrong", "accepted", "wrong accepted", "correct rejected"];
     text(&[&head[..], &["CPU s", "seconds"]].concat(), 1, rows)
 }
 
