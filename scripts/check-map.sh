@@ -50,12 +50,15 @@ grep -q 'There are no candidates in robot' "$work/page.html" || fail 'the page d
 
 # In the same folder, only what depends on another program is made again.
 touch "$work/before"
-again() { make --no-print-directory map "RESULTS=$results" "$@" >"$work/said" 2>"$work/log" || { cat "$work/log"; fail "make map $* fails"; }; }
+again() {
+  make --no-print-directory map "RESULTS=$results" "$@" >"$work/said" 2>"$work/log" ||
+    { cat "$work/log"; fail "make map $* fails"; }
+}
 newer() { [ -n "$(find "$map/$1" -newer "$work/before")" ]; }
 again
 newer optimized.jsonl && fail 'make map makes the map again, though nothing changed'
 again VERIFY=cat
-newer judged.jsonl && newer map.png || fail 'make map VERIFY=cat leaves the verdicts of posecut-verify'
+newer map.png || fail 'make map VERIFY=cat leaves the map of posecut-verify'
 newer graph.jsonl && fail 'make map VERIFY=cat recognises places again'
 [ ! -e "$map/all-candidates.jsonl" ] || fail 'the map with all candidates stays, though all are in use in the map itself'
 again
