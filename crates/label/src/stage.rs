@@ -93,7 +93,7 @@ impl GraphStage for Options {
         ),
         (
             "Label candidates of a laser log by relations that people measured",
-            "posecut ingest robot.log --scan-matching --trajectory robot.tum | posecut recognize \\\n    | posecut label --relations robot.relations --trajectory robot.tum \\\n        --tolerance-translation 0.5 --tolerance-rotation 6 -o labelled.jsonl",
+            "posecut ingest robot.log --scan-matching --trajectory robot.tum \\\n    | posecut recognize | posecut label --relations robot.relations \\\n        --trajectory robot.tum -o labelled.jsonl",
         ),
     ]);
 
