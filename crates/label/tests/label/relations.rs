@@ -2,7 +2,7 @@
 
 use posecut_evaluate::relations::{Track, relations};
 use posecut_geometry::{LieGroup as _, SE2};
-use posecut_graph::{EdgeKind, PoseGraph};
+use posecut_graph::{Edge, EdgeKind, PoseGraph};
 use posecut_label::ground_truth::{Comparison, GroundTruth, apply};
 
 /// Half metres forwards along a line, a keyframe at every second one, at whole seconds. Odometry turns left by 0.1 rad a keyframe step.
@@ -57,7 +57,7 @@ fn relations_correct_the_odometry_and_candidates_do_not() {
     let comparison =
         Comparison { tolerance_translation: 0.5, tolerance_rotation: 6.0, ..Comparison::DEFAULT };
     apply(&mut graph, &truth, &comparison).unwrap();
-    let labels: Vec<_> = graph.edges_of(EdgeKind::Landmark).map(|edge| edge.truth_correct()).collect();
+    let labels: Vec<_> = graph.edges_of(EdgeKind::Landmark).map(Edge::truth_correct).collect();
     assert_eq!(labels, [Some(true), Some(false)]);
     let end = graph.nodes[10].truth.as_ref().unwrap().pose.as_ref().unwrap();
     let start = graph.nodes[0].truth.as_ref().unwrap().pose.as_ref().unwrap();
