@@ -7,23 +7,13 @@
 # An edge is correct if its measurement is within the distances in pipelines/laser-tolerance of the map. The map is made of LOG with the
 # default options of all stages, whatever those of GRAPH are.
 # PROGRAM [default: those of target/release].
+# shellcheck disable=SC2154,SC2034 # programs.sh reads stages and others, and sets the variables of programs.
 set -eu
+stages='ingest recognize verify optimize label' others=''
 here=$(dirname "$0")
-programs=$here/../target/release
-ingest=$programs/posecut-ingest recognize=$programs/posecut-recognize verify=$programs/posecut-verify
-optimize=$programs/posecut-optimize label=$programs/posecut-label
-while [ $# -gt 0 ]; do
-  case $1 in
-    --ingest) ingest=$2 && shift 2 ;;
-    --recognize) recognize=$2 && shift 2 ;;
-    --verify) verify=$2 && shift 2 ;;
-    --optimize) optimize=$2 && shift 2 ;;
-    --label) label=$2 && shift 2 ;;
-    --version) echo 'label-by-map.sh 0.1.0' && exit ;;
-    *) break ;;
-  esac
-done
-[ $# -eq 3 ] || [ $# -eq 4 ] || { sed -n '2,10s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+# shellcheck source=pipelines/programs.sh
+. "$here/programs.sh"
+[ $# -eq 3 ] || [ $# -eq 4 ] || { sed -n '2,9s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 graph=$1 output=$2 log=$3 relations=${4:-}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

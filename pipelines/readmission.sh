@@ -8,19 +8,11 @@
 # PROGRAM [default: posecut-pcm, posecut-readmit and posecut-optimize of target/release]; READMISSION holds the options of the
 # rounds [default: --scale auto --apply-scale].
 # OUTPUT is the optimised graph with the rejections of the last round; FILE gets a line of figures a round.
+# shellcheck disable=SC2154,SC2034 # programs.sh reads stages and others, and sets the variables of programs.
 set -eu
-programs=$(dirname "$0")/../target/release
-pcm=$programs/posecut-pcm readmit=$programs/posecut-readmit optimize=$programs/posecut-optimize rounds=/dev/null
-while [ $# -gt 0 ]; do
-  case $1 in
-    --pcm) pcm=$2 && shift 2 ;;
-    --readmit) readmit=$2 && shift 2 ;;
-    --optimize) optimize=$2 && shift 2 ;;
-    --rounds) rounds=$2 && shift 2 ;;
-    --version) echo 'readmission.sh 0.1.0' && exit ;;
-    *) break ;;
-  esac
-done
+stages='pcm readmit optimize' others=rounds
+# shellcheck source=pipelines/programs.sh
+. "$(dirname "$0")/programs.sh"
 [ $# -ge 2 ] || { sed -n '2,10s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 graph=$1 output=$2
 shift 2

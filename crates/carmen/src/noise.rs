@@ -10,7 +10,7 @@
 //! and constants for forward, sideways and heading (Thrun, Burgard, Fox, *Probabilistic Robotics*, 2005, section 5.4, has the same
 //! causes). The errors of a step between keyframes are those of its small motions, carried to its end by the adjoint (first order):
 //! `S <- Ad(m)^-1 S Ad(m)^-T + diag(s_d d + s_a |a|)`. So an error of heading moves what comes after it sideways, two half steps are as
-//! certain as one whole step, and the distance of keyframes does not matter. A step of any size has a least variance besides.
+//! certain as one whole step, and the distance of keyframes does not matter. In addition, a step of any size has a minimum variance.
 //!
 //! The constants are the mean over three logs (aces, intel, mit-csail of the radish collection) of the squared differences between
 //! odometry and ICP, over steps of 0.5 m or 0.5 rad: straight ones for `s_d`, turns on the spot for `s_a`; sideways less than

@@ -103,16 +103,16 @@ pub fn samples() -> &'static Samples {
         let single = path("session.jsonl");
         let sigmas = ["--sigma-translation", "0.1", "--sigma-rotation", "0.02"];
         succeed("ingest", &[&[session.as_str(), "-o", &single][..], &sigmas].concat(), b"");
-        succeed(
-            "construct",
-            &[&single, "--radius", "8", "--heading", "60", "--incorrect-rate", "0.3", "-o", &graph],
-            b"",
-        );
+        // The optimisers reach the minimum of this seed's graph in a tenth of the time that most others take, and the tests run each
+        // of them hundreds of times.
+        let wrong = ["--incorrect-rate", "0.3", "--seed", "10"];
+        let edges = [&[single.as_str(), "--radius", "8", "--heading", "60", "-o", &graph][..], &wrong];
+        succeed("construct", &edges.concat(), b"");
         succeed("optimize", &[&graph, "-o", &optimized], b"");
         succeed("optimize", &[&graph, "--marginals", "landmark", "-o", &path("marginals.jsonl")], b"");
         succeed("evaluate", &[&optimized, "--label", "method=all", "-o", &path("x.result.json")], b"");
         let log = path("robot.log");
-        succeed("simulate-log", &["--length", "20", "-o", &log], b"");
+        succeed("simulate-log", &["--length", "8", "-o", &log], b"");
         succeed("ingest", &[&log, "-o", &path("scans.jsonl")], b"");
         let instance = path("four.mc");
         std::fs::write(&instance, "MULTICUT\n0 1 2\n2 3 2\n1 2 0.5\n0 3 -1\n")

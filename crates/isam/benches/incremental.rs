@@ -17,8 +17,8 @@ mod replay;
 
 use std::time::Instant;
 
-use posecut_isam::{IncrementalOptions, IncrementalSolver, UpdateReport};
-use posecut_optimize::{Edge, Initialisation, Options, PoseGroup, Problem, optimize};
+use posecut_isam::{IncrementalGroup, IncrementalOptions, IncrementalSolver, UpdateReport};
+use posecut_optimize::{Edge, Initialisation, Options, Problem, optimize};
 
 /// The times of the steps: milliseconds for each update, and seconds for all estimates of the newest pose and of all poses.
 #[derive(Default)]
@@ -51,7 +51,7 @@ impl Work {
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
 /// The share by which the cost exceeds that of a batch solution of these edges.
-fn gap<G: PoseGroup<DOF>, const DOF: usize>(
+fn gap<G: IncrementalGroup<DOF>, const DOF: usize>(
     solver: &IncrementalSolver<G, DOF>,
     edges: &[Edge<G, DOF>],
 ) -> Outcome<f64> {
@@ -61,7 +61,7 @@ fn gap<G: PoseGroup<DOF>, const DOF: usize>(
     Ok((solver.cost() - optimum) / optimum.max(1.0))
 }
 
-fn measure<G: PoseGroup<DOF>, const DOF: usize>(
+fn measure<G: IncrementalGroup<DOF>, const DOF: usize>(
     name: &str,
     best: f64,
     (poses, edges): (Vec<G>, Vec<Edge<G, DOF>>),
@@ -101,7 +101,7 @@ fn measure<G: PoseGroup<DOF>, const DOF: usize>(
 
 /// Relinearises, finishes, and prints the results.
 #[allow(clippy::too_many_arguments, reason = "all of it is printed once")]
-fn print<G: PoseGroup<DOF>, const DOF: usize>(
+fn print<G: IncrementalGroup<DOF>, const DOF: usize>(
     name: &str,
     best: f64,
     edges: usize,

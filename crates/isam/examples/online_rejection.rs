@@ -24,9 +24,9 @@ use nalgebra::Vector3;
 use posecut_evaluate::alignment::{Alignment, Freedom};
 use posecut_graph::connectivity::connected_components;
 use posecut_graph::{EdgeKind, PoseGraph, for_dimension};
-use posecut_isam::{EdgeId, IncrementalOptions, IncrementalSolver};
+use posecut_isam::{EdgeId, IncrementalGroup, IncrementalOptions, IncrementalSolver};
 use posecut_multicut::support::support_counts;
-use posecut_optimize::{Edge, Options, PoseGroup, Problem, optimize, pose_graph};
+use posecut_optimize::{Edge, Options, Problem, optimize, pose_graph};
 use posecut_pcm::candidate::group;
 use posecut_pcm::chain::Chains;
 use posecut_pcm::clique::{Limits, maximum_clique};
@@ -90,7 +90,7 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-fn follow<G: PoseGroup<DOF> + Spatial<DOF>, const DOF: usize>(
+fn follow<G: IncrementalGroup<DOF> + Spatial<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     every: usize,
 ) -> anyhow::Result<Vec<Row>> {
@@ -176,7 +176,7 @@ struct Solved<G, const DOF: usize> {
     cost: f64,
 }
 
-impl<G: PoseGroup<DOF>, const DOF: usize> Solved<G, DOF> {
+impl<G: IncrementalGroup<DOF>, const DOF: usize> Solved<G, DOF> {
     fn of(given: &[G], edges: Vec<Edge<G, DOF>>) -> anyhow::Result<Self> {
         let solution = optimize(&Problem::new(given.to_vec(), edges.clone())?, &Options::default());
         Ok(Self { poses: solution.poses, edges, cost: solution.cost })

@@ -3,21 +3,24 @@
 use std::collections::HashMap;
 
 use nalgebra::SMatrix;
-use posecut_optimize::PoseGroup;
 
-use crate::IncrementalSolver;
 use crate::tree::{Clique, NONE};
+use crate::{IncrementalGroup, IncrementalSolver};
 
 /// Rows of a right-hand side with one column for each component of a pose, by node.
 type Rows<const D: usize> = HashMap<usize, SMatrix<f64, D, D>>;
 
-impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
+impl<G: IncrementalGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     /// The covariance of a right perturbation of a pose, given its component's fixed poses, as of the last update: the pose's
     /// diagonal block of the inverse normal equations. Zero for a fixed pose; `None` for a pose that was marginalised, does not
     /// exist or has not been part of an update. Directions that the edges leave undetermined have no meaning.
     ///
     /// Takes one substitution forward and back along the pose's path to the root of the tree.
     pub fn covariance(&self, pose: usize) -> Option<SMatrix<f64, DOF, DOF>> {
+        G::covariance(self, pose)
+    }
+
+    pub(crate) fn covariance_here(&self, pose: usize) -> Option<SMatrix<f64, DOF, DOF>> {
         if pose >= self.poses() || self.gauges.is_marginalised(pose) {
             return None;
         }

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use nalgebra::SVector;
 use posecut_optimize::model::{Magnitude, Term as _, translations};
-use posecut_optimize::{Edge, EdgeKind, Initialisation, Options, PoseGroup, Problem, optimize};
+use posecut_optimize::{Edge, EdgeKind, Initialisation, Options, Problem, optimize};
 
 use crate::prior::Prior;
 
-use crate::{FinishReport, IncrementalSolver};
+use crate::{FinishReport, IncrementalGroup, IncrementalSolver};
 
 /// Maximum number of full relinearisations in [`IncrementalSolver::finish`].
 const MOST_ITERATIONS: usize = 100;
@@ -33,13 +33,17 @@ pub(crate) struct FreshStart {
     pub(crate) steps: usize,
 }
 
-impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
+impl<G: IncrementalGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     /// Relinearises everything until no pose moves: the estimate is then that of a fresh solution of the current edges.
     ///
     /// If edges were removed since the last call, if a step was too long to be trusted, or if full steps do not converge, the
     /// batch solver starts anew (see [`restart`](Self::restart)). So a false edge leaves no trace, even if it had folded the
     /// map into another basin.
     pub fn finish(&mut self) -> FinishReport {
+        G::finish(self)
+    }
+
+    pub(crate) fn finish_here(&mut self) -> FinishReport {
         let cost_before = self.cost();
         let mut report = FinishReport {
             iterations: 0,
@@ -92,7 +96,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     /// Runs the batch solver from its best start, and takes the result if it costs less than the estimate. Returns whether it
     /// did. Takes as long as a batch solution.
     pub fn restart(&mut self) -> bool {
-        self.fresh_start().is_better
+        G::restart(self)
     }
 
     /// Does [`restart`](Self::restart), and returns how it went.

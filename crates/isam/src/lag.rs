@@ -1,8 +1,6 @@
 //! Which poses the option `lag` marginalises, and when.
 
-use posecut_optimize::PoseGroup;
-
-use crate::IncrementalSolver;
+use crate::{IncrementalGroup, IncrementalSolver};
 
 /// Poses are marginalised in blocks of this share of the lag: the poses around a block are eliminated again once a block, not
 /// once a step, and a pose stays for at most this share longer.
@@ -17,7 +15,7 @@ pub(crate) struct Lag {
     waiting: Vec<usize>,
 }
 
-impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
+impl<G: IncrementalGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     /// Marginalises the poses that the option `lag` lets go, and returns their number.
     pub(crate) fn marginalise_old(&mut self) -> usize {
         let Some(lag) = self.options.lag else { return 0 };
@@ -28,6 +26,10 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     /// Marginalises the poses with numbers below `end`, as the option [`lag`](crate::IncrementalOptions::lag) does, for a lag
     /// that is not counted in poses. Fixed poses stay, and so do keyframes. Returns the number of marginalised poses.
     pub fn marginalise_before(&mut self, end: usize) -> usize {
+        G::marginalise_before(self, end)
+    }
+
+    pub(crate) fn marginalise_before_here(&mut self, end: usize) -> usize {
         let end = end.min(self.poses());
         let mut passed = std::mem::take(&mut self.lag.waiting);
         passed.extend(self.lag.next..end);

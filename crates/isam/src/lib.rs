@@ -64,6 +64,7 @@ mod error;
 mod estimate;
 mod finish;
 mod gauges;
+mod incremental_group;
 mod lag;
 mod linear_model;
 mod marginalise;
@@ -85,6 +86,7 @@ mod tree;
 mod update;
 
 pub use error::IncrementalError;
+pub use incremental_group::IncrementalGroup;
 pub use options::IncrementalOptions;
 pub use report::{FinishReport, Split, UpdateReport};
 pub use solver::{EdgeId, IncrementalSolver};

@@ -2,14 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use posecut_optimize::PoseGroup;
-
 use crate::elimination::Restricted;
 use crate::prior::Prior;
 use crate::tree::Clique;
-use crate::{IncrementalError, IncrementalSolver};
+use crate::{IncrementalError, IncrementalGroup, IncrementalSolver};
 
-impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
+impl<G: IncrementalGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     /// Marginalises poses: they keep their estimates from now on, and their edges turn into a prior on the poses around them.
     ///
     /// The prior is the marginal of the quadratic model at the current points of linearisation: the update matrix that
@@ -26,6 +24,10 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     /// If a pose does not exist, was marginalised before, or is fixed: a held pose, or the gauge of its component. A fixed
     /// pose is a constant and costs nothing; without it the component would lose its position. Nothing changes then.
     pub fn marginalise(&mut self, poses: &[usize]) -> Result<(), IncrementalError> {
+        G::marginalise(self, poses)
+    }
+
+    pub(crate) fn marginalise_here(&mut self, poses: &[usize]) -> Result<(), IncrementalError> {
         let nodes: BTreeSet<usize> = poses.iter().copied().collect();
         for &pose in &nodes {
             if pose >= self.poses() {

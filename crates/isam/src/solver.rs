@@ -1,7 +1,7 @@
 //! The incremental solver.
 
 use posecut_optimize::model::{charge, check_edge, distance, is_finite};
-use posecut_optimize::{Edge, PoseGroup, ProblemError, residual};
+use posecut_optimize::{Edge, ProblemError, residual};
 
 use crate::edges::Edges;
 use crate::elimination::Elimination;
@@ -14,7 +14,7 @@ use crate::restarts::Restarts;
 use crate::substitution::Substitution;
 use crate::top::Top;
 use crate::tree::Tree;
-use crate::{IncrementalError, IncrementalOptions};
+use crate::{IncrementalError, IncrementalGroup, IncrementalOptions};
 
 /// The number of an edge. Numbers are never reused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -41,7 +41,7 @@ pub struct IncrementalSolver<G, const DOF: usize> {
     pub(crate) updates: usize,
 }
 
-impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
+impl<G: IncrementalGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     /// A solver without poses.
     pub fn new(options: IncrementalOptions) -> Result<Self, IncrementalError> {
         options.check()?;
@@ -96,6 +96,10 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     /// If the edge joins two components, the one with the later gauge moves rigidly so that the edge's residual is zero. This
     /// takes time proportional to its nodes. Components with held poses do not move.
     pub fn add_edge(&mut self, edge: Edge<G, DOF>) -> Result<EdgeId, IncrementalError> {
+        G::add_edge(self, edge)
+    }
+
+    pub(crate) fn add_edge_here(&mut self, edge: Edge<G, DOF>) -> Result<EdgeId, IncrementalError> {
         check_edge(self.edges.next_id() as usize, &edge, self.poses())?;
         let Edge { from, to, .. } = edge;
         if let Some(pose) = [from, to].into_iter().find(|&node| self.gauges.is_marginalised(node)) {
@@ -116,6 +120,10 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     /// other nodes of it are held, and the next [`UpdateReport`](crate::UpdateReport) names it. The search for another
     /// connection takes time proportional to the smaller side.
     pub fn remove_edge(&mut self, id: EdgeId) -> Result<Edge<G, DOF>, IncrementalError> {
+        G::remove_edge(self, id)
+    }
+
+    pub(crate) fn remove_edge_here(&mut self, id: EdgeId) -> Result<Edge<G, DOF>, IncrementalError> {
         let edge = self.edges.remove(id.0)?;
         self.top.touch([edge.from, edge.to]);
         self.restarts.strained = true;
@@ -205,7 +213,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
 
     /// Sum of `rho(e^T Omega e)` over the edges at the estimate, and the cost of the priors that marginalised edges have left.
     pub fn cost(&self) -> f64 {
-        self.cost_at(|node| self.estimate(node))
+        G::cost(self)
     }
 
     /// The cost of an edge at the estimate.
@@ -242,7 +250,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     }
 }
 
-fn cost_between<G: PoseGroup<DOF>, const DOF: usize>(edge: &Edge<G, DOF>, from: &G, to: &G) -> f64 {
+fn cost_between<G: IncrementalGroup<DOF>, const DOF: usize>(edge: &Edge<G, DOF>, from: &G, to: &G) -> f64 {
     let error = residual(&edge.measurement, from, to);
     charge(edge.kernel, error.dot(&(edge.information * error))).0
 }

@@ -12,7 +12,6 @@ use anyhow::Context as _;
 use clap::Parser;
 use posecut_geometry::LieGroup;
 use posecut_graph::{InputDigest, PoseGraph, RecordReader, for_dimension};
-use posecut_optimize::PoseGroup;
 use posecut_optimize::stage::{KernelOptions, doubt_disconnected, significant, warn_of_unmeasured};
 use posecut_stage::{
     CommonArguments, Context, Doubt, Examples, Identity, Outcome, Phase, Place, Source, Statistics, counted,
@@ -20,7 +19,7 @@ use posecut_stage::{
 };
 use serde::Serialize;
 
-use crate::{FinishReport, IncrementalOptions};
+use crate::{FinishReport, IncrementalGroup, IncrementalOptions};
 pub use lag::{BeyondLag, LagOptions};
 use replay::{Located, empty, for_each};
 use session::{Arrival, Session};
@@ -183,7 +182,7 @@ impl StageOptions {
         Ok(graph)
     }
 
-    fn follow<G: PoseGroup<DOF>, const DOF: usize, R: std::io::BufRead>(
+    fn follow<G: IncrementalGroup<DOF>, const DOF: usize, R: std::io::BufRead>(
         &self,
         source: &str,
         reader: RecordReader<R>,
@@ -217,7 +216,7 @@ impl StageOptions {
         Ok(graph)
     }
 
-    fn end_step<G: PoseGroup<DOF>, const DOF: usize>(
+    fn end_step<G: IncrementalGroup<DOF>, const DOF: usize>(
         &self,
         session: &mut Session<G, DOF>,
         estimates: &mut Option<&mut dyn Write>,
@@ -232,7 +231,7 @@ impl StageOptions {
     }
 }
 
-fn write_checkpoint<G: PoseGroup<DOF>, const DOF: usize>(
+fn write_checkpoint<G: IncrementalGroup<DOF>, const DOF: usize>(
     session: &Session<G, DOF>,
     writer: &mut dyn Write,
 ) -> anyhow::Result<()> {
@@ -252,7 +251,7 @@ fn write_checkpoint<G: PoseGroup<DOF>, const DOF: usize>(
     Ok(writer.write_all(b"\n")?)
 }
 
-fn tell<G: PoseGroup<DOF>, const DOF: usize>(
+fn tell<G: IncrementalGroup<DOF>, const DOF: usize>(
     session: &Session<G, DOF>,
     finish: Option<&FinishReport>,
     context: &mut Context,
@@ -301,7 +300,7 @@ fn tell<G: PoseGroup<DOF>, const DOF: usize>(
     );
 }
 
-fn note<G: PoseGroup<DOF>, const DOF: usize>(
+fn note<G: IncrementalGroup<DOF>, const DOF: usize>(
     session: &Session<G, DOF>,
     finish: Option<&FinishReport>,
     context: &mut Context,
@@ -336,7 +335,10 @@ fn note<G: PoseGroup<DOF>, const DOF: usize>(
 }
 
 /// What a lag has done. Nodes that are not among the live ones are final.
-fn note_lag<G: PoseGroup<DOF>, const DOF: usize>(session: &Session<G, DOF>, statistics: &mut Statistics) {
+fn note_lag<G: IncrementalGroup<DOF>, const DOF: usize>(
+    session: &Session<G, DOF>,
+    statistics: &mut Statistics,
+) {
     let live = session.solver.live_poses();
     let marginalised = session.solver.poses() - live.len();
     statistics.note("marginalised", marginalised);

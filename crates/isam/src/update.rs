@@ -1,22 +1,25 @@
 //! Updates: when variables are relinearised and solved.
 
 use nalgebra::SVector;
-use posecut_optimize::PoseGroup;
 
 use crate::substitution::Below;
-use crate::{IncrementalSolver, UpdateReport};
+use crate::{IncrementalGroup, IncrementalSolver, UpdateReport};
 
 /// Linearisation errors are compared with the cost, but at least with this share of the cost that residuals as large as the
 /// measurements would have: a graph without noise needs no more.
 const LEAST_COST: f64 = 1e-8;
 
-impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
+impl<G: IncrementalGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     /// Brings the estimate up to date with all changes.
     ///
     /// A Gauss-Newton step that turns a pose by more than half a radian and raises the cost is refused. The batch solver then
     /// starts anew, and the report says so. Where restarts do not help or do not converge, they become rare; between them,
     /// poses keep their values.
     pub fn update(&mut self) -> UpdateReport {
+        G::update(self)
+    }
+
+    pub(crate) fn update_here(&mut self) -> UpdateReport {
         let mut report = UpdateReport { splits: self.gauges.take_splits(), ..UpdateReport::default() };
         let due = self.updates.is_multiple_of(self.options.relinearise_every);
         // Another relinearisation would lead uphill again, until a restart finds a better start.
@@ -100,6 +103,10 @@ impl<G: PoseGroup<DOF>, const DOF: usize> IncrementalSolver<G, DOF> {
     /// Relinearises every variable and solves for all. Returns the largest component of the resulting linear update: the
     /// length of the next Gauss-Newton step.
     pub fn relinearise_all(&mut self) -> (f64, UpdateReport) {
+        G::relinearise_all(self)
+    }
+
+    pub(crate) fn relinearise_all_here(&mut self) -> (f64, UpdateReport) {
         let mut report = UpdateReport { splits: self.gauges.take_splits(), ..UpdateReport::default() };
         for node in self.gauges.live().to_vec() {
             if !self.gauges.fixed[node] {

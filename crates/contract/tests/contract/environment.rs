@@ -84,8 +84,8 @@ fn hostile_variables_are_ignored_or_end_in_a_sentence() {
             ignored_or_refused(row, VARIABLES, &value, &usual);
         }
     }
-    // Set variables one by one, so that none hides another. The short form takes another third of the values for each.
-    let share = if long_tests() { 1 } else { 3 };
+    // Set variables one by one, so that none hides another. The short form takes another sixth of the values for each.
+    let share = if long_tests() { 1 } else { 6 };
     for row in table().iter().filter(|row| row.name == "experiment" || row.name == "pcm") {
         let usual = run(row, &[], OsStr::new("")).stdout;
         for (number, variable) in VARIABLES.iter().enumerate() {

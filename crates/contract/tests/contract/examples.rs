@@ -66,13 +66,24 @@ fn help_lines(section: &str) -> usize {
     section.lines().filter(|line| line.starts_with("    posecut ")).count()
 }
 
+/// Runs a program for at most one second of processor time. By then it has read its command line; a simulation that needs longer is
+/// ended.
+fn shortly(name: &str) -> Command {
+    if !cfg!(unix) {
+        return Command::new(program(name));
+    }
+    let mut command = Command::new("sh");
+    command.args(["-c", "ulimit -t 1; exec \"$@\"", "sh"]).arg(program(name));
+    command
+}
+
 /// Runs each call of some examples in a folder without its files: the program must accept the command line, and miss only
 /// the files.
 fn accepted(examples: &[String], of: &str) {
     for (called, arguments) in examples.iter().flat_map(|line| calls(line)).filter(|(name, _)| name != "help")
     {
         let folder = tempfile::tempdir().unwrap();
-        let output = Command::new(program(&called))
+        let output = shortly(&called)
             .args(&arguments)
             .current_dir(folder.path())
             .stdin(Stdio::null())

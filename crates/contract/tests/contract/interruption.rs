@@ -32,7 +32,7 @@ const TRIES: usize = 5;
 fn heavy_graph(folder: &Path) -> String {
     let mut text = String::from_utf8(samples().bytes("graph.jsonl")).unwrap();
     let mut state = 1_u64;
-    for _ in 0..150_000 {
+    for _ in 0..50_000 {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         let _ = writeln!(text, "{{\"kind\":\"ballast\",\"a\":{state},\"b\":{}}}", state.rotate_left(29));
     }

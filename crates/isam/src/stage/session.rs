@@ -5,13 +5,12 @@ use std::time::Instant;
 
 use anyhow::{Context as _, bail};
 use posecut_graph::{Edge, Node, PoseGraph};
-use posecut_optimize::PoseGroup;
 use posecut_optimize::pose_graph::{is_fixed, measured_edge};
 use posecut_optimize::stage::{KernelOptions, refuse_unless_finite};
 use serde::Serialize;
 
 use super::lag::{BeyondLag, LagOptions, TimeWindow};
-use crate::{EdgeId, IncrementalError, IncrementalOptions, IncrementalSolver};
+use crate::{EdgeId, IncrementalError, IncrementalGroup, IncrementalOptions, IncrementalSolver};
 
 /// A record of a session.
 #[derive(Clone, Debug)]
@@ -91,7 +90,7 @@ const RETRACT: &str = "retract";
 /// The same of an edge that reaches a marginalised node.
 const LAG: &str = "lag";
 
-impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
+impl<G: IncrementalGroup<DOF>, const DOF: usize> Session<G, DOF> {
     /// A session without poses; `graph` has only a header.
     pub(super) fn new(
         graph: PoseGraph,
@@ -187,7 +186,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
         self.edges.insert(id, Standing { place, line, used: None });
         if is_used && measures {
             if self.refuse_past(place, ends)? {
-                self.graph.edges[place].rejected_by = Some(LAG.to_owned());
+                self.graph.edges[place].reject(LAG);
             } else {
                 self.use_edge(id, place, ends)?;
             }
@@ -253,7 +252,7 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Session<G, DOF> {
             }
             return Err(error.into());
         }
-        edge.rejected_by = Some(RETRACT.to_owned());
+        edge.reject(RETRACT);
         self.edges.entry(id).and_modify(|standing| standing.used = None);
         self.retracted += 1;
         Ok(())

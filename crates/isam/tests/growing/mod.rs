@@ -4,8 +4,8 @@
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 use posecut_geometry::{LieGroup, SE2, SE3};
-use posecut_isam::IncrementalSolver;
-use posecut_optimize::{Edge, EdgeKind, Options, PoseGroup, Problem, optimize};
+use posecut_isam::{IncrementalGroup, IncrementalSolver};
+use posecut_optimize::{Edge, EdgeKind, Options, Problem, optimize};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -95,7 +95,7 @@ pub(crate) fn refine<G: LieGroup<DOF>, const DOF: usize>(
 }
 
 /// Largest distance of a pose from that of a fresh batch solution that gets only the gauges; and both costs.
-pub(crate) fn distance_from_fresh<G: PoseGroup<DOF>, const DOF: usize>(
+pub(crate) fn distance_from_fresh<G: IncrementalGroup<DOF>, const DOF: usize>(
     solver: &IncrementalSolver<G, DOF>,
 ) -> (f64, f64, f64) {
     let edges: Vec<_> = solver.edges().into_iter().map(|(_, edge)| edge).collect();

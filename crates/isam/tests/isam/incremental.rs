@@ -9,14 +9,16 @@
 use crate::growing::{World, distance_from_fresh, planar, spatial};
 use nalgebra::Matrix3;
 use posecut_geometry::{LieGroup, SE2, SE3};
-use posecut_isam::{EdgeId, IncrementalError, IncrementalOptions, IncrementalSolver, Split};
-use posecut_optimize::{Edge, EdgeKind, Kernel, Options, PoseGroup, Problem, ProblemError, optimize};
+use posecut_isam::{
+    EdgeId, IncrementalError, IncrementalGroup, IncrementalOptions, IncrementalSolver, Split,
+};
+use posecut_optimize::{Edge, EdgeKind, Kernel, Options, Problem, ProblemError, optimize};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Checks every step of a session with landmark edges to random earlier poses.
-fn follow<G: PoseGroup<DOF>, const DOF: usize>(
+fn follow<G: IncrementalGroup<DOF>, const DOF: usize>(
     seed: u64,
     step: fn(&mut ChaCha8Rng) -> G,
     options: IncrementalOptions,
@@ -71,7 +73,7 @@ fn every_step_is_near_the_batch_optimum() {
 }
 
 /// Adds, removes and re-adds edges in any order, several per update. Removed odometry splits components, which join again.
-fn come_and_go<G: PoseGroup<DOF>, const DOF: usize>(
+fn come_and_go<G: IncrementalGroup<DOF>, const DOF: usize>(
     seed: u64,
     steps: usize,
     step: fn(&mut ChaCha8Rng) -> G,

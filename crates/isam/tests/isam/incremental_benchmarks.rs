@@ -8,10 +8,13 @@
 )]
 
 use crate::{best_known, g2o, replay};
-use posecut_isam::{IncrementalOptions, IncrementalSolver};
-use posecut_optimize::{Edge, Initialisation, Options, PoseGroup, Problem, optimize};
+use posecut_isam::{IncrementalGroup, IncrementalOptions, IncrementalSolver};
+use posecut_optimize::{Edge, Initialisation, Options, Problem, optimize};
 
-fn check<G: PoseGroup<DOF>, const DOF: usize>(name: &str, (poses, edges): (Vec<G>, Vec<Edge<G, DOF>>)) {
+fn check<G: IncrementalGroup<DOF>, const DOF: usize>(
+    name: &str,
+    (poses, edges): (Vec<G>, Vec<Edge<G, DOF>>),
+) {
     let best = best_known::BEST_KNOWN.iter().find(|(known, _)| *known == name).unwrap().1;
     let mut solver = IncrementalSolver::<G, DOF>::new(IncrementalOptions::default()).unwrap();
     let mut seen = Vec::new();

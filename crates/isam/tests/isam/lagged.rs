@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 
 use posecut_geometry::LieGroup;
-use posecut_isam::{IncrementalOptions, IncrementalSolver};
-use posecut_optimize::{Edge, EdgeKind, PoseGroup};
+use posecut_isam::{IncrementalGroup, IncrementalOptions, IncrementalSolver};
+use posecut_optimize::{Edge, EdgeKind};
 use rand_chacha::ChaCha8Rng;
 
 use crate::growing::World;
@@ -45,7 +45,7 @@ pub(crate) fn session<G: LieGroup<DOF>, const DOF: usize>(
     Session { world, edges }
 }
 
-pub(crate) fn play<G: PoseGroup<DOF>, const DOF: usize>(
+pub(crate) fn play<G: IncrementalGroup<DOF>, const DOF: usize>(
     solver: &mut IncrementalSolver<G, DOF>,
     session: &Session<G, DOF>,
     each: impl Fn(&mut IncrementalSolver<G, DOF>, usize),
@@ -61,7 +61,7 @@ pub(crate) fn play<G: PoseGroup<DOF>, const DOF: usize>(
 }
 
 /// Largest difference of poses over those that `solver` has not marginalised.
-pub(crate) fn apart_on_live<G: PoseGroup<DOF>, const DOF: usize>(
+pub(crate) fn apart_on_live<G: IncrementalGroup<DOF>, const DOF: usize>(
     solver: &IncrementalSolver<G, DOF>,
     other: &[G],
 ) -> f64 {

@@ -5,8 +5,10 @@
 use nalgebra::Matrix3;
 use posecut_geometry::{LieGroup, SE2, SE3};
 use posecut_graph::connectivity::connected_components;
-use posecut_isam::{EdgeId, IncrementalError, IncrementalOptions, IncrementalSolver, Split};
-use posecut_optimize::{Edge, EdgeKind, Marginals, PoseGroup, Problem};
+use posecut_isam::{
+    EdgeId, IncrementalError, IncrementalGroup, IncrementalOptions, IncrementalSolver, Split,
+};
+use posecut_optimize::{Edge, EdgeKind, Marginals, Problem};
 use proptest::prelude::*;
 use rand_chacha::ChaCha8Rng;
 
@@ -15,7 +17,7 @@ use crate::incremental::line;
 use crate::lagged::{apart_on_live, frozen, play, session};
 use crate::noisy_walk::bits;
 
-fn check_linear<G: PoseGroup<DOF>, const DOF: usize>(seed: u64, step: fn(&mut ChaCha8Rng) -> G) {
+fn check_linear<G: IncrementalGroup<DOF>, const DOF: usize>(seed: u64, step: fn(&mut ChaCha8Rng) -> G) {
     let session = session::<G, DOF>(seed, 0.02, [80, 12], step);
     let mut full = IncrementalSolver::<G, DOF>::new(frozen()).unwrap();
     play(&mut full, &session, |_, _| {});
@@ -78,7 +80,7 @@ struct Reference<G, const DOF: usize> {
 }
 
 /// Compares relative poses within components with a dense solution of all edges, those of the past included.
-fn check_against_dense<G: PoseGroup<DOF>, const DOF: usize>(
+fn check_against_dense<G: IncrementalGroup<DOF>, const DOF: usize>(
     solver: &mut IncrementalSolver<G, DOF>,
     reference: &Reference<G, DOF>,
     truth: &[G],
@@ -104,7 +106,7 @@ fn check_against_dense<G: PoseGroup<DOF>, const DOF: usize>(
 }
 
 /// Adds, removes and marginalises at random, with noise so small that the model is linear to 1e-8.
-fn come_go_and_pass<G: PoseGroup<DOF>, const DOF: usize>(
+fn come_go_and_pass<G: IncrementalGroup<DOF>, const DOF: usize>(
     seed: u64,
     steps: usize,
     step: fn(&mut ChaCha8Rng) -> G,

@@ -3,14 +3,13 @@
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 
 use posecut_geometry::{SE2, SE3};
-use posecut_isam::{IncrementalOptions, IncrementalSolver};
-use posecut_optimize::PoseGroup;
+use posecut_isam::{IncrementalGroup, IncrementalOptions, IncrementalSolver};
 
 use crate::changes::{Changed, Graph, changes, largest_gap, scaled};
 use crate::noisy_walk::noisy_walk;
 
 /// Whether it converged, and the poses.
-fn estimate<G: PoseGroup<DOF>, const DOF: usize>((poses, edges): &Graph<G, DOF>) -> (bool, Vec<G>) {
+fn estimate<G: IncrementalGroup<DOF>, const DOF: usize>((poses, edges): &Graph<G, DOF>) -> (bool, Vec<G>) {
     let mut solver = IncrementalSolver::new(IncrementalOptions::default()).unwrap();
     for &pose in poses {
         solver.add_pose(pose).unwrap();
@@ -25,7 +24,7 @@ fn estimate<G: PoseGroup<DOF>, const DOF: usize>((poses, edges): &Graph<G, DOF>)
     (solver.finish().converged, solver.estimates())
 }
 
-fn check<G: PoseGroup<DOF>, const DOF: usize>() {
+fn check<G: IncrementalGroup<DOF>, const DOF: usize>() {
     let graph = noisy_walk::<G, DOF>(60, 40, 0.05, 8);
     let (converged, plain) = estimate(&graph);
     assert!(converged);
