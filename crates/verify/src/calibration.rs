@@ -60,9 +60,10 @@ impl Factors {
 const LOCAL: f64 = 900.0;
 
 impl Calibration {
-    /// Whether the ascent ended at the smallest factor of landmark edges that it steps to: the loops may ask for a smaller one.
+    /// Whether the factor of landmark edges is the smallest one allowed: the loops may ask for a smaller one.
     pub fn is_landmark_least(&self) -> bool {
-        (self.landmark / LANDMARK_LEAST - 1.0).abs() < 1e-9
+        // exp(ln(x)) differs from x by rounding.
+        self.landmark <= LANDMARK_LEAST * (1.0 + 1e-9)
     }
 
     /// The factor that turns the claimed covariance of a loop's landmark edges into that of a local error, never below the
@@ -140,9 +141,8 @@ const COHERENT: f64 = 1e-6;
 const COHERENT_MOST: f64 = 1e-2;
 /// A coherent variance without effect.
 const NEGLIGIBLE: f64 = 1e-12;
-/// The smallest factor of landmark edges that the ascent steps to; a start below it may stand. Neighbouring keyframes share scans, so their
-/// measurements agree with each other better than with the world: loops through two of them ask for a factor near 0.01 on the log intel. Six
-/// edges, all off by the same 5 m, then bent the map.
+/// The smallest factor of landmark edges. Neighbouring keyframes share scans, so their measurements agree with each other better than with
+/// the world: loops through two of them ask for a factor near 0.01 on the log intel. Six edges, all off by the same 5 m, then bent the map.
 const LANDMARK_LEAST: f64 = 0.1;
 /// Evidence below which covariances are used as claimed, nats.
 const LEAST_EVIDENCE: f64 = 10.0;
@@ -179,7 +179,7 @@ fn calibrate<G: Motion<DOF>, const DOF: usize>(
     }
     // Loops through the same closures are not independent, so each counts for less.
     let tempering = (candidates.min(SAMPLE) as f64 / loops as f64).min(1.0);
-    let starts = [(0.0, 0.0), (-4.0, 0.0), (4.0, 0.0), (0.0, 5.0), (0.0, -3.0)]
+    let starts = [(0.0, 0.0), (-4.0, 0.0), (4.0, 0.0), (0.0, 5.0), (0.0, LANDMARK_LEAST.ln())]
         .map(|(odometry, landmark)| Point { odometry, landmark, coherent: coherent.ln() });
     let best = highest(&starts, if with_coherent { &[0, 2, 1] } else { &[0, 1] }, |point, loops| {
         let found = contrast(classes, &calibration.with(point), tempering, loops);
