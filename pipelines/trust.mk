@@ -46,7 +46,7 @@ trust-sample: $(EXPERIMENTS) $(REPORT)
 	@scripts/check-trust.sh $(call quoted,$(trust_results)-sample)
 
 # What each ingredient of verification is worth: docs/results/verify-ablation.md. Shares its results with `make trust`.
-ingredients    = calibration coherent heavy-tails shift far-partners multicut rounds local prior bridges breaks trials
+ingredients    = calibration coherent short-stretches heavy-tails shift far-partners multicut rounds local prior bridges breaks trials
 ablation_of    = $(trust_files) $(trust_places) --methods $(call listed,none verify $(addprefix verify-without-,$(ingredients)))
 ablation: $(EXPERIMENTS)
 	@test -d $(call quoted,$(or $(DATA),missing)) || { echo 'Name the folder of graphs: make ablation DATA=DIR'; exit 2; }

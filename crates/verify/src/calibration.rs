@@ -27,32 +27,53 @@ pub struct Calibration {
     pub evidence: f64,
     /// Whether the evidence was too little for an estimate, so that covariances are used as claimed.
     pub on_prior: bool,
+    /// A further factor on the covariance of odometry for loops through neighbours of one chain.
+    #[serde(skip)]
+    pub(crate) short: f64,
     /// Degrees of freedom of the t distribution of errors.
     #[serde(skip)]
     pub(crate) tail: f64,
 }
 
-/// Factors for loops, with coherent errors, and for the map, without: the optimiser takes odometry errors as independent per
-/// step.
+/// Factors for each use of odometry.
 #[derive(Clone, Debug)]
 pub(crate) struct Factors {
+    /// For loops through two candidates.
     pub(crate) loops: Calibration,
+    /// For the loop of a candidate with the odometry of its own chain. Errors are not independent from step to step: over a whole chain,
+    /// they may add up to many times what neighbours show. Here neighbours have a factor of their own.
+    pub(crate) single: Calibration,
+    /// For the map, without coherent errors: the optimiser takes errors as independent per step.
     pub(crate) random: Calibration,
 }
 
 impl Factors {
     pub(crate) fn of<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, partners: &Partners) -> Self {
         let classes = classes(model, partners);
-        let (loops, random) = rayon::join(
-            || calibrate(model, &classes, !model.without(Ingredient::Coherent)),
-            || calibrate(model, &classes, false),
+        let mut axes = vec![Axis::Odometry];
+        axes.extend((!model.without(Ingredient::Coherent)).then_some(Axis::Coherent));
+        axes.push(Axis::Landmark);
+        let separate = !model.without(Ingredient::ShortStretches) && classes.iter().any(Class::is_short);
+        let with_short = [&axes[..], &[Axis::Short]].concat();
+        let (loops, (single, random)) = rayon::join(
+            || calibrate(model, &classes, &axes),
+            || {
+                rayon::join(
+                    || separate.then(|| calibrate(model, &classes, &with_short)),
+                    || calibrate(model, &classes, &[Axis::Odometry, Axis::Landmark]),
+                )
+            },
         );
-        Self { loops, random }
+        Self { single: single.unwrap_or_else(|| loops.clone()), loops, random }
     }
 
     /// The same factors for chains that are pieces of the calibrated ones. `whole` has the calibrated chain of each piece.
     pub(crate) fn of_parts(&self, whole: &[usize]) -> Self {
-        Self { loops: self.loops.of_parts(whole), random: self.random.of_parts(whole) }
+        Self {
+            loops: self.loops.of_parts(whole),
+            single: self.single.of_parts(whole),
+            random: self.random.of_parts(whole),
+        }
     }
 }
 
@@ -60,9 +81,10 @@ impl Factors {
 const LOCAL: f64 = 900.0;
 
 impl Calibration {
-    /// Whether the ascent ended at the smallest factor of landmark edges that it steps to: the loops may ask for a smaller one.
+    /// Whether the factor of landmark edges is the smallest one allowed: the loops may ask for a smaller one.
     pub fn is_landmark_least(&self) -> bool {
-        (self.landmark / LANDMARK_LEAST - 1.0).abs() < 1e-9
+        // exp(ln(x)) differs from x by rounding.
+        self.landmark <= LANDMARK_LEAST * (1.0 + 1e-9)
     }
 
     /// The factor that turns the claimed covariance of a loop's landmark edges into that of a local error, never below the
@@ -100,8 +122,14 @@ impl Calibration {
             odometry: vec![point.odometry.exp(); chains],
             coherent: vec![point.coherent.exp(); chains],
             landmark: point.landmark.exp(),
+            short: point.short.exp(),
             ..*self
         }
+    }
+
+    /// The same calibration for loops through neighbours of one chain.
+    pub(crate) fn over_short(&self) -> Self {
+        Self { odometry: self.odometry.iter().map(|factor| factor * self.short).collect(), ..self.clone() }
     }
 
     fn of_parts(&self, whole: &[usize]) -> Self {
@@ -140,9 +168,8 @@ const COHERENT: f64 = 1e-6;
 const COHERENT_MOST: f64 = 1e-2;
 /// A coherent variance without effect.
 const NEGLIGIBLE: f64 = 1e-12;
-/// The smallest factor of landmark edges that the ascent steps to; a start below it may stand. Neighbouring keyframes share scans, so their
-/// measurements agree with each other better than with the world: loops through two of them ask for a factor near 0.01 on the log intel. Six
-/// edges, all off by the same 5 m, then bent the map.
+/// The smallest factor of landmark edges. Neighbouring keyframes share scans, so their measurements agree with each other better than with
+/// the world: loops through two of them ask for a factor near 0.01 on the log intel. Six edges, all off by the same 5 m, then bent the map.
 const LANDMARK_LEAST: f64 = 0.1;
 /// Evidence below which covariances are used as claimed, nats.
 const LEAST_EVIDENCE: f64 = 10.0;
@@ -152,20 +179,32 @@ struct Point {
     odometry: f64,
     landmark: f64,
     coherent: f64,
+    short: f64,
+}
+
+/// A factor that the ascent moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Axis {
+    Odometry,
+    Landmark,
+    Coherent,
+    Short,
 }
 
 /// Estimates the common factors first, then those of each chain.
 fn calibrate<G: Motion<DOF>, const DOF: usize>(
     model: &Model<G, DOF>,
     classes: &[Class<DOF>],
-    with_coherent: bool,
+    axes: &[Axis],
 ) -> Calibration {
+    let with_coherent = axes.contains(&Axis::Coherent);
     let chains = model.chains.chains.len();
     let coherent = if with_coherent { COHERENT } else { NEGLIGIBLE };
     let mut calibration = Calibration {
         odometry: vec![1.0; chains],
         coherent: vec![coherent; chains],
         landmark: 1.0,
+        short: 1.0,
         correct: 0.5,
         local: 0.0,
         evidence: 0.0,
@@ -179,13 +218,14 @@ fn calibrate<G: Motion<DOF>, const DOF: usize>(
     }
     // Loops through the same closures are not independent, so each counts for less.
     let tempering = (candidates.min(SAMPLE) as f64 / loops as f64).min(1.0);
-    let starts = [(0.0, 0.0), (-4.0, 0.0), (4.0, 0.0), (0.0, 5.0), (0.0, -3.0)]
-        .map(|(odometry, landmark)| Point { odometry, landmark, coherent: coherent.ln() });
-    let best = highest(&starts, if with_coherent { &[0, 2, 1] } else { &[0, 1] }, |point, loops| {
+    let starts = [(0.0, 0.0), (-4.0, 0.0), (4.0, 0.0), (0.0, 5.0), (0.0, LANDMARK_LEAST.ln())]
+        .map(|(odometry, landmark)| Point { odometry, landmark, coherent: coherent.ln(), short: 0.0 });
+    let best = highest(&starts, axes, |point, loops| {
         let found = contrast(classes, &calibration.with(point), tempering, loops);
         let prior = square(point.odometry / PRIOR)
             + square(point.landmark / PRIOR)
-            + square((point.coherent - coherent.ln()) / (2.0 * PRIOR));
+            + square((point.coherent - coherent.ln()) / (2.0 * PRIOR))
+            + square(point.short / PRIOR);
         Contrast { objective: found.objective - 0.5 * prior, ..found }
     });
     let Some((point, Contrast { evidence, correct, .. })) = best else { return calibration };
@@ -224,9 +264,12 @@ fn refine<const DOF: usize>(
             let all = [now, (common.0 + 4.0, common.1)].map(|(odometry, coherent)| Point {
                 odometry,
                 landmark: 0.0,
+                short: 0.0,
                 coherent,
             });
-            let best = highest(&all[..starts], if with_coherent { &[0, 2] } else { &[0] }, |point, loops| {
+            let axes: &[Axis] =
+                if with_coherent { &[Axis::Odometry, Axis::Coherent] } else { &[Axis::Odometry] };
+            let best = highest(&all[..starts], axes, |point, loops| {
                 let mut factors = calibration.clone();
                 factors.odometry[chain] = point.odometry.exp();
                 factors.coherent[chain] = point.coherent.exp();
@@ -251,7 +294,7 @@ fn square(value: f64) -> f64 {
 /// loops then continue from the best result.
 fn highest(
     starts: &[Point],
-    axes: &[usize],
+    axes: &[Axis],
     objective: impl Fn(Point, Loops) -> Contrast + Sync,
 ) -> Option<(Point, Contrast)> {
     let (some, all) = (|point| objective(point, Loops::Some), |point| objective(point, Loops::All));
@@ -269,7 +312,7 @@ fn highest(
 
 fn ascend(
     start: (Point, Contrast),
-    axes: &[usize],
+    axes: &[Axis],
     steps: &[f64],
     objective: impl Fn(Point) -> Contrast,
 ) -> (Point, Contrast) {
@@ -299,16 +342,21 @@ fn ascend(
 impl Point {
     /// Whether two points are equal up to rounding.
     fn is(&self, other: &Self) -> bool {
-        let apart =
-            [self.odometry - other.odometry, self.landmark - other.landmark, self.coherent - other.coherent];
+        let apart = [
+            self.odometry - other.odometry,
+            self.landmark - other.landmark,
+            self.coherent - other.coherent,
+            self.short - other.short,
+        ];
         apart.iter().all(|apart| apart.abs() < 1e-9)
     }
 
-    fn moved(mut self, axis: usize, by: f64) -> Self {
+    fn moved(mut self, axis: Axis, by: f64) -> Self {
         match axis {
-            0 => self.odometry += by,
-            1 => self.landmark = (self.landmark + by).max(LANDMARK_LEAST.ln()),
-            _ => self.coherent = (self.coherent + 2.0 * by).min(COHERENT_MOST.ln()),
+            Axis::Odometry => self.odometry += by,
+            Axis::Landmark => self.landmark = (self.landmark + by).max(LANDMARK_LEAST.ln()),
+            Axis::Short => self.short += by,
+            Axis::Coherent => self.coherent = (self.coherent + 2.0 * by).min(COHERENT_MOST.ln()),
         }
         self
     }

@@ -11,6 +11,8 @@ pub enum Ingredient {
     Calibration,
     /// Odometry errors that accumulate, such as a wrong wheel size
     Coherent,
+    /// A separate factor for odometry between neighbouring edges; without it, one factor for all odometry
+    ShortStretches,
     /// A t distribution of the errors; without it, they are Gaussian
     HeavyTails,
     /// False edges that come in groups, as an alternative to correct edges in the calibration

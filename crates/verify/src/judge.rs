@@ -79,7 +79,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         .iter()
         .map(|closure| begun_with.binary_search(&closure.candidate.edge).is_ok())
         .collect();
-    let first = FirstPass::of(model, &partners, &factors.loops);
+    let first = FirstPass::of(model, &partners, &factors);
     let [within, between] = if model.without(Ingredient::Bridges) {
         [Vec::new(), Vec::new()]
     } else {

@@ -22,6 +22,8 @@ const ROUNDS: usize = 12;
 pub(crate) struct Class<const DOF: usize> {
     /// Whether its loops are used to estimate how many candidates are correct.
     counts: bool,
+    /// Whether its loops take only short stretches of one chain.
+    short: bool,
     /// Most local errors and shifts, relative to the correct loops. They must remain the exception, or they would take over
     /// the noise.
     wrong_most: f64,
@@ -124,6 +126,11 @@ impl<const DOF: usize> Class<DOF> {
         }
     }
 
+    /// Whether its loops take only short stretches of one chain.
+    pub(crate) fn is_short(&self) -> bool {
+        self.short
+    }
+
     /// The loops that a chain takes part in; between two chains, these are all loops.
     pub(crate) fn of(&self, chain: usize) -> Cow<'_, Self> {
         let takes_part = |closed: &Loop<DOF>| closed.odometry.iter().any(|(of, ..)| *of == chain);
@@ -142,7 +149,8 @@ impl<const DOF: usize> Class<DOF> {
 
     /// The likelihoods of every `step`-th pack of loops, and of their twins.
     fn likelihoods(&self, factors: &Calibration, step: usize) -> [Vec<Likelihoods>; 2] {
-        [&self.real, &self.shuffled].map(|sample| sample.likelihoods(factors, self.shifted, step))
+        let factors = if self.short { Cow::Owned(factors.over_short()) } else { Cow::Borrowed(factors) };
+        [&self.real, &self.shuffled].map(|sample| sample.likelihoods(&factors, self.shifted, step))
     }
 
     /// The mixing proportions, by expectation maximisation.
@@ -175,6 +183,7 @@ pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
 ) -> Vec<Class<DOF>> {
     let empty = |counts, wrong_most, shifted| Class {
         counts,
+        short: false,
         wrong_most,
         shifted,
         neighbours: false,
@@ -187,6 +196,7 @@ pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
     let count = model.closures.len();
     let sample = (0..count).step_by(count.div_ceil(SAMPLE).max(1));
     let neighbours = Neighbours::of(model, partners, sample.clone());
+    short.short = true;
     near.neighbours = neighbours.known();
     near.shifted |= near.neighbours;
     for closure in sample {

@@ -252,6 +252,8 @@ fn every_ingredient_can_be_left_out() {
             }
             Ingredient::HeavyTails | Ingredient::Shift => assert_ne!(rest.calibration, whole.calibration),
             Ingredient::Rounds => assert_eq!(rest.rounds, 0),
+            // Between two chains there are no loops within one.
+            Ingredient::ShortStretches => assert_eq!(rest.calibration, whole.calibration),
             // No candidate of this graph needs these ingredients, or other evidence replaces them.
             Ingredient::FarPartners
             | Ingredient::Multicut
