@@ -20,9 +20,8 @@ const ROUNDS: usize = 12;
 /// Loops of one kind that share mixing proportions, with their shuffled twins.
 #[derive(Clone)]
 pub(crate) struct Class<const DOF: usize> {
-    /// Whether its loops are used to estimate how many candidates are correct.
-    counts: bool,
-    /// Whether its loops take only short stretches of one chain.
+    /// Whether its loops are through neighbours of one chain, over short stretches of odometry. These inform only about noise, not about how
+    /// many candidates are correct: wrong neighbours agree with each other, too.
     short: bool,
     /// Most local errors and shifts, relative to the correct loops. They must remain the exception, or they would take over
     /// the noise.
@@ -82,7 +81,7 @@ pub(crate) fn contrast<const DOF: usize>(
         let shares = class.shares(&real);
         let gained = step as f64 * (gain(&real, &shares) - gain(&shuffled, &shares).max(0.0));
         sum += gained;
-        if class.counts {
+        if !class.short {
             evidence += gained;
             correct += shares[0] * class.real.len() as f64;
             counted += class.real.len() as f64;
@@ -98,7 +97,7 @@ pub(crate) fn contrast<const DOF: usize>(
 /// Ratio of local errors to correct loops, in the classes that count correct candidates.
 pub(crate) fn local_share<const DOF: usize>(classes: &[Class<DOF>], factors: &Calibration) -> f64 {
     let (mut correct, mut local) = (0.0, 0.0);
-    for class in classes.iter().filter(|class| class.counts) {
+    for class in classes.iter().filter(|class| !class.short) {
         let [real, shuffled] = class.likelihoods(factors, 1);
         let shares = class.shares(&real);
         correct += shares[0] * class.real.len() as f64;
@@ -126,7 +125,7 @@ impl<const DOF: usize> Class<DOF> {
         }
     }
 
-    /// Whether its loops take only short stretches of one chain.
+    /// Whether its loops are through neighbours of one chain.
     pub(crate) fn is_short(&self) -> bool {
         self.short
     }
@@ -181,22 +180,20 @@ pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
     model: &Model<G, DOF>,
     partners: &Partners,
 ) -> Vec<Class<DOF>> {
-    let empty = |counts, wrong_most, shifted| Class {
-        counts,
-        short: false,
+    let empty = |short, wrong_most, shifted| Class {
+        short,
         wrong_most,
         shifted,
         neighbours: false,
         real: Sample::default(),
         shuffled: Sample::default(),
     };
-    let (mut single, mut short) = (empty(true, 0.0, false), empty(false, 1.25, false));
+    let (mut single, mut short) = (empty(false, 0.0, false), empty(true, 1.25, false));
     let shifted = !model.without(Ingredient::Shift);
-    let (mut near, mut far) = (empty(true, 1.25, shifted), empty(true, 1.25, shifted));
+    let (mut near, mut far) = (empty(false, 1.25, shifted), empty(false, 1.25, shifted));
     let count = model.closures.len();
     let sample = (0..count).step_by(count.div_ceil(SAMPLE).max(1));
     let neighbours = Neighbours::of(model, partners, sample.clone());
-    short.short = true;
     near.neighbours = neighbours.known();
     near.shifted |= near.neighbours;
     for closure in sample {
@@ -209,7 +206,6 @@ pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
             if let Some(twin) = model.single_shuffled(closure, donor) {
                 single.shuffled.push(twin);
             }
-            // Neighbours only inform about landmark noise: aliased runs agree with each other, too.
             for (_, rank, other) in ranked.filter(|(place, ..)| *place != 1) {
                 short.add(model, (closure, other), rank + 2, None);
             }
