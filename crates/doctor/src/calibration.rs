@@ -36,13 +36,16 @@ pub(crate) fn verification(survey: &Survey<'_>) -> anyhow::Result<Verification> 
     for_dimension!(survey.graph.header.dimension, |G, DOF| verify::<G, DOF>(survey.graph))
 }
 
+/// How much smaller than its limit the factor of landmark edges may be: loops of the laser log intel ask for a tenth of the limit.
+const BELOW_LEAST: f64 = 0.1;
+
 /// Whether covariances of odometry and of landmark edges may be wrong by the same factor, if at all.
 pub(crate) fn is_one_factor(calibration: &Calibration) -> bool {
-    let ratios: Vec<f64> =
-        calibration.odometry.iter().map(|odometry| calibration.landmark / odometry).collect();
-    // At its limit, the factor for landmark edges may be smaller.
-    let known = !calibration.on_prior && !calibration.is_landmark_least();
-    known && ratios.iter().all(|ratio| EQUAL.contains(ratio))
+    let landmark = calibration.landmark;
+    let least = if calibration.is_landmark_least() { BELOW_LEAST * landmark } else { landmark };
+    let is_equal =
+        |odometry: f64| EQUAL.contains(&(least / odometry)) && EQUAL.contains(&(landmark / odometry));
+    !calibration.on_prior && calibration.odometry.iter().all(|&odometry| is_equal(odometry))
 }
 
 pub(crate) fn check(survey: &Survey<'_>, verification: &Verification, found: &mut Vec<Finding>) {
