@@ -14,8 +14,6 @@ ingesting     := $(or $(INGEST),$(BIN)/posecut-ingest)
 # Without place recognition there are no landmark edges, and nothing to judge.
 recognizing   := $(or $(RECOGNIZE),$(if $(filter recognize,$(programs)),$(BIN)/posecut-recognize,cat))
 judging       := $(or $(VERIFY),$(if $(filter cat,$(recognizing)),cat,$(BIN)/posecut-verify))
-# Candidates of a simulated log get labels, which the page shows: how far a correct one may be off.
-close_enough  := $(shell cat pipelines/laser-tolerance)
 # Without verdicts all candidates are in use anyway.
 all_candidates := $(if $(filter cat,$(judging)),,$(map_place)/all-candidates)
 map_errors     := $(if $(map_relations),$(map_place)/errors.result.json $(addsuffix .errors.result.json,$(map_place)/before $(all_candidates)))
@@ -71,11 +69,12 @@ $(map_place)/session.jsonl: $(map_log) $(ingesting) $(map_place)/.ingest
 	$(call said,ingest)
 	@$(ingesting) $< --scan-matching --trajectory $(map_place)/trajectory.tum -o $@
 
+# Candidates of a simulated log get labels, which the page shows.
 $(map_place)/graph.jsonl: $(map_place)/session.jsonl $(filter-out cat,$(recognizing)) $(map_place)/.recognize \
                          $(if $(LOG),,$(BIN)/posecut-label pipelines/laser-tolerance)
 	$(call said,recognize)
 	@$(recognizing) <$< >$@
-	$(if $(LOG),,@$(BIN)/posecut-label $@ --ground-truth $< $(close_enough) -q -o $@)
+	$(if $(LOG),,@$(BIN)/posecut-label $@ --ground-truth $< $$(cat pipelines/laser-tolerance) -q -o $@)
 
 $(map_place)/judged.jsonl: $(map_place)/graph.jsonl $(filter-out cat,$(judging)) $(map_place)/.verify
 	$(call said,judge)

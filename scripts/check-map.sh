@@ -1,5 +1,6 @@
 #!/bin/sh
-# Runs `make map` on a simulated log and checks its pictures, its counts and the section of the page; then without place recognition, then with another program in the same folder.
+# Runs `make map` on a simulated log and checks its pictures, its counts and the section of the page; then without place recognition, then
+# with another program in the same folder.
 #
 # Usage: scripts/check-map.sh [FOLDER OF RESULTS]; needs the release programs. It takes about ten seconds.
 set -eu

@@ -23,8 +23,8 @@ impl Keys {
     }
 
     /// The positions of the keys that are nearest to the one at a position, which is among them, with squared distances: the nearest first,
-    /// of equal ones the first. A dozen splits leave
-    /// little out of 30 coordinates, so that this takes nearly as long as a linear search of 10,000 keys.
+    /// of equal ones the first. A dozen splits leave little out of 30 coordinates, so that this takes nearly as long as a linear search of
+    /// 10,000 keys.
     pub fn nearest(&self, position: usize, count: NonZero<usize>) -> Vec<(f64, usize)> {
         let mut found: Vec<(f64, usize)> = self
             .tree

@@ -95,8 +95,9 @@ mod tests {
 
     use posecut_geometry::{LieGroup as _, SE2};
     use posecut_graph::PoseGraph;
-    use posecut_random::rand::RngExt as _;
-    use posecut_random::{ChaCha8Rng, random};
+    use posecut_stage::random;
+    use rand::{Rng, RngExt as _};
+    use rand_distr::{Distribution as _, StandardNormal};
 
     use super::*;
 
@@ -108,12 +109,12 @@ mod tests {
     const STEP: [f64; 2] = [0.01, 0.002];
     const LANDMARK: [f64; 2] = [0.03, 0.01];
 
-    /// A sum of twelve uniform numbers is nearly normal.
-    fn normal(random: &mut ChaCha8Rng, deviation: f64) -> f64 {
-        deviation * ((0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0)
+    fn normal(random: &mut impl Rng, deviation: f64) -> f64 {
+        let unit: f64 = StandardNormal.sample(random);
+        deviation * unit
     }
 
-    fn noise(random: &mut ChaCha8Rng, [along, turn]: [f64; 2]) -> SE2 {
+    fn noise(random: &mut impl Rng, [along, turn]: [f64; 2]) -> SE2 {
         SE2::new(normal(random, along), normal(random, along), normal(random, turn))
     }
 
