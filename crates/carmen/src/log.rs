@@ -7,6 +7,7 @@ use std::io::BufRead;
 
 use nalgebra::Vector3;
 use posecut_geometry::{LieGroup, SE2};
+use posecut_graph::bounded_lines;
 use posecut_scan::LaserScan;
 use serde::Serialize;
 
@@ -67,7 +68,7 @@ impl Log {
     /// Reads the scans of a log; errors call it `place`. O(size).
     pub fn read(place: &str, reader: impl BufRead, options: &LogOptions) -> Result<Self, LogError> {
         let mut reading = Reading::default();
-        for (number, text) in reader.lines().enumerate() {
+        for (number, text) in bounded_lines(reader).enumerate() {
             let line = number + 1;
             let refused = |problem, remedy| LogError::Line { place: place.to_owned(), line, problem, remedy };
             let text = text.map_err(|error| refused(format!("cannot be read: {error}"), DOWNLOAD))?;

@@ -126,6 +126,13 @@ fn a_truncated_line_is_refused_with_its_line() {
 }
 
 #[test]
+fn a_file_without_line_ends_is_refused_before_it_fills_memory() {
+    let endless = std::io::BufReader::new(std::io::repeat(b'x'));
+    let said = Log::read("a.log", endless, &LogOptions::DEFAULT).unwrap_err().to_string();
+    assert!(said.starts_with("a.log, line 1: cannot be read: a line is longer than 16 MiB"), "{said}");
+}
+
+#[test]
 fn meaningless_ranges_are_no_returns_and_counted() {
     let log = read(&drive().replace("1.5 2.5 60.0", "nan -2.5 3.0")).unwrap();
     assert_eq!(log.repairs.meaningless_ranges, 8);

@@ -22,7 +22,6 @@ mod matrix;
 
 use posecut_geometry::covariance::isotropic_information;
 use posecut_graph::{Dimension, Edge, EdgeKind, EdgeTruth, PoseGraph};
-use posecut_stage::Source;
 use serde::Serialize;
 
 use crate::ConvertError;
@@ -33,26 +32,22 @@ use ends::Nodes;
 /// The default of `--time-tolerance`, seconds.
 const TIME_TOLERANCE: f64 = 0.1;
 
-/// A table of closures, and what it does not say.
-#[derive(Clone, Debug, clap::Args, Serialize)]
+/// What a table of closures does not say.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct ClosureOptions {
-    /// Add the landmark edges of this table: CSV with named columns, such as from,to,x,y,theta
-    #[arg(long, value_name = "FILE", help_heading = "Closures from a table")]
-    #[serde(skip)]
-    pub closures: Option<Source>,
-
     /// Set the standard deviation of all translations of the table, metres per axis
-    #[arg(long, value_name = "METRES", requires = "closures", help_heading = "Closures from a table")]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", requires = "closures", help_heading = "Closures from a table"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub closure_sigma_translation: Option<f64>,
 
     /// Set the standard deviation of all rotations of the table, radians per axis
-    #[arg(long, value_name = "RADIANS", requires = "closures", help_heading = "Closures from a table")]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "RADIANS", requires = "closures", help_heading = "Closures from a table"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub closure_sigma_rotation: Option<f64>,
 
     /// Match the times of the table to nodes up to this far away, seconds
-    #[arg(long, value_name = "SECONDS", default_value_t = TIME_TOLERANCE, help_heading = "Closures from a table")]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SECONDS", default_value_t = TIME_TOLERANCE, help_heading = "Closures from a table"))]
     #[serde(skip_serializing_if = "is_default_tolerance")]
     pub time_tolerance: f64,
 }
@@ -65,7 +60,6 @@ fn is_default_tolerance(tolerance: &f64) -> bool {
 impl Default for ClosureOptions {
     fn default() -> Self {
         Self {
-            closures: None,
             closure_sigma_translation: None,
             closure_sigma_rotation: None,
             time_tolerance: TIME_TOLERANCE,

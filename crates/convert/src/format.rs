@@ -6,7 +6,8 @@ use std::path::Path;
 use posecut_graph::Content;
 
 /// The formats that can be read and written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum FileFormat {
     /// Pose-graph JSON Lines (.jsonl)
     Jsonl,

@@ -3,16 +3,18 @@
 mod opened;
 mod options;
 mod report;
+mod trajectory;
 
 use anyhow::bail;
 use posecut_graph::PoseGraph;
 use posecut_stage::{Context, Source, counted, info};
 
 use crate::join::{join, names};
-use crate::trajectory::{self, Axes};
+use crate::trajectory::{self as trajectories, Axes};
 use crate::{FileFormat, Repair, closures, g2o, jrl, kitti, toro, tum};
 use opened::Opened;
 pub use options::ReadingOptions;
+pub use trajectory::TrajectoryOptions;
 
 /// A graph that was read.
 #[derive(Clone, Debug)]
@@ -28,7 +30,7 @@ pub struct Reading {
 /// Reads one graph from one or several files. The format is that of `options`, else that of the content, else that of the file's
 /// name. What was repaired, added or inferred is reported on standard error, in the statistics and as a doubt.
 pub fn read(inputs: &[Source], options: &ReadingOptions, context: &mut Context) -> anyhow::Result<Reading> {
-    if options.closures.closures == Some(Source::Standard) && inputs.contains(&Source::Standard) {
+    if options.closures == Some(Source::Standard) && inputs.contains(&Source::Standard) {
         bail!("the graph and --closures cannot both be standard input; name a file");
     }
     let open = |source| Opened::open(source, options.from, context);
@@ -129,18 +131,18 @@ fn complete(
     let trajectory = &options.trajectory;
     if trajectory.dimension.is_some() {
         let usual = if format == FileFormat::Kitti { Axes::Camera } else { Axes::Robot };
-        trajectory::project(graph, trajectory.axes.unwrap_or(usual), trajectory.flatten)
+        trajectories::project(graph, trajectory.axes.unwrap_or(usual), trajectory.flatten)
             .map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
     }
     if trajectory.odometry_from_poses
         && let Some((translation, rotation)) = trajectory.sigma_translation.zip(trajectory.sigma_rotation)
     {
-        let added = trajectory::add_odometry(graph, translation, rotation)?;
+        let added = trajectories::add_odometry(graph, translation, rotation)?;
         info!("{name}: added {} between consecutive poses", counted(added, "odometry edge"));
     }
-    if let Some(source) = &options.closures.closures {
+    if let Some(source) = &options.closures {
         let (file, table) = context.read_bytes(source, "closures")?;
-        let added = closures::add(graph, &file, &table, &options.closures)?;
+        let added = closures::add(graph, &file, &table, &options.closure_options)?;
         info!(
             "{file}: added {} ({} with a label, {} without a measurement)",
             counted(added.closures, "landmark edge"),

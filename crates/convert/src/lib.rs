@@ -13,6 +13,7 @@
 //! Information matrices are used unchanged, as in gtsam. g2o's own 3-D residual uses the vector part of the quaternion,
 //! half the rotation, so its optima differ from ours in the weight of rotations.
 
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod closures;
 mod error;
@@ -20,12 +21,15 @@ pub mod evo;
 pub mod format;
 pub mod g2o;
 mod information;
+#[cfg(feature = "cli")]
 pub mod input;
+#[cfg(feature = "cli")]
 mod join;
 pub mod jrl;
 pub mod kitti;
 mod lines;
 mod odometry;
+#[cfg(feature = "cli")]
 pub mod output;
 mod printed_digits;
 mod record;

@@ -2,7 +2,7 @@
 
 use std::io::BufRead;
 
-use posecut_stage::bounded_lines;
+use posecut_graph::bounded_lines;
 
 use crate::ConvertError;
 

@@ -7,7 +7,8 @@ use posecut_graph::{Edge, EdgeKind};
 use serde::Serialize;
 
 /// Which edges of a file without kinds of edges are odometry. All others are landmark edges.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Odometry {
     /// As consecutive; for robots without any such edge, as next-id if that finds at least every second one
@@ -19,13 +20,6 @@ pub enum Odometry {
     NextId,
     /// No edge
     None,
-}
-
-impl Odometry {
-    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it with a reference to the field")]
-    pub(crate) fn is_auto(&self) -> bool {
-        *self == Self::Auto
-    }
 }
 
 /// The odometry of one robot that was found by the next id because no two ids are consecutive.

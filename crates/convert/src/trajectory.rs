@@ -18,56 +18,14 @@ const PLANAR_HEIGHT: (f64, f64) = (1.0, 0.05);
 const PLANAR_TILT: f64 = 15.0;
 
 /// The axes of the poses of a trajectory.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Axes {
     /// x forward, y left, z up
     Robot,
     /// x right, y down, z forward
     Camera,
-}
-
-/// What becomes of a trajectory.
-#[derive(Clone, Debug, Default, clap::Args, Serialize)]
-pub struct TrajectoryOptions {
-    /// Join consecutive poses of each session by odometry edges that measure their relative motion
-    #[arg(
-        long,
-        requires_all = ["sigma_translation", "sigma_rotation"],
-        help_heading = "Trajectories"
-    )]
-    #[serde(skip_serializing_if = "is_false")]
-    pub odometry_from_poses: bool,
-
-    /// Set the standard deviation of these edges in translation, metres per axis
-    #[arg(long, value_name = "METRES", requires = "odometry_from_poses", help_heading = "Trajectories")]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub sigma_translation: Option<f64>,
-
-    /// Set the standard deviation of these edges in rotation, radians per axis
-    #[arg(long, value_name = "RADIANS", requires = "odometry_from_poses", help_heading = "Trajectories")]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub sigma_rotation: Option<f64>,
-
-    /// Project a trajectory to the plane (2): x, y and the heading about the vertical axis
-    #[arg(long, value_name = "2", value_parser = clap::value_parser!(u8).range(2..=2), help_heading = "Trajectories")]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub dimension: Option<u8>,
-
-    /// Project poses with these axes [default: camera for KITTI, robot otherwise]
-    #[arg(long, value_enum, requires = "dimension", help_heading = "Trajectories")]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub axes: Option<Axes>,
-
-    /// Project a trajectory even if it is not near a plane
-    #[arg(long, requires = "dimension", help_heading = "Trajectories")]
-    #[serde(skip_serializing_if = "is_false")]
-    pub flatten: bool,
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it with a reference to the field")]
-pub(crate) fn is_false(value: &bool) -> bool {
-    !value
 }
 
 /// Projects a spatial graph without edges to the plane: x, y and the heading about the vertical axis.

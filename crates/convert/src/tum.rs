@@ -10,7 +10,8 @@ use crate::ConvertError;
 use crate::trajectory_lines::{Layout, numbers};
 
 /// Which poses of a graph are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Poses {
     /// The estimates
     Estimate,

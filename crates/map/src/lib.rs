@@ -8,6 +8,7 @@
 //!
 //! Lengths are metres, angles radians. The grid's first row is at the least y.
 
+#[cfg(feature = "cli")]
 pub mod cli;
 mod error;
 mod grid;

@@ -12,12 +12,15 @@
 //! [`posecut_pcm`] provides the covariances of measurements, the quantiles and the limit on false alarms.
 
 mod by_chance;
+#[cfg(feature = "cli")]
 pub mod cli;
 mod error;
 mod innovation;
 pub mod readmit;
+#[cfg(feature = "cli")]
 mod stage;
 
 pub use error::ReadmitError;
 pub use readmit::{PREDICTED_COVARIANCE, Readmission, Readmitted, readmit};
+#[cfg(feature = "cli")]
 pub use stage::Options;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::io::BufRead;
 
-use posecut_graph::PoseGraph;
+use posecut_graph::{PoseGraph, bounded_lines};
 use serde::Deserialize;
 
 use crate::laser::Fields;
@@ -48,7 +48,7 @@ impl Scans {
     /// As for [`of_graph`](Self::of_graph), or the file cannot be read. [`check_nodes`](Self::check_nodes) remains to be called.
     pub fn read(source_name: &str, reader: impl BufRead) -> Result<Self, ScanError> {
         let mut scans = Self::default();
-        for (number, line) in reader.lines().enumerate() {
+        for (number, line) in bounded_lines(reader).enumerate() {
             let line = line.map_err(|error| ScanError::Io { source_name: source_name.to_owned(), error })?;
             if !line.trim().is_empty() {
                 scans.add(&line, || format!("{source_name}, line {}", number + 1))?;

@@ -21,7 +21,6 @@ mod given;
 mod graph_stage;
 mod input;
 mod interrupt;
-mod lines;
 mod logging;
 mod output;
 mod place;
@@ -43,7 +42,6 @@ pub use doubt::Doubt;
 pub use examples::Examples;
 pub use graph_stage::{GraphStage, options, run_graph_stage};
 pub use input::{Input, digest, open, open_file};
-pub use lines::bounded_lines;
 pub use output::{write_atomically, write_output};
 pub use place::{Description, Phase, Place};
 pub use program::{Identity, Outcome, answer, fail, run, run_with_doubts};
@@ -54,6 +52,6 @@ pub use words::counted;
 
 // Re-exported so that stages need no crates of their own for messages and progress.
 pub use indicatif::ProgressBar;
-pub use posecut_graph::{Expansion, LONGEST_LINE};
+pub use posecut_graph::{Expansion, LONGEST_LINE, bounded_lines};
 pub use posecut_random::{ChaCha8Rng, rand, random};
 pub use tracing::{debug, info, warn};

@@ -4,6 +4,7 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
+use sha2::{Digest as _, Sha256};
 
 /// Encodes values rounded to multiples of `step`. Rounding errors do not accumulate, because differences are taken
 /// between rounded values.
@@ -71,13 +72,7 @@ impl Whole {
 
 /// The SHA-256 of a text in the notation of content security policies.
 pub fn policy_digest(text: &str) -> String {
-    let hexadecimal = posecut_stage::digest(text.as_bytes());
-    let bytes: Vec<u8> = hexadecimal
-        .as_bytes()
-        .chunks(2)
-        .filter_map(|pair| u8::from_str_radix(std::str::from_utf8(pair).ok()?, 16).ok())
-        .collect();
-    format!("'sha256-{}'", STANDARD.encode(bytes))
+    format!("'sha256-{}'", STANDARD.encode(Sha256::digest(text)))
 }
 
 /// Decodes [`series`], as the page's script does.

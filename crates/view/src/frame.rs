@@ -6,7 +6,8 @@ use serde::Serialize;
 use serde_json::Value;
 
 /// How the coordinates of a graph are drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Frame {
     /// As `ned` if posecut-ingest made the graph from an NCLT session, otherwise as `xy`
     #[default]

@@ -21,6 +21,7 @@
 pub mod arguments;
 mod broken;
 mod chains;
+#[cfg(feature = "cli")]
 pub mod cli;
 mod columns;
 mod doubts;

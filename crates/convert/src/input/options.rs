@@ -1,9 +1,10 @@
 //! How files are read.
 
+use posecut_stage::Source;
 use serde::{Serialize, Serializer};
 
+use super::trajectory::TrajectoryOptions;
 use crate::closures::ClosureOptions;
-use crate::trajectory::{TrajectoryOptions, is_false};
 use crate::{FileFormat, Odometry};
 
 /// The session of files that name no session.
@@ -32,12 +33,12 @@ pub struct ReadingOptions {
 
     /// Choose which edges are odometry, in formats that do not say it
     #[arg(long, value_enum, value_name = "RULE", default_value_t = Odometry::Auto, help_heading = "Input")]
-    #[serde(skip_serializing_if = "Odometry::is_auto")]
+    #[serde(skip_serializing_if = "is_default")]
     pub odometry: Odometry,
 
     /// Make each file a session, named by the file, and number nodes and edges anew
     #[arg(long, help_heading = "Input")]
-    #[serde(skip_serializing_if = "is_false")]
+    #[serde(skip_serializing_if = "is_default")]
     pub renumber: bool,
 
     /// What becomes of trajectories.
@@ -45,10 +46,15 @@ pub struct ReadingOptions {
     #[serde(flatten)]
     pub trajectory: TrajectoryOptions,
 
-    /// Closures that come as a table.
+    /// Add the landmark edges of this table: CSV with named columns, such as from,to,x,y,theta
+    #[arg(long, value_name = "FILE", help_heading = "Closures from a table")]
+    #[serde(skip)]
+    pub closures: Option<Source>,
+
+    /// What a table of closures does not say.
     #[command(flatten)]
     #[serde(flatten)]
-    pub closures: ClosureOptions,
+    pub closure_options: ClosureOptions,
 }
 
 impl ReadingOptions {
@@ -56,6 +62,11 @@ impl ReadingOptions {
     pub fn session(&self) -> &str {
         self.session.first().map_or(SESSION, String::as_str)
     }
+}
+
+/// Provenance leaves options out that have their defaults.
+pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 fn one_or_several<S: Serializer>(sessions: &[String], serializer: S) -> Result<S::Ok, S::Error> {

@@ -3,6 +3,7 @@
 use std::io::BufRead;
 
 use posecut_geometry::SE3;
+use posecut_graph::bounded_lines;
 
 /// The motion of the robot between two times.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,7 +67,7 @@ pub(super) fn rows<const N: usize>(
     expected: &'static str,
     mut row: impl FnMut([f64; N]) -> Result<(), String>,
 ) -> Result<(), RelationError> {
-    for (number, text) in reader.lines().enumerate() {
+    for (number, text) in bounded_lines(reader).enumerate() {
         let refused =
             |problem| RelationError::Line { place: place.to_owned(), line: number + 1, problem, expected };
         let text = text.map_err(|error| refused(format!("cannot be read: {error}")))?;

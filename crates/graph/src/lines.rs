@@ -2,7 +2,7 @@
 
 use std::io::{self, BufRead, Read as _};
 
-use posecut_graph::LONGEST_LINE;
+use crate::LONGEST_LINE;
 
 /// The lines of a text without their ends, like [`BufRead::lines`]. A line above [`LONGEST_LINE`] is an error, because a file
 /// without line ends would otherwise fill memory. The iterator ends after an error.
