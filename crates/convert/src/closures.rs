@@ -37,12 +37,18 @@ const TIME_TOLERANCE: f64 = 0.1;
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct ClosureOptions {
     /// Set the standard deviation of all translations of the table, metres per axis
-    #[cfg_attr(feature = "cli", arg(long, value_name = "METRES", requires = "closures", help_heading = "Closures from a table"))]
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "METRES", requires = "closures", help_heading = "Closures from a table")
+    )]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub closure_sigma_translation: Option<f64>,
 
     /// Set the standard deviation of all rotations of the table, radians per axis
-    #[cfg_attr(feature = "cli", arg(long, value_name = "RADIANS", requires = "closures", help_heading = "Closures from a table"))]
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "RADIANS", requires = "closures", help_heading = "Closures from a table")
+    )]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub closure_sigma_rotation: Option<f64>,
 
@@ -59,11 +65,7 @@ fn is_default_tolerance(tolerance: &f64) -> bool {
 
 impl Default for ClosureOptions {
     fn default() -> Self {
-        Self {
-            closure_sigma_translation: None,
-            closure_sigma_rotation: None,
-            time_tolerance: TIME_TOLERANCE,
-        }
+        Self { closure_sigma_translation: None, closure_sigma_rotation: None, time_tolerance: TIME_TOLERANCE }
     }
 }
 

@@ -104,8 +104,8 @@ impl GroundTruth {
         Ok(Self { source: file.to_owned(), poses })
     }
 
-    /// The map that measured relations, whose file is named for messages, make of the odometry of a graph, and how far it is from them.
-    /// `track` has the poses of the log at every scan. No landmark edge has a part in it.
+    /// The map that follows from a graph's odometry and from measured relations, and how far it is from these. Landmark edges are not
+    /// used. `track` has the poses of the log at every scan; messages call the file of relations `name`.
     pub fn of_relations(
         name: &str,
         graph: &PoseGraph,
