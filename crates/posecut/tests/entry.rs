@@ -4,7 +4,6 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 use std::process::{Command, Output};
 use std::sync::LazyLock;
@@ -29,13 +28,18 @@ else
 fi
 "#;
 
-/// Made once, before any process starts: the system refuses to run a script that a child of another thread still has open for
-/// writing.
+/// Copies a program by another process. The system refuses to run a file that is open for writing, and a child that another
+/// test starts meanwhile would inherit what this process has open.
+fn install(program: &Path, target: &Path) {
+    let status = Command::new("install").args(["-m", "755"]).args([program, target]).status().unwrap();
+    assert!(status.success(), "{}", target.display());
+}
+
 static PLACE: LazyLock<Place> = LazyLock::new(|| {
     let place = Place { folder: tempfile::tempdir().unwrap() };
     std::fs::create_dir_all(place.folder.path().join("elsewhere")).unwrap();
     std::fs::create_dir(place.folder.path().join("posecut-folder")).unwrap();
-    std::fs::copy(env!("CARGO_BIN_EXE_posecut"), place.folder.path().join("posecut")).unwrap();
+    install(Path::new(env!("CARGO_BIN_EXE_posecut")), &place.folder.path().join("posecut"));
     for (name, phase, order) in
         [("later", "optimisation", "1"), ("second", "judgement", "20"), ("first", "judgement", "10")]
     {
@@ -58,9 +62,9 @@ static PLACE: LazyLock<Place> = LazyLock::new(|| {
 
 impl Place {
     fn write(&self, path: &str, script: &str) {
-        let path = self.folder.path().join(path);
-        std::fs::write(&path, script).unwrap();
-        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+        let text = self.folder.path().join("script");
+        std::fs::write(&text, script).unwrap();
+        install(&text, &self.folder.path().join(path));
     }
 
     /// The PATH for the programs under test.

@@ -61,7 +61,7 @@ fn the_command_line_is_held_to_the_declaration() {
 #[test]
 fn a_swapped_stage_is_called_in_its_place() {
     let workshop = Workshop::new(EXPERIMENT);
-    std::fs::copy(workshop.path("stage.sh"), workshop.path("mine.sh")).unwrap();
+    workshop.program("mine.sh", &std::fs::read_to_string(workshop.path("stage.sh")).unwrap());
     let plan = String::from_utf8(workshop.call("plan", &["--program", "pcm=./mine.sh"]).stdout).unwrap();
     let runs_mine = |line: &&str| line.contains("\"argv\":[\"./mine.sh\"");
     let mine: Vec<&str> = plan.lines().filter(runs_mine).collect();

@@ -180,7 +180,7 @@ fi
 { echo "$name$said""#;
     let judged = script.replace("{ echo \"$name$said\"", result);
     assert_ne!(judged, script);
-    workshop.write("stage.sh", &judged);
+    workshop.program("stage.sh", &judged);
     workshop.run(DATA);
     let records = lines(&workshop.call("collect", DATA).stdout);
     assert!(!records.is_empty());
@@ -198,7 +198,7 @@ fn a_task_over_its_limit_is_stopped_and_noted_with_its_time() {
     let script = std::fs::read_to_string(workshop.path("stage.sh")).unwrap();
     let slow = script.replace("[ -e slow ]", "[ $name = pcm ] && while :; do :; done\n[ -e slow ]");
     assert_ne!(slow, script);
-    workshop.write("stage.sh", &slow);
+    workshop.program("stage.sh", &slow);
     let more = [DATA, &["--sessions", "second"]].concat();
     let done = workshop.run(&more);
     assert_eq!(done["failed_runs"], 1, "{done}");

@@ -44,7 +44,7 @@ fn finished_tasks_do_not_run_again_and_changed_ones_do() {
 
     // After a change of the program, all its tasks run again.
     let script = std::fs::read_to_string(workshop.path("stage.sh")).unwrap();
-    workshop.write("stage.sh", &format!("{script}# changed\n"));
+    workshop.program("stage.sh", &format!("{script}# changed\n"));
     assert_eq!(workshop.run(&["--set", "trial.pcm=--gate 2"])["run"], 40);
     workshop.take_log();
 
@@ -153,7 +153,7 @@ fn a_task_list_of_another_program_is_refused() {
     assert_eq!(list, workshop.call("plan", &[]).stdout, "the same plan twice");
     std::fs::write(workshop.path("plan.jsonl"), list).unwrap();
     let script = std::fs::read_to_string(workshop.path("stage.sh")).unwrap();
-    workshop.write("stage.sh", &format!("{script}# changed\n"));
+    workshop.program("stage.sh", &format!("{script}# changed\n"));
     let output = workshop.call("run", &["plan.jsonl"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(

@@ -123,15 +123,20 @@ impl Workshop {
     pub(crate) fn within(parent: &Path, experiment: &str) -> Self {
         let folder = tempfile::Builder::new().prefix("workshop").tempdir_in(parent).unwrap();
         let workshop = Self { folder };
-        workshop.write("stage.sh", STAGE);
         workshop.write("stages.toml", STAGES);
         workshop.write("trial.toml", experiment);
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt as _;
-            fs::set_permissions(workshop.path("stage.sh"), fs::Permissions::from_mode(0o755)).unwrap();
-        }
+        workshop.program("stage.sh", STAGE);
         workshop
+    }
+
+    /// Writes a script that can be run. It is copied by another process: the system refuses to run a file that a child of another
+    /// test still has open for writing.
+    pub(crate) fn program(&self, name: &str, script: &str) {
+        self.write("script", script);
+        let mut install = Command::new("install");
+        install.args(["-m", "755"]).args([self.path("script"), self.path(name)]);
+        assert!(install.status().unwrap().success(), "{name}");
+        self.remove("script");
     }
 
     pub(crate) fn path(&self, name: &str) -> PathBuf {

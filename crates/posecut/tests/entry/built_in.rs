@@ -6,12 +6,12 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::sync::LazyLock;
 
-use crate::{PLACE, text};
+use crate::{PLACE, install, text};
 
 /// A folder with nothing but `posecut`.
 static LONELY: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::copy(env!("CARGO_BIN_EXE_posecut"), folder.path().join("posecut")).unwrap();
+    install(Path::new(env!("CARGO_BIN_EXE_posecut")), &folder.path().join("posecut"));
     folder
 });
 
