@@ -1,12 +1,12 @@
 //! How far covariances are wrong, for each chain, estimated from loops in contrast to shuffled loops.
 
 use nalgebra::SMatrix;
-use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::ascent::{Axis, EXCEPTION, LANDMARK_LEAST, Point, highest};
 use crate::evidence::{Evidence, GAUSSIAN, TAIL, compare};
 use crate::ingredients::Ingredient;
-use crate::mixture::{Class, Contrast, Loops, SAMPLE, classes, contrast, local_share};
+use crate::mixture::{Class, Contrast, SAMPLE, classes, contrast, local_share};
 use crate::model::{Loop, Model, Motion};
 use crate::partners::Partners;
 
@@ -27,12 +27,25 @@ pub struct Calibration {
     pub evidence: f64,
     /// Whether the evidence was too little for an estimate, so that covariances are used as claimed.
     pub on_prior: bool,
+    /// What is assumed of local errors.
+    #[serde(skip)]
+    pub(crate) errors: LocalErrors,
     /// A further factor on the covariance of odometry for loops through neighbours of one chain.
     #[serde(skip)]
     pub(crate) short: f64,
     /// Degrees of freedom of the t distribution of errors.
     #[serde(skip)]
     pub(crate) tail: f64,
+}
+
+/// Local errors: landmark edges between the right places, measured wrongly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum LocalErrors {
+    /// They are few, and as wide as `EXCEPTION` says. A narrower or more frequent local error would explain gross errors of odometry, and
+    /// make all other noise small.
+    Exceptions,
+    /// They may outnumber the correct edges. Their variance is this factor on the claimed covariance.
+    Common { factor: f64 },
 }
 
 /// Factors for each use of odometry.
@@ -55,15 +68,33 @@ impl Factors {
         axes.push(Axis::Landmark);
         let separate = !model.without(Ingredient::ShortStretches) && classes.iter().any(Class::is_short);
         let with_short = [&axes[..], &[Axis::Short]].concat();
-        let (loops, (single, random)) = rayon::join(
-            || calibrate(model, &classes, &axes),
+        let estimate = |axes: &[Axis], errors| calibrate(model, &classes, axes, errors);
+        let further = |errors| {
+            rayon::join(
+                || separate.then(|| estimate(&with_short, errors).0),
+                || estimate(&[Axis::Odometry, Axis::Landmark], errors).0,
+            )
+        };
+        let (exceptions, common) = (LocalErrors::Exceptions, LocalErrors::Common { factor: EXCEPTION });
+        let ((usual, other), mut rest) = rayon::join(
             || {
                 rayon::join(
-                    || separate.then(|| calibrate(model, &classes, &with_short)),
-                    || calibrate(model, &classes, &[Axis::Odometry, Axis::Landmark]),
+                    || estimate(&axes, exceptions),
+                    || (!model.without(Ingredient::Local)).then(|| estimate(&axes, common)),
                 )
             },
+            || further(exceptions),
         );
+        let other = other.filter(|(other, posterior)| {
+            other.has_narrow_errors()
+                && posterior - usual.1 > COMMON
+                && usual.0.landmark > INFLATED * other.landmark
+        });
+        if other.is_some() {
+            rest = further(common);
+        }
+        let (loops, _) = other.unwrap_or(usual);
+        let (single, random) = rest;
         Self { single: single.unwrap_or_else(|| loops.clone()), loops, random }
     }
 
@@ -77,8 +108,14 @@ impl Factors {
     }
 }
 
-/// Variance of a local error over that of landmark noise: thirty standard deviations, squared.
-const LOCAL: f64 = 900.0;
+/// The smallest ratio of the variance of a local error that is common to that of noise: a narrower one is noise.
+const NARROWEST_TO_NOISE: f64 = 25.0;
+/// How much better than exceptions common local errors must explain all loops, nats. On 250 simulated graphs with wrong edges of four kinds,
+/// about as many wrong edges were accepted with 3 and 5 nats, and 7 % more with 10.
+const COMMON: f64 = 5.0;
+/// How much larger the factor on landmark noise must be without common local errors: three standard deviations, squared. Where it is not,
+/// exceptions are enough, and edges of a graph whose noise is of two sizes would be left out.
+const INFLATED: f64 = 9.0;
 
 impl Calibration {
     /// Whether the factor of landmark edges is the smallest one allowed: the loops may ask for a smaller one.
@@ -87,10 +124,19 @@ impl Calibration {
         self.landmark <= LANDMARK_LEAST * (1.0 + 1e-9)
     }
 
-    /// The factor that turns the claimed covariance of a loop's landmark edges into that of a local error, never below the
-    /// claim times `LOCAL`. A narrower local error would explain gross errors of odometry, and make all other noise small.
+    /// The factor that turns the claimed covariance of a loop's landmark edges into that of a local error.
     pub(crate) fn local_factor(&self) -> f64 {
-        self.landmark.max(1.0) * LOCAL
+        match self.errors {
+            LocalErrors::Exceptions => self.landmark.max(1.0) * EXCEPTION,
+            LocalErrors::Common { factor } => factor.max(self.landmark * NARROWEST_TO_NOISE),
+        }
+    }
+
+    /// Whether local errors are common and estimated narrower than exceptions. If they are not, they have no width of their own, and are more
+    /// likely to be edges between the wrong places.
+    fn has_narrow_errors(&self) -> bool {
+        // exp(ln(x)) differs from x by rounding.
+        matches!(self.errors, LocalErrors::Common { factor } if factor < EXCEPTION * (1.0 - 1e-9))
     }
 
     /// The covariance of a local error of a loop's landmark edges.
@@ -123,6 +169,10 @@ impl Calibration {
             coherent: vec![point.coherent.exp(); chains],
             landmark: point.landmark.exp(),
             short: point.short.exp(),
+            errors: match self.errors {
+                LocalErrors::Exceptions => LocalErrors::Exceptions,
+                LocalErrors::Common { .. } => LocalErrors::Common { factor: point.local.exp() },
+            },
             ..*self
         }
     }
@@ -163,47 +213,30 @@ pub(crate) fn alone(ratio: &[Option<f64>], accepted: &[bool]) -> f64 {
 const PRIOR: f64 = 2.0;
 /// The same of a chain's own factor relative to the common one.
 const PRIOR_CHAIN: f64 = 1.0;
-/// The coherent variance with the highest prior, and the largest one allowed.
+/// The coherent variance with the highest prior.
 const COHERENT: f64 = 1e-6;
-const COHERENT_MOST: f64 = 1e-2;
 /// A coherent variance without effect.
 const NEGLIGIBLE: f64 = 1e-12;
-/// The smallest factor of landmark edges. Neighbouring keyframes share scans, so their measurements agree with each other better than with
-/// the world: loops through two of them ask for a factor near 0.01 on the log intel. Six edges, all off by the same 5 m, then bent the map.
-const LANDMARK_LEAST: f64 = 0.1;
 /// Evidence below which covariances are used as claimed, nats.
 const LEAST_EVIDENCE: f64 = 10.0;
 
-#[derive(Clone, Copy, Debug)]
-struct Point {
-    odometry: f64,
-    landmark: f64,
-    coherent: f64,
-    short: f64,
-}
-
-/// A factor that the ascent moves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Axis {
-    Odometry,
-    Landmark,
-    Coherent,
-    Short,
-}
-
-/// Estimates the common factors first, then those of each chain.
+/// Estimates the common factors first, then those of each chain. Returns the log-posterior of the common factors beside them.
 fn calibrate<G: Motion<DOF>, const DOF: usize>(
     model: &Model<G, DOF>,
     classes: &[Class<DOF>],
     axes: &[Axis],
-) -> Calibration {
+    errors: LocalErrors,
+) -> (Calibration, f64) {
     let with_coherent = axes.contains(&Axis::Coherent);
+    let with_local: &[Axis] = if errors == LocalErrors::Exceptions { &[] } else { &[Axis::Local] };
+    let axes = &[axes, with_local].concat();
     let chains = model.chains.chains.len();
     let coherent = if with_coherent { COHERENT } else { NEGLIGIBLE };
     let mut calibration = Calibration {
         odometry: vec![1.0; chains],
         coherent: vec![coherent; chains],
         landmark: 1.0,
+        errors,
         short: 1.0,
         correct: 0.5,
         local: 0.0,
@@ -214,21 +247,29 @@ fn calibrate<G: Motion<DOF>, const DOF: usize>(
     let candidates = model.closures.len();
     let loops: usize = classes.iter().map(|class| class.real.len()).sum();
     if loops == 0 || model.without(Ingredient::Calibration) {
-        return calibration;
+        return (calibration, 0.0);
     }
     // Loops through the same closures are not independent, so each counts for less.
     let tempering = (candidates.min(SAMPLE) as f64 / loops as f64).min(1.0);
-    let starts = [(0.0, 0.0), (-4.0, 0.0), (4.0, 0.0), (0.0, 5.0), (0.0, LANDMARK_LEAST.ln())]
-        .map(|(odometry, landmark)| Point { odometry, landmark, coherent: coherent.ln(), short: 0.0 });
+    let starts = [(0.0, 0.0), (-4.0, 0.0), (4.0, 0.0), (0.0, 5.0), (0.0, LANDMARK_LEAST.ln())].map(
+        |(odometry, landmark)| Point {
+            odometry,
+            landmark,
+            coherent: coherent.ln(),
+            short: 0.0,
+            local: EXCEPTION.ln(),
+        },
+    );
     let best = highest(&starts, axes, |point, loops| {
         let found = contrast(classes, &calibration.with(point), tempering, loops);
         let prior = square(point.odometry / PRIOR)
             + square(point.landmark / PRIOR)
             + square((point.coherent - coherent.ln()) / (2.0 * PRIOR))
-            + square(point.short / PRIOR);
+            + square(point.short / PRIOR)
+            + square((point.local - EXCEPTION.ln()) / PRIOR);
         Contrast { objective: found.objective - 0.5 * prior, ..found }
     });
-    let Some((point, Contrast { evidence, correct, .. })) = best else { return calibration };
+    let Some((point, Contrast { objective, evidence, correct })) = best else { return (calibration, 0.0) };
     calibration.evidence = evidence;
     calibration.correct = correct;
     calibration.local = local_share(classes, &calibration.with(point));
@@ -237,7 +278,7 @@ fn calibrate<G: Motion<DOF>, const DOF: usize>(
         calibration = calibration.with(point);
         refine(&mut calibration, classes, tempering, with_coherent);
     }
-    calibration
+    (calibration, objective)
 }
 
 /// Estimates the factors of each chain from the loops that it takes part in, near the common factors.
@@ -265,6 +306,7 @@ fn refine<const DOF: usize>(
                 odometry,
                 landmark: 0.0,
                 short: 0.0,
+                local: 0.0,
                 coherent,
             });
             let axes: &[Axis] =
@@ -288,76 +330,4 @@ fn refine<const DOF: usize>(
 
 fn square(value: f64) -> f64 {
     value * value
-}
-
-/// Coordinate ascent with steps that halve. Coarse steps over a sample of the loops run from every start; fine steps over all
-/// loops then continue from the best result.
-fn highest(
-    starts: &[Point],
-    axes: &[Axis],
-    objective: impl Fn(Point, Loops) -> Contrast + Sync,
-) -> Option<(Point, Contrast)> {
-    let (some, all) = (|point| objective(point, Loops::Some), |point| objective(point, Loops::All));
-    let ascended = starts.par_iter().map(|&start| {
-        let (point, _) = ascend((start, some(start)), axes, &[2.0, 1.0], some);
-        (point, all(point))
-    });
-    // The first of the highest, independent of the order in which threads finish.
-    let best = ascended
-        .collect::<Vec<_>>()
-        .into_iter()
-        .reduce(|best, found| if found.1.objective > best.1.objective { found } else { best });
-    best.map(|best| ascend(best, axes, &[1.0, 0.5, 0.25, 0.125], all))
-}
-
-fn ascend(
-    start: (Point, Contrast),
-    axes: &[Axis],
-    steps: &[f64],
-    objective: impl Fn(Point) -> Contrast,
-) -> (Point, Contrast) {
-    let (mut point, mut value) = start;
-    // Points already evaluated were not higher.
-    let mut seen = vec![point];
-    for step in steps {
-        let mut improved = true;
-        while improved {
-            improved = false;
-            for (&axis, direction) in axes.iter().flat_map(|axis| [(axis, 1.0), (axis, -1.0)]) {
-                let trial = point.moved(axis, direction * step);
-                if seen.iter().any(|seen| seen.is(&trial)) {
-                    continue;
-                }
-                seen.push(trial);
-                let found = objective(trial);
-                if found.objective > value.objective + 1e-9 {
-                    (point, value, improved) = (trial, found, true);
-                }
-            }
-        }
-    }
-    (point, value)
-}
-
-impl Point {
-    /// Whether two points are equal up to rounding.
-    fn is(&self, other: &Self) -> bool {
-        let apart = [
-            self.odometry - other.odometry,
-            self.landmark - other.landmark,
-            self.coherent - other.coherent,
-            self.short - other.short,
-        ];
-        apart.iter().all(|apart| apart.abs() < 1e-9)
-    }
-
-    fn moved(mut self, axis: Axis, by: f64) -> Self {
-        match axis {
-            Axis::Odometry => self.odometry += by,
-            Axis::Landmark => self.landmark = (self.landmark + by).max(LANDMARK_LEAST.ln()),
-            Axis::Short => self.short += by,
-            Axis::Coherent => self.coherent = (self.coherent + 2.0 * by).min(COHERENT_MOST.ln()),
-        }
-        self
-    }
 }

@@ -17,6 +17,7 @@
 //! - [`verdict`], [`stage`]: the verdict on every edge, and the stage on a pose graph.
 
 mod agreement;
+mod ascent;
 mod breaks;
 mod bridges;
 mod calibration;

@@ -4,7 +4,7 @@ use std::borrow::{Borrow, Cow};
 
 use nalgebra::SMatrix;
 
-use crate::calibration::Calibration;
+use crate::calibration::{Calibration, LocalErrors};
 use crate::ingredients::Ingredient;
 use crate::likelihoods::{Likelihoods, Shares, counts, gain};
 use crate::model::{Loop, Model, Motion};
@@ -23,9 +23,8 @@ pub(crate) struct Class<const DOF: usize> {
     /// Whether its loops are through neighbours of one chain, over short stretches of odometry. These inform only about noise, not about how
     /// many candidates are correct: wrong neighbours agree with each other, too.
     short: bool,
-    /// Most local errors and shifts, relative to the correct loops. They must remain the exception, or they would take over
-    /// the noise.
-    wrong_most: f64,
+    /// Most local errors and shifts, relative to the correct loops, where they are exceptions, and where they are common.
+    wrong_most: [f64; 2],
     /// Whether loops may be shifted. False closures between chains come in groups that agree with each other and lie the
     /// width of a corridor or a crossing beside the correct ones.
     shifted: bool,
@@ -78,7 +77,7 @@ pub(crate) fn contrast<const DOF: usize>(
     for class in classes.iter().map(Borrow::borrow) {
         let step = loops.step(class.real.len());
         let [real, shuffled] = class.likelihoods(factors, step);
-        let shares = class.shares(&real);
+        let shares = class.shares(&real, factors.errors);
         let gained = step as f64 * (gain(&real, &shares) - gain(&shuffled, &shares).max(0.0));
         sum += gained;
         if !class.short {
@@ -99,7 +98,7 @@ pub(crate) fn local_share<const DOF: usize>(classes: &[Class<DOF>], factors: &Ca
     let (mut correct, mut local) = (0.0, 0.0);
     for class in classes.iter().filter(|class| !class.short) {
         let [real, shuffled] = class.likelihoods(factors, 1);
-        let shares = class.shares(&real);
+        let shares = class.shares(&real, factors.errors);
         correct += shares[0] * class.real.len() as f64;
         // Some loops that close by chance look like local errors, as some shuffled loops do. Subtract those.
         let chance = 1.0 - shares.iter().sum::<f64>();
@@ -153,7 +152,8 @@ impl<const DOF: usize> Class<DOF> {
     }
 
     /// The mixing proportions, by expectation maximisation.
-    fn shares(&self, loops: &[Likelihoods]) -> Shares {
+    fn shares(&self, loops: &[Likelihoods], errors: LocalErrors) -> Shares {
+        let wrong_most = self.wrong_most[usize::from(errors != LocalErrors::Exceptions)];
         // Add one wrong and one correct loop to those counted, so that no share becomes certain.
         let unseen = [1.0, 0.5, if self.shifted { 0.5 } else { 0.0 }];
         let used: f64 = loops.iter().flat_map(|pack| pack.used.0).sum();
@@ -164,9 +164,9 @@ impl<const DOF: usize> Class<DOF> {
             shares = [0, 1, 2].map(|part| (unseen[part] + counts[part]) / all);
             let [correct, local, beside] = shares;
             let wrong = if self.neighbours { local } else { local + beside };
-            if wrong > self.wrong_most * correct {
+            if wrong > wrong_most * correct {
                 let sum = correct + wrong;
-                let correct = sum / (1.0 + self.wrong_most);
+                let correct = sum / (1.0 + wrong_most);
                 let kept = (sum - correct) / wrong;
                 shares = [correct, local * kept, if self.neighbours { beside } else { beside * kept }];
             }
@@ -188,9 +188,11 @@ pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
         real: Sample::default(),
         shuffled: Sample::default(),
     };
-    let (mut single, mut short) = (empty(false, 0.0, false), empty(true, 1.25, false));
+    // Where four candidates in five have a local error, about one pair in twenty-five has none.
+    let (of_single, of_pairs) = ([0.0, 4.0], [1.25, 16.0]);
+    let (mut single, mut short) = (empty(false, of_single, false), empty(true, of_pairs, false));
     let shifted = !model.without(Ingredient::Shift);
-    let (mut near, mut far) = (empty(false, 1.25, shifted), empty(false, 1.25, shifted));
+    let (mut near, mut far) = (empty(false, of_pairs, shifted), empty(false, of_pairs, shifted));
     let count = model.closures.len();
     let sample = (0..count).step_by(count.div_ceil(SAMPLE).max(1));
     let neighbours = Neighbours::of(model, partners, sample.clone());

@@ -291,6 +291,7 @@ mod tests {
             odometry: vec![one, two, three],
             coherent: vec![coherent; 3],
             landmark,
+            errors: crate::calibration::LocalErrors::Exceptions,
             short: 1.0,
             correct: 0.5,
             local: 0.0,

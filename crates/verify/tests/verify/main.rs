@@ -12,6 +12,7 @@ mod clean;
 mod extremes;
 mod interruptions;
 mod invariance;
+mod local_errors;
 mod scores;
 mod trials;
 mod verdicts;
