@@ -68,32 +68,27 @@ impl Factors {
         axes.push(Axis::Landmark);
         let separate = !model.without(Ingredient::ShortStretches) && classes.iter().any(Class::is_short);
         let with_short = [&axes[..], &[Axis::Short]].concat();
-        let estimate = |axes: &[Axis], errors| calibrate(model, &classes, axes, errors);
+        let peak = |axes: &[Axis], errors| peak(model, &classes, axes, errors);
         let further = |errors| {
             rayon::join(
-                || separate.then(|| estimate(&with_short, errors).0),
-                || estimate(&[Axis::Odometry, Axis::Landmark], errors).0,
+                || separate.then(|| peak(&with_short, errors).refined(&classes)),
+                || peak(&[Axis::Odometry, Axis::Landmark], errors).refined(&classes),
             )
         };
         let (exceptions, common) = (LocalErrors::Exceptions, LocalErrors::Common { factor: EXCEPTION });
-        let ((usual, other), mut rest) = rayon::join(
+        let (loops, mut rest) = rayon::join(
             || {
-                rayon::join(
-                    || estimate(&axes, exceptions),
-                    || (!model.without(Ingredient::Local)).then(|| estimate(&axes, common)),
-                )
+                let (usual, other) = rayon::join(
+                    || peak(&axes, exceptions),
+                    || (!model.without(Ingredient::Local)).then(|| peak(&axes, common)),
+                );
+                other.filter(|other| other.is_preferred_to(&usual)).unwrap_or(usual).refined(&classes)
             },
             || further(exceptions),
         );
-        let other = other.filter(|(other, posterior)| {
-            other.has_narrow_errors()
-                && posterior - usual.1 > COMMON
-                && usual.0.landmark > INFLATED * other.landmark
-        });
-        if other.is_some() {
+        if loops.errors != exceptions {
             rest = further(common);
         }
-        let (loops, _) = other.unwrap_or(usual);
         let (single, random) = rest;
         Self { single: single.unwrap_or_else(|| loops.clone()), loops, random }
     }
@@ -220,13 +215,40 @@ const NEGLIGIBLE: f64 = 1e-12;
 /// Evidence below which covariances are used as claimed, nats.
 const LEAST_EVIDENCE: f64 = 10.0;
 
-/// Estimates the common factors first, then those of each chain. Returns the log-posterior of the common factors beside them.
-fn calibrate<G: Motion<DOF>, const DOF: usize>(
+/// The best common factors.
+struct Peak {
+    calibration: Calibration,
+    /// Their log-posterior, tempered.
+    objective: f64,
+    tempering: f64,
+    with_coherent: bool,
+}
+
+impl Peak {
+    /// Whether common local errors explain the loops so much better than exceptions that noise was mistaken there.
+    fn is_preferred_to(&self, exceptions: &Self) -> bool {
+        self.calibration.has_narrow_errors()
+            && self.objective - exceptions.objective > COMMON
+            && exceptions.calibration.landmark > INFLATED * self.calibration.landmark
+    }
+
+    /// The factors of each chain.
+    fn refined<const DOF: usize>(self, classes: &[Class<DOF>]) -> Calibration {
+        let mut calibration = self.calibration;
+        if !calibration.on_prior {
+            refine(&mut calibration, classes, self.tempering, self.with_coherent);
+        }
+        calibration
+    }
+}
+
+/// Estimates the common factors.
+fn peak<G: Motion<DOF>, const DOF: usize>(
     model: &Model<G, DOF>,
     classes: &[Class<DOF>],
     axes: &[Axis],
     errors: LocalErrors,
-) -> (Calibration, f64) {
+) -> Peak {
     let with_coherent = axes.contains(&Axis::Coherent);
     let with_local: &[Axis] = if errors == LocalErrors::Exceptions { &[] } else { &[Axis::Local] };
     let axes = &[axes, with_local].concat();
@@ -247,7 +269,7 @@ fn calibrate<G: Motion<DOF>, const DOF: usize>(
     let candidates = model.closures.len();
     let loops: usize = classes.iter().map(|class| class.real.len()).sum();
     if loops == 0 || model.without(Ingredient::Calibration) {
-        return (calibration, 0.0);
+        return Peak { calibration, objective: 0.0, tempering: 0.0, with_coherent };
     }
     // Loops through the same closures are not independent, so each counts for less.
     let tempering = (candidates.min(SAMPLE) as f64 / loops as f64).min(1.0);
@@ -269,16 +291,17 @@ fn calibrate<G: Motion<DOF>, const DOF: usize>(
             + square((point.local - EXCEPTION.ln()) / PRIOR);
         Contrast { objective: found.objective - 0.5 * prior, ..found }
     });
-    let Some((point, Contrast { objective, evidence, correct })) = best else { return (calibration, 0.0) };
+    let Some((point, Contrast { objective, evidence, correct })) = best else {
+        return Peak { calibration, objective: 0.0, tempering, with_coherent };
+    };
     calibration.evidence = evidence;
     calibration.correct = correct;
     calibration.local = local_share(classes, &calibration.with(point));
     calibration.on_prior = evidence < LEAST_EVIDENCE;
     if !calibration.on_prior {
         calibration = calibration.with(point);
-        refine(&mut calibration, classes, tempering, with_coherent);
     }
-    (calibration, objective)
+    Peak { calibration, objective, tempering, with_coherent }
 }
 
 /// Estimates the factors of each chain from the loops that it takes part in, near the common factors.
