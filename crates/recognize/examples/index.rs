@@ -1,5 +1,6 @@
 //! Times the index of places on a session that is driven several times, and prints a line of JSON: seconds to describe all keyframes,
-//! to build the k-d tree, to ask it for each keyframe, and to answer the same by linear search.
+//! to build the index, to ask it for each keyframe, and to answer the same by a search of all keys; and the share of the search's answers that
+//! the index found.
 //!
 //! Usage: index GRAPH KEYFRAMES (a graph with scans; it is repeated until it has this many keyframes)
 
@@ -43,7 +44,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let keys: Vec<[f64; KEY]> = contexts.iter().map(PolarContext::key).collect();
 
     let (build, places) = timed(|| Places::of_contexts(nodes.clone(), contexts.clone()));
-    let by_tree = || -> Vec<Vec<usize>> {
+    let by_index = || -> Vec<Vec<usize>> {
         let nearest = |position| places.nearest(position, SHORTLIST, &routes, settings.exclusion_length);
         (0..nodes.len()).map(nearest).collect()
     };
@@ -52,14 +53,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         (0..nodes.len()).map(nearest).collect()
     };
     // Both take turns, so that other load on the machine affects both.
-    let (mut query, mut linear, mut same) = (f64::INFINITY, f64::INFINITY, true);
+    let (mut query, mut linear, mut share) = (f64::INFINITY, f64::INFINITY, 1.0);
     for _ in 0..ROUNDS {
-        let ((tree, found), (all, expected)) = (timed(by_tree), timed(by_search));
-        (query, linear, same) = (query.min(tree), linear.min(all), same && found == expected);
+        let ((index, found), (all, expected)) = (timed(by_index), timed(by_search));
+        (query, linear, share) = (query.min(index), linear.min(all), share_of(&expected, &found));
     }
     writeln!(
         std::io::stdout(),
-        "{{\"keyframes\":{},\"describe\":{describe},\"build\":{build},\"query\":{query},\"linear\":{linear},\"same\":{same}}}",
+        "{{\"keyframes\":{},\"describe\":{describe},\"build\":{build},\"query\":{query},\"linear\":{linear},\"found\":{share}}}",
         nodes.len()
     )?;
     Ok(())
@@ -70,6 +71,15 @@ fn timed<T>(work: impl Fn() -> T) -> (f64, T) {
     let began = Instant::now();
     let result = work();
     (began.elapsed().as_secs_f64(), result)
+}
+
+/// The share of the expected answers that were found.
+fn share_of(expected: &[Vec<usize>], found: &[Vec<usize>]) -> f64 {
+    let all: usize = expected.iter().map(Vec::len).sum();
+    let right = |(expected, found): (&Vec<usize>, &Vec<usize>)| {
+        found.iter().filter(|other| expected.contains(other)).count()
+    };
+    expected.iter().zip(found).map(right).sum::<usize>() as f64 / all as f64
 }
 
 /// The same session several times, with numbers of nodes and edges of their own.
@@ -117,5 +127,6 @@ fn search(keys: &[[f64; KEY]], nodes: &[usize], position: usize, routes: &Routes
         found.truncate(SHORTLIST);
     }
     found.sort_by(order);
-    found.into_iter().map(|(_, other)| other).collect()
+    // Not in place: that would keep the memory of all of them.
+    found.iter().map(|(_, other)| *other).collect()
 }

@@ -14,6 +14,7 @@ pub mod chow_liu;
 pub mod cli;
 pub mod columns;
 pub mod hypotheses;
+mod k_means;
 pub mod keys;
 pub mod measure;
 pub mod places;

@@ -1,7 +1,5 @@
 //! Candidates: keyframes whose surroundings look alike.
 
-use std::num::NonZero;
-
 use rayon::prelude::*;
 
 use crate::columns::{Columns, heading};
@@ -50,7 +48,7 @@ const HEADINGS: usize = 3;
 const NEARLY: f64 = 0.9;
 
 impl Places<PolarContext> {
-    /// Describes keyframes by what was seen within a path length of them, up to a radius, metres. O(keyframes log keyframes).
+    /// Describes keyframes by what was seen within a path length of them, up to a radius, metres. O(keyframes^3/2).
     pub fn new(submaps: &Submaps, nodes: Vec<usize>, length: f64, radius: f64) -> Self {
         let side = radius / 100.0;
         let contexts: Vec<PolarContext> = nodes
@@ -62,7 +60,7 @@ impl Places<PolarContext> {
 }
 
 impl<C: Context> Places<C> {
-    /// Indexes keyframes, ascending, by their contexts. O(keyframes log keyframes).
+    /// Indexes keyframes, ascending, by their contexts. O(keyframes^3/2).
     pub fn of_contexts(nodes: Vec<usize>, contexts: Vec<C>) -> Self {
         let keys = Keys::new(contexts.iter().map(C::key).collect());
         Self { nodes, contexts, keys, least_similarity: 0.0 }
@@ -72,11 +70,8 @@ impl<C: Context> Places<C> {
     /// it along its route. The nearest first.
     pub fn nearest(&self, position: usize, most: usize, routes: &Routes, apart: f64) -> Vec<usize> {
         let here = self.nodes[position];
-        let beside = routes.within(here, apart).len();
-        let Some(count) = NonZero::new(most + beside) else { return Vec::new() };
-        let elsewhere = |other: &usize| routes.path_length(here, self.nodes[*other]) > apart;
-        let nearest = self.keys.nearest(position, count).into_iter();
-        nearest.map(|(_, other)| other).filter(elsewhere).take(most).collect()
+        let elsewhere = |other: usize| routes.path_length(here, self.nodes[other]) > apart;
+        self.keys.nearest(position, most, elsewhere).iter().map(|(_, other)| *other).collect()
     }
 
     /// The position of a keyframe among those with a context.

@@ -69,7 +69,7 @@ const EXTENTS: [f64; 3] = [1.0, 0.5, 1.0 / 6.0];
 
 /// Finds candidates of a graph in the plane. Words are learnt from the scans unless others are given. With those, the graph may have no
 /// scans: its candidates have no measurements then.
-/// O(n log n + candidates) with lengths of routes and scans as factors.
+/// O(n^7/4 + candidates) with lengths of routes and scans as factors.
 ///
 /// # Errors
 ///

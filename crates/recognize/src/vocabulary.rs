@@ -8,10 +8,10 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector2;
 use posecut_matching::Cloud;
-use posecut_random::rand::Rng;
 use posecut_random::random;
 use rayon::prelude::*;
 
+use crate::k_means::{centres, nearest};
 use crate::{Submaps, Words};
 
 /// Rings of a shape context end at these distances, metres.
@@ -40,7 +40,7 @@ pub fn words(submaps: &Submaps, keyframes: usize, length: f64, size: usize, seed
     }
     let step = all.len().div_ceil(LEARNT);
     let learnt: Vec<&Shape> = all.into_iter().step_by(step).collect();
-    let centres = k_means(&learnt, size, seed);
+    let centres = centres(&learnt, size, ROUNDS, &mut random(seed, "vocabulary"));
     let bags = shapes
         .par_iter()
         .map(|shapes| shapes.iter().map(|shape| nearest(&centres, shape).0).collect())
@@ -68,60 +68,4 @@ fn shapes(cloud: &Cloud) -> Vec<Shape> {
         Some(shape.map(|cell| cell / norm.max(f32::MIN_POSITIVE)))
     };
     described.points.iter().zip(&described.normals).filter_map(around).collect()
-}
-
-/// Centres of groups (Lloyd's iteration from the start of Arthur and Vassilvitskii, *k-means++*, SODA 2007).
-fn k_means(shapes: &[&Shape], size: usize, seed: u64) -> Vec<Shape> {
-    let mut random = random(seed, "vocabulary");
-    let mut centres: Vec<Shape> = vec![*shapes[0]];
-    let mut distances: Vec<f32> = shapes.iter().map(|shape| squared(shape, &centres[0])).collect();
-    while centres.len() < size.min(shapes.len()) {
-        let total: f64 = distances.iter().map(|distance| f64::from(*distance)).sum();
-        if total <= 0.0 {
-            break;
-        }
-        let mut left = total * (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
-        let chosen = distances
-            .iter()
-            .position(|distance| {
-                left -= f64::from(*distance);
-                left < 0.0
-            })
-            .unwrap_or(shapes.len() - 1);
-        let centre = *shapes[chosen];
-        for (distance, shape) in distances.iter_mut().zip(shapes) {
-            *distance = distance.min(squared(shape, &centre));
-        }
-        centres.push(centre);
-    }
-    for _ in 0..ROUNDS {
-        let groups: Vec<usize> = shapes.par_iter().map(|shape| nearest(&centres, shape).0).collect();
-        let mut sums = vec![([0.0_f32; LENGTH], 0_u32); centres.len()];
-        for (group, shape) in groups.iter().zip(shapes) {
-            sums[*group].1 += 1;
-            sums[*group].0.iter_mut().zip(shape.iter()).for_each(|(sum, cell)| *sum += cell);
-        }
-        for (centre, (sum, count)) in centres.iter_mut().zip(sums) {
-            if count > 0 {
-                *centre = sum.map(|cell| cell / count as f32);
-            }
-        }
-    }
-    centres
-}
-
-/// The nearest centre and its squared distance; of equal ones the first.
-fn nearest(centres: &[Shape], shape: &Shape) -> (usize, f32) {
-    let mut best = (0, f32::INFINITY);
-    for (index, centre) in centres.iter().enumerate() {
-        let distance = squared(centre, shape);
-        if distance < best.1 {
-            best = (index, distance);
-        }
-    }
-    best
-}
-
-fn squared(one: &Shape, other: &Shape) -> f32 {
-    one.iter().zip(other).map(|(one, other)| (one - other) * (one - other)).sum()
 }

@@ -29,9 +29,9 @@ pub(crate) struct Recognition {
     /// Keep candidates with at least these scores, in further runs
     #[arg(long, num_args = 1.., default_values_t = [0.3, 0.5])]
     scores: Vec<f64>,
-    /// Measure the index with at least this number of keyframes
-    #[arg(long, default_value_t = 10_000)]
-    keyframes: usize,
+    /// Measure the index with at least these numbers of keyframes
+    #[arg(long, num_args = 1.., default_values_t = [10_000, 40_000])]
+    keyframes: Vec<usize>,
     /// Write into the sections of this document [default: docs/results/recognition.md]
     #[arg(short, long)]
     output: Option<PathBuf>,
@@ -47,7 +47,7 @@ struct Found {
     thresholds: Vec<Vec<String>>,
     seconds: Vec<String>,
     scores: Scores,
-    index: running::IndexTimes,
+    index: Vec<running::IndexTimes>,
 }
 
 impl Recognition {
@@ -107,7 +107,11 @@ impl Recognition {
             thresholds: tables::thresholds(name, &ways, &map),
             seconds: tables::seconds(name, scans, duration, ingest, first),
             scores: running::scores(&all, &map)?,
-            index: running::index(&graph, self.keyframes)?,
+            index: self
+                .keyframes
+                .iter()
+                .map(|&count| running::index(&graph, count))
+                .collect::<anyhow::Result<_>>()?,
         })
     }
 }
@@ -123,7 +127,7 @@ fn sections(found: Vec<Found>) -> [(&'static str, String); 7] {
         rows[1].push(log.seconds);
         rows[2].extend(tables::words(log.name, &log.scores));
         errors.extend(log.errors);
-        index.push((log.name, log.index));
+        index.extend(log.index.into_iter().map(|times| (log.name, times)));
         scores.push((log.name, log.scores));
     }
     let calibration = |of: fn(&Scores) -> &[Scored]| {

@@ -220,7 +220,8 @@ pub(super) struct IndexTimes {
     pub(super) build: f64,
     pub(super) query: f64,
     pub(super) linear: f64,
-    pub(super) same: bool,
+    /// The share of the answers of the search that the index finds.
+    pub(super) found: f64,
 }
 
 /// Times the index on a graph that is repeated until it has this many keyframes.

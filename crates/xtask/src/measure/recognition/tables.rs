@@ -147,7 +147,7 @@ pub(super) fn index(found: &[(&str, IndexTimes)]) -> String {
             format!("{:.2}", times.query),
             format!("{:.0}", 1e6 * times.query / times.keyframes as f64),
             format!("{:.2}", times.linear),
-            if times.same { "yes" } else { "no" }.to_owned(),
+            format!("{:.1} %", 100.0 * times.found),
         ]
     };
     let head = [
@@ -157,9 +157,9 @@ pub(super) fn index(found: &[(&str, IndexTimes)]) -> String {
         "build, s",
         "all queries, s",
         "µs a query",
-        "linear search, s",
+        "search of all, s",
     ];
-    text(&[&head[..], &["same answers"]].concat(), 1, &found.iter().map(row).collect::<Vec<_>>())
+    text(&[&head[..], &["found of these"]].concat(), 1, &found.iter().map(row).collect::<Vec<_>>())
 }
 
 #[cfg(test)]
