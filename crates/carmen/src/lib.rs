@@ -9,7 +9,6 @@
 mod error;
 mod expand;
 pub mod keyframes;
-pub mod laser_odometry;
 mod line;
 mod log;
 pub mod noise;

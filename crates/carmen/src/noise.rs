@@ -18,6 +18,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 use posecut_geometry::SE2;
+use posecut_matching::laser_odometry::Measured;
 
 use crate::keyframes::Step;
 
@@ -34,8 +35,13 @@ pub fn slip_variances(motion: &SE2) -> Vector3<f64> {
     Vector3::from_fn(|row, _| DISTANCE[row] * distance + TURNING[row] * turning)
 }
 
+/// A step as the odometry measures it.
+pub fn measured(step: &Step) -> Measured {
+    Measured { motion: step.motion, information: information(step) }
+}
+
 /// The information matrix of a step, order x, y, theta.
-pub fn information(step: &Step) -> Matrix3<f64> {
+fn information(step: &Step) -> Matrix3<f64> {
     let least = Vector3::from(LEAST).map(|deviation| deviation * deviation);
     let covariance = step.slip + Matrix3::from_diagonal(&least);
     // Positive definite, because the least variances are.

@@ -3,12 +3,13 @@
 use posecut_geometry::covariance::pack_upper_triangle;
 use posecut_geometry::{LieGroup, SE2};
 use posecut_graph::{Dimension, Edge, EdgeKind, Header, Node, NodeTruth, PoseGraph};
+use posecut_matching::laser_odometry::{Comparison, Measured, by_matching};
 use posecut_scan::{LaserScan, put_into_graph};
 use serde::Serialize;
 
 use crate::keyframes::keyframes;
-use crate::laser_odometry::{Agreement, Measured, by_matching};
 use crate::log::{Log, Repairs};
+use crate::noise;
 use crate::{LogError, LogOptions};
 
 /// A log as a session.
@@ -49,7 +50,7 @@ pub struct Summary {
     pub repairs: Repairs,
     /// With scan matching: how well the odometry agrees with it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub scan_matching: Option<Agreement>,
+    pub scan_matching: Option<Comparison>,
 }
 
 impl Session {
@@ -69,11 +70,13 @@ impl Session {
             });
         }
         let scans: Vec<&LaserScan> = chosen.iter().map(|&index| &log.scans[index].scan).collect();
-        let (measured, agreement) = if options.scan_matching {
-            let (measured, agreement) = by_matching(&steps, &scans);
-            (measured, Some(agreement))
+        let odometry: Vec<Measured> = steps.iter().map(noise::measured).collect();
+        let (measured, comparison) = if options.scan_matching {
+            let scans: Vec<Option<&LaserScan>> = scans.iter().copied().map(Some).collect();
+            let (measured, comparison) = by_matching(&odometry, &scans);
+            (measured, Some(comparison))
         } else {
-            (steps.iter().map(Measured::by_odometry).collect(), None)
+            (odometry, None)
         };
         let graph = graph(name, log, &chosen, &measured);
         let beams = scans.first().map_or(0, |scan| scan.ranges.len());
@@ -91,7 +94,7 @@ impl Session {
             beams,
             returns: returns as f64 / (beams * scans.len()).max(1) as f64,
             repairs: log.repairs,
-            scan_matching: agreement,
+            scan_matching: comparison,
         };
         let scans = scans.into_iter().cloned().collect();
         Ok(Self { graph, scans, chosen, summary })

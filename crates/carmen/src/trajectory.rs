@@ -4,10 +4,11 @@ use std::io::Write;
 
 use posecut_geometry::{LieGroup, SE2};
 use posecut_matching::Cloud;
+use posecut_matching::laser_odometry::{Outcome, Reference, match_step};
 
 use crate::keyframes::Step;
-use crate::laser_odometry::{Outcome, Reference, match_step};
 use crate::log::Log;
+use crate::noise;
 use crate::write::seconds;
 use crate::{LogOptions, Session};
 
@@ -27,7 +28,7 @@ pub fn trajectory(log: &Log, session: &Session, options: &LogOptions) -> Vec<(i6
             let scan = &log.scans[index];
             step = step.then(&log.scans[index - 1].robot.between(&scan.robot));
             let matched = reference.as_ref().map_or(Outcome::Unmatched, |reference| {
-                match_step(reference, &Cloud::of_scan(&scan.scan), &step)
+                match_step(reference, &Cloud::of_scan(&scan.scan), &noise::measured(&step))
             });
             let motion = match matched {
                 Outcome::Matched { measured, .. } => measured.motion,

@@ -3,6 +3,7 @@
 //! - [`Cloud`]: the points of a scan, or of several scans side by side, with the normals of the walls they lie on.
 //! - [`align`]: point-to-line ICP, which refines a pose that is nearly right, with its information matrix.
 //! - [`Field`]: correlative matching, which finds a pose in a window of some metres without a start.
+//! - [`laser_odometry`]: the motion between successive keyframes, by odometry and scans together.
 //! - [`agreement`]: how much of what one cloud sees the other confirms.
 //!
 //! Everything is deterministic and runs on one thread. Lengths are metres, angles radians. A match is the pose of the *query* in
@@ -14,6 +15,7 @@ mod correlative;
 mod field;
 mod icp;
 mod information;
+pub mod laser_odometry;
 mod neighbours;
 mod segments;
 mod sight;

@@ -1,15 +1,16 @@
 //! Steps between keyframes by odometry and scan matching together.
+//!
+//! Point-to-line ICP starts from the odometry. Where it fails or leads far from the odometry, the best pose of a window around it is a second
+//! start. The result is the product of match and odometry: along a corridor, where scans say nothing, the odometry decides.
 
 use std::cell::OnceCell;
 
 use nalgebra::{Matrix3, Vector3};
 use posecut_geometry::{LieGroup, SE2};
-use posecut_matching::{Alignment, Cloud, Field, IcpOptions, Neighbours, Window, align, robust_deviation};
 use posecut_scan::LaserScan;
 use serde::Serialize;
 
-use crate::keyframes::Step;
-use crate::noise;
+use crate::{Alignment, Cloud, Field, IcpOptions, Neighbours, Window, align, robust_deviation};
 
 /// A match is used only if at least this share of the later scan's points found a partner.
 const LEAST_MATCHED: f64 = 0.2;
@@ -24,10 +25,10 @@ const GATE: f64 = 50.0;
 
 /// How well the odometry agrees with scan matching.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Agreement {
+pub struct Comparison {
     /// Steps with a match that was used.
     pub matched: usize,
-    /// Steps whose scans could not be matched: the odometry alone was used.
+    /// Steps whose scans could not be matched, or are missing: the odometry alone was used.
     pub unmatched: usize,
     /// Steps whose match was too far from the odometry to be used.
     pub contradicting: usize,
@@ -41,8 +42,8 @@ pub struct Agreement {
     pub normalised_square: f64,
 }
 
-/// A step as the graph gets it.
-#[derive(Clone, Debug, PartialEq)]
+/// A measured step.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
     /// The pose of the later keyframe in the frame of the earlier one.
     pub motion: SE2,
@@ -50,31 +51,34 @@ pub struct Measured {
     pub information: Matrix3<f64>,
 }
 
-impl Measured {
-    /// The step by odometry alone.
-    pub fn by_odometry(step: &Step) -> Self {
-        Self { motion: step.motion, information: noise::information(step) }
-    }
-}
-
 /// The points of a scan to match others with.
-pub(crate) struct Reference<'a> {
+pub struct Reference<'a> {
     cloud: &'a Cloud,
     index: Neighbours,
     field: OnceCell<Field>,
 }
 
 impl<'a> Reference<'a> {
-    pub(crate) fn new(cloud: &'a Cloud) -> Self {
+    /// Indexes a cloud. O(points log points).
+    pub fn new(cloud: &'a Cloud) -> Self {
         let index = Neighbours::new(&cloud.points, IcpOptions::default().first_distance);
         Self { cloud, index, field: OnceCell::new() }
     }
 }
 
 /// The result of matching one scan with another.
-pub(crate) enum Outcome {
-    /// The product of match and odometry, the difference of both, its normalised square, and the number of points with a partner.
-    Matched { measured: Measured, difference: Vector3<f64>, square: f64, points: usize },
+pub enum Outcome {
+    /// A match that is used.
+    Matched {
+        /// The product of match and odometry.
+        measured: Measured,
+        /// From the match to the odometry, in the frame of the match: metres and radians.
+        difference: Vector3<f64>,
+        /// Its square, normalised by both covariances.
+        square: f64,
+        /// Points with a partner.
+        points: usize,
+    },
     /// ICP did not settle, or too few points found a partner.
     Unmatched,
     /// The match is too far from the odometry.
@@ -97,22 +101,22 @@ const LEAST_SCORE: f64 = 0.5;
 const DOUBTFUL: f64 = 7.81;
 
 /// Matches a scan with an earlier one, starting from the odometry, and from the best pose of a window around it where that fails or leads
-/// far from the odometry.
-pub(crate) fn match_step(reference: &Reference<'_>, query: &Cloud, step: &Step) -> Outcome {
+/// far from the odometry. O(points), with a second start O(points * poses of the window).
+pub fn match_step(reference: &Reference<'_>, query: &Cloud, odometry: &Measured) -> Outcome {
     let options = IcpOptions::default();
-    let first = match_from(reference, query, step, &step.motion, &options);
+    let first = match_from(reference, query, odometry, &odometry.motion, &options);
     if let Outcome::Matched { square, .. } = first
         && square <= DOUBTFUL
     {
         return first;
     }
     let [distance, angle] = WINDOW;
-    let window = Window { middle: step.motion, distance, angle };
+    let window = Window { middle: odometry.motion, distance, angle };
     let field = reference.field.get_or_init(|| Field::new(reference.cloud, GRID[0], FIELD));
     let Some(found) = field.search(query, &[window], GRID[1], LEAST_SCORE) else { return first };
     // The start is near, and a wider search for partners would lead ICP away again.
     let near = IcpOptions { first_distance: options.least_distance, ..options };
-    let second = match_from(reference, query, step, &found.pose, &near);
+    let second = match_from(reference, query, odometry, &found.pose, &near);
     if matches!(first, Outcome::Matched { .. }) && first.quality() >= second.quality() {
         first
     } else {
@@ -134,54 +138,58 @@ impl Outcome {
 fn match_from(
     reference: &Reference<'_>,
     query: &Cloud,
-    step: &Step,
+    odometry: &Measured,
     start: &SE2,
     options: &IcpOptions,
 ) -> Outcome {
     let found = settled(reference, query, start, options)
         .filter(|found| found.matched as f64 >= LEAST_MATCHED * query.len() as f64);
     let Some(found) = found else { return Outcome::Unmatched };
-    let difference = found.pose.between(&step.motion).log();
-    let odometry = noise::information(step);
-    let square = normalised_square(&difference, &odometry, &found);
+    let difference = found.pose.between(&odometry.motion).log();
+    let square = normalised_square(&difference, &odometry.information, &found);
     if square > GATE {
         return Outcome::Contradicting;
     }
     Outcome::Matched {
-        measured: fused(&difference, &odometry, &found),
+        measured: fused(&difference, &odometry.information, &found),
         difference,
         square,
         points: found.matched,
     }
 }
 
-/// The steps by odometry and scan matching. O(keyframes * beams).
-pub fn by_matching(steps: &[Step], scans: &[&LaserScan]) -> (Vec<Measured>, Agreement) {
-    let clouds: Vec<Cloud> = scans.iter().map(|scan| Cloud::of_scan(scan)).collect();
-    let mut agreement = Agreement::default();
+/// The steps between keyframes by odometry and scan matching, from those by odometry and from the scan of each keyframe, if it has one.
+/// O(keyframes * beams).
+pub fn by_matching(odometry: &[Measured], scans: &[Option<&LaserScan>]) -> (Vec<Measured>, Comparison) {
+    let clouds: Vec<Option<Cloud>> = scans.iter().map(|scan| scan.map(Cloud::of_scan)).collect();
+    let mut comparison = Comparison::default();
     let mut differences = Vec::new();
     let mut squares = 0.0;
-    let measured = steps.iter().zip(clouds.windows(2)).map(|(step, pair)| {
-        match match_step(&Reference::new(&pair[0]), &pair[1], step) {
+    let measured = odometry.iter().zip(clouds.windows(2)).map(|(step, pair)| {
+        let matched = match pair {
+            [Some(earlier), Some(later)] => match_step(&Reference::new(earlier), later, step),
+            _ => Outcome::Unmatched,
+        };
+        match matched {
             Outcome::Matched { measured, difference, square, .. } => {
-                agreement.matched += 1;
+                comparison.matched += 1;
                 differences.push(difference);
                 squares += square;
                 return measured;
             }
-            Outcome::Unmatched => agreement.unmatched += 1,
-            Outcome::Contradicting => agreement.contradicting += 1,
+            Outcome::Unmatched => comparison.unmatched += 1,
+            Outcome::Contradicting => comparison.contradicting += 1,
         }
-        Measured::by_odometry(step)
+        *step
     });
     let measured = measured.collect();
     let spread =
         |row: usize| spread(&differences.iter().map(|difference| difference[row]).collect::<Vec<_>>());
-    agreement.difference_forward_m = spread(0);
-    agreement.difference_sideways_m = spread(1);
-    agreement.difference_heading_rad = spread(2);
-    agreement.normalised_square = squares / (3 * agreement.matched.max(1)) as f64;
-    (measured, agreement)
+    comparison.difference_forward_m = spread(0);
+    comparison.difference_sideways_m = spread(1);
+    comparison.difference_heading_rad = spread(2);
+    comparison.normalised_square = squares / (3 * comparison.matched.max(1)) as f64;
+    (measured, comparison)
 }
 
 /// The match of two scans, if ICP comes to rest or settles.
