@@ -24,8 +24,8 @@ pub struct LogOptions {
     #[cfg_attr(feature = "cli", arg(long, help_heading = "CARMEN logs", value_name = "DEGREES", default_value_t = LogOptions::DEFAULT.field_of_view))]
     pub field_of_view: f64,
 
-    /// Refine the odometry by matching the scans of successive keyframes
-    #[cfg_attr(feature = "cli", arg(long, help_heading = "CARMEN logs"))]
+    /// Refine the odometry by matching the scans of successive keyframes. Whoever reads more than logs has a flag of its own for it.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub scan_matching: bool,
 }
 

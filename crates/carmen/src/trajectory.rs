@@ -31,8 +31,10 @@ pub fn trajectory(log: &Log, session: &Session, options: &LogOptions) -> Vec<(i6
                 match_step(reference, &Cloud::of_scan(&scan.scan), &noise::measured(&step))
             });
             let motion = match matched {
-                Outcome::Matched { measured, .. } => measured.motion,
-                Outcome::Unmatched | Outcome::Contradicting => step.motion,
+                Outcome::Matched { measured, .. } | Outcome::Contradicting { measured, .. } => {
+                    measured.motion
+                }
+                Outcome::Unmatched => step.motion,
             };
             poses.push((scan.time, start.compose(&motion)));
         }

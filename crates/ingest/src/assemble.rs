@@ -3,6 +3,7 @@
 use posecut_geometry::covariance::isotropic_information;
 use posecut_geometry::{LieGroup, SE3};
 use posecut_graph::{Dimension, Edge, EdgeKind, Header, Node, NodeTruth, NoiseModel, PoseGraph};
+use posecut_matching::laser_odometry::Comparison;
 
 use crate::clock::{ClockSource, keyframe_times};
 use crate::distance_factor::DistanceFactor;
@@ -10,6 +11,7 @@ use crate::frozen::remove_frozen_ends;
 use crate::gps;
 use crate::laser;
 use crate::odometry::{self, Odometry, Reader, from_row};
+use crate::scan_matching;
 use crate::summary::{CovarianceSource, Origin, Summary};
 use crate::{Choice, Event, FileKind, IngestError, Laser, Options, SessionFiles, Table, Trajectory, Warning};
 
@@ -30,6 +32,8 @@ pub struct Ingested {
     pub invented: Option<(f64, f64)>,
     /// Laser scans at the keyframes, if the session has them. They are not in the graph.
     pub laser: Option<Laser>,
+    /// How well the odometry agrees with the scans, if these were matched.
+    pub comparison: Option<Comparison>,
 }
 
 /// Reads a session. It is in memory as a whole. O(rows).
@@ -39,6 +43,7 @@ pub fn ingest(
     report: &mut dyn FnMut(Event<'_>),
 ) -> Result<Ingested, IngestError> {
     let session = options.name.clone().unwrap_or_else(|| files.name.clone());
+    scan_matching::check(files, options)?;
     let mut reader = Reader { files, report, dropped_rows: 0 };
     let odometry = odometry::read(&mut reader, options)?;
     let mut truth = read_truth(&mut reader, options)?;
@@ -51,6 +56,10 @@ pub fn ingest(
     let mut graph = builder.graph(&times)?;
     gps::add(&mut reader, &mut graph, options)?;
     let laser = laser::read(&mut reader, &graph, &odometry.trajectory)?;
+    let comparison = match &laser {
+        Some(laser) if options.scan_matching => Some(scan_matching::refine(&mut graph, laser)?),
+        _ => None,
+    };
     let gaps = odometry.trajectory.gaps.len();
     if gaps > 0 {
         let longest_silence = options.longest_silence;
@@ -73,7 +82,7 @@ pub fn ingest(
             wheel_scale: options.wheel_scale,
         });
     }
-    Ok(Ingested { invented: builder.invented(), graph, summary, laser })
+    Ok(Ingested { invented: builder.invented(), graph, summary, laser, comparison })
 }
 
 fn read_truth(reader: &mut Reader<'_>, options: &Options) -> Result<Option<Trajectory>, IngestError> {

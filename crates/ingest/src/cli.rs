@@ -1,6 +1,7 @@
 //! The command line of `posecut-ingest`: builds the pose graph of a session from NCLT's files or from a CARMEN log.
 
 mod log;
+mod matches;
 mod scans;
 mod sensors;
 
@@ -37,6 +38,10 @@ struct Command {
     /// Write the scans to this file, one record a line, instead of into the graph
     #[arg(long, value_name = "FILE", help_heading = "Laser scans")]
     scans: Option<PathBuf>,
+
+    /// Refine the odometry by matching the scans of successive keyframes
+    #[arg(long, help_heading = "Laser scans")]
+    scan_matching: bool,
 
     /// Write the pose of the robot at each scan of the log to this file, in the format of the TUM benchmark
     #[arg(long, value_name = "FILE", help_heading = "CARMEN logs")]
@@ -92,7 +97,8 @@ pub fn main() -> ExitCode {
             sensors::check(command, &files, context)?;
             let progress = context.progress(0, "reading");
             let mut inputs = Vec::new();
-            let mut ingested = ingest(&mut files, &command.options, &mut |event| match event {
+            let options = Options { scan_matching: command.scan_matching, ..command.options.clone() };
+            let mut ingested = ingest(&mut files, &options, &mut |event| match event {
                 Event::Opened { name, bytes } => {
                     progress.inc_length(bytes.len() as u64);
                     inputs.push(InputDigest { name: name.to_owned(), sha256: digest(bytes) });
@@ -119,7 +125,7 @@ pub fn main() -> ExitCode {
                     ),
                 );
             }
-            context.record_provenance(&mut ingested.graph, &command.options, None)?;
+            context.record_provenance(&mut ingested.graph, &options, None)?;
             sensors::write(command, &mut ingested, context)?;
             context.write_graph(&ingested.graph)?;
             Ok(Outcome::Done)

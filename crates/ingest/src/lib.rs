@@ -22,6 +22,7 @@ mod laser;
 mod nees;
 mod odometry;
 mod options;
+mod scan_matching;
 mod session;
 mod summary;
 mod table;

@@ -39,6 +39,11 @@ pub struct Options {
     #[cfg_attr(feature = "cli", arg(long, value_name = "RADIANS", help_heading = "Odometry"))]
     pub sigma_rotation: Option<f64>,
 
+    /// Refine the steps between keyframes by matching their laser scans. The command line has one flag for sessions and logs.
+    #[cfg_attr(feature = "cli", arg(skip))]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub scan_matching: bool,
+
     /// Write GPS as priors of positions in the local frame of the ground truth: for each keyframe the nearest fix within 0.5 s
     #[cfg_attr(feature = "cli", arg(long, value_enum, value_name = "RECEIVER", help_heading = "GPS"))]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -78,6 +83,7 @@ impl Options {
         wheel_scale: 1.0,
         sigma_translation: None,
         sigma_rotation: None,
+        scan_matching: false,
         gps: None,
         sigma_gps: None,
         keep_every: 10,

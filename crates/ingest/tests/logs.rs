@@ -63,7 +63,10 @@ fn options_of_the_other_kind_are_refused_by_name() {
             "--wheel-scale applies to NCLT sessions, but a.clf is a CARMEN log",
         ),
         (&["a.clf", "--scans", "a.clf"], "a.clf"),
-        (&["2012-01-22", "--scan-matching"], "--scan-matching applies to CARMEN logs, but 2012-01-22 is not"),
+        (
+            &["2012-01-22", "--scan-matching"],
+            "it has no hokuyo_30m.bin, so --scan-matching has no scans to match",
+        ),
         (&["2012-01-22", "--scans", "x"], "--scans writes laser scans, but 2012-01-22 has no hokuyo_30m.bin"),
         (&["a.clf", "--hokuyo", "x"], "--hokuyo applies to NCLT sessions, but a.clf is a CARMEN log"),
         (&["a.clf", "--keyframe-angle", "0"], "--keyframe-angle is 0, but must be a positive number"),

@@ -1,7 +1,8 @@
 //! Steps between keyframes by odometry and scan matching together.
 //!
-//! Point-to-line ICP starts from the odometry. Where it fails or leads far from the odometry, the best pose of a window around it is a second
-//! start. The result is the product of match and odometry: along a corridor, where scans say nothing, the odometry decides.
+//! Point-to-line ICP starts from the odometry. Where it fails or leads far from the odometry, the best pose of a window around it is another
+//! start. The result is the product of match and odometry: along a corridor, where scans say nothing, the odometry decides. Where both
+//! contradict each other, one of them is wrong, and the step is the match with a covariance that reaches to the odometry.
 
 use std::cell::OnceCell;
 
@@ -19,7 +20,7 @@ const LEAST_MATCHED: f64 = 0.2;
 /// if ICP from its result ends within this distance, metres and radians.
 const SETTLED: f64 = 0.002;
 
-/// A match is not used if its squared normalised distance from the odometry is above this: 7 standard deviations. Wheels slip farther
+/// A match contradicts the odometry if its squared normalised distance from it is above this: 7 standard deviations. Wheels slip farther
 /// than a normal distribution says: at the chi-square quantile of 1 - 1e-4 (21.1), seven right matches of aces were lost.
 const GATE: f64 = 50.0;
 
@@ -30,7 +31,7 @@ pub struct Comparison {
     pub matched: usize,
     /// Steps whose scans could not be matched, or are missing: the odometry alone was used.
     pub unmatched: usize,
-    /// Steps whose match was too far from the odometry to be used.
+    /// Steps whose match is too far from the odometry for both to be right: the covariance spans both.
     pub contradicting: usize,
     /// Difference of match and odometry forward, over the matched steps: root mean square and robust standard deviation, metres.
     pub difference_forward_m: [f64; 2],
@@ -82,12 +83,18 @@ pub enum Outcome {
     /// ICP did not settle, or too few points found a partner.
     Unmatched,
     /// The match is too far from the odometry.
-    Contradicting,
+    Contradicting {
+        /// The match, with a covariance that reaches to the odometry.
+        measured: Measured,
+        /// Points with a partner.
+        points: usize,
+    },
 }
 
-/// The window around the odometry in which a second start is searched, metres and radians, and its grid: what wheels slipped at most on
-/// mit-csail, where turns of 0.4 rad are missing from the odometry of a step.
-const WINDOW: [f64; 2] = [0.5, 0.4];
+/// The windows around the odometry in which another start is searched, metres and radians, and their grid. The first is what wheels slipped
+/// at most on mit-csail, where turns of 0.4 rad are missing from the odometry of a step. The second, for steps that are without any match
+/// still, is where a robot at walking pace may be two seconds later.
+const WINDOWS: [[f64; 2]; 2] = [[0.5, 0.4], [3.0, 0.8]];
 const GRID: [f64; 2] = [0.05, 0.02];
 
 /// Standard deviation of the likelihood field, metres: two cells of the grid.
@@ -110,27 +117,33 @@ pub fn match_step(reference: &Reference<'_>, query: &Cloud, odometry: &Measured)
     {
         return first;
     }
-    let [distance, angle] = WINDOW;
-    let window = Window { middle: odometry.motion, distance, angle };
-    let field = reference.field.get_or_init(|| Field::new(reference.cloud, GRID[0], FIELD));
-    let Some(found) = field.search(query, &[window], GRID[1], LEAST_SCORE) else { return first };
-    // The start is near, and a wider search for partners would lead ICP away again.
+    // The later start is near, and a wider search for partners would lead ICP away again.
     let near = IcpOptions { first_distance: options.least_distance, ..options };
-    let second = match_from(reference, query, odometry, &found.pose, &near);
-    if matches!(first, Outcome::Matched { .. }) && first.quality() >= second.quality() {
-        first
-    } else {
-        second
+    let mut best = first;
+    for [distance, angle] in WINDOWS {
+        let window = Window { middle: odometry.motion, distance, angle };
+        let field = reference.field.get_or_init(|| Field::new(reference.cloud, GRID[0], FIELD));
+        if let Some(found) = field.search(query, &[window], GRID[1], LEAST_SCORE) {
+            let next = match_from(reference, query, odometry, &found.pose, &near);
+            if next.quality() > best.quality() {
+                best = next;
+            }
+        }
+        if !matches!(best, Outcome::Unmatched) {
+            break;
+        }
     }
+    best
 }
 
 impl Outcome {
     /// How good a match is: a point without a partner counts as much as half a squared standard deviation from the odometry. In a turn, ICP
     /// may come to rest at a pose that matches half of the points.
-    fn quality(&self) -> f64 {
+    fn quality(&self) -> (u8, f64) {
         match self {
-            Self::Matched { points, square, .. } => *points as f64 - 0.5 * square,
-            Self::Unmatched | Self::Contradicting => f64::NEG_INFINITY,
+            Self::Matched { points, square, .. } => (2, *points as f64 - 0.5 * square),
+            Self::Contradicting { points, .. } => (1, *points as f64),
+            Self::Unmatched => (0, 0.0),
         }
     }
 }
@@ -148,7 +161,8 @@ fn match_from(
     let difference = found.pose.between(&odometry.motion).log();
     let square = normalised_square(&difference, &odometry.information, &found);
     if square > GATE {
-        return Outcome::Contradicting;
+        let measured = spanning(&difference, &odometry.information, square, &found);
+        return Outcome::Contradicting { measured, points: found.matched };
     }
     Outcome::Matched {
         measured: fused(&difference, &odometry.information, &found),
@@ -175,12 +189,17 @@ pub fn by_matching(odometry: &[Measured], scans: &[Option<&LaserScan>]) -> (Vec<
                 comparison.matched += 1;
                 differences.push(difference);
                 squares += square;
-                return measured;
+                measured
             }
-            Outcome::Unmatched => comparison.unmatched += 1,
-            Outcome::Contradicting => comparison.contradicting += 1,
+            Outcome::Contradicting { measured, .. } => {
+                comparison.contradicting += 1;
+                measured
+            }
+            Outcome::Unmatched => {
+                comparison.unmatched += 1;
+                *step
+            }
         }
-        *step
     });
     let measured = measured.collect();
     let spread =
@@ -220,6 +239,17 @@ fn fused(difference: &Vector3<f64>, odometry: &Matrix3<f64>, found: &Alignment) 
     let shift =
         information.try_inverse().map_or_else(Vector3::zeros, |inverse| inverse * odometry * difference);
     Measured { motion: found.pose.compose(&SE2::exp(&shift)), information }
+}
+
+/// Match and odometry where one of both is wrong: the match, with odometry as uncertain as the difference says, and a covariance that reaches
+/// from there to the odometry. A wheel that slipped leaves a step that is loose, and neither wrong nor tight.
+fn spanning(difference: &Vector3<f64>, odometry: &Matrix3<f64>, square: f64, found: &Alignment) -> Measured {
+    let near = fused(difference, &(odometry * (3.0 / square)), found);
+    let reach = near.motion.between(&found.pose.compose(&SE2::exp(difference))).log();
+    // (A^-1 + d d^T)^-1, by the formula of Sherman and Morrison.
+    let weighted = near.information * reach;
+    let information = near.information - weighted * weighted.transpose() / (1.0 + reach.dot(&weighted));
+    Measured { motion: near.motion, information }
 }
 
 /// Root mean square and robust standard deviation; 0 of none.

@@ -13,6 +13,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use super::Command;
+use super::matches;
 use super::scans::{self, SCANS};
 use crate::Options;
 
@@ -53,7 +54,8 @@ pub(super) fn run(command: &Command, context: &mut Context) -> anyhow::Result<Ou
     let source = if standard { Source::Standard } else { Source::File(command.session.clone()) };
     let (place, bytes) = context.read_bytes(&source, "log")?;
     let content = expanded(bytes).map_err(|error| LogError::Compression { place: place.clone(), error })?;
-    let log = Log::read(&place, &content[..], &command.log)?;
+    let options = LogOptions { scan_matching: command.scan_matching, ..command.log.clone() };
+    let log = Log::read(&place, &content[..], &options)?;
     drop(content);
     warn_of_repairs(&place, &log);
     let file = command.session.file_name().map(|name| name.to_string_lossy().into_owned());
@@ -62,12 +64,12 @@ pub(super) fn run(command: &Command, context: &mut Context) -> anyhow::Result<Ou
         .name
         .clone()
         .unwrap_or_else(|| session_name(file.as_deref().filter(|_| !standard).unwrap_or_default()));
-    let mut session = Session::of_log(&place, &name, &log, &command.log)?;
+    let mut session = Session::of_log(&place, &name, &log, &options)?;
     note(&session.summary, &mut context.statistics);
     report(&session.summary);
-    context.record_provenance(&mut session.graph, &command.log, None)?;
+    context.record_provenance(&mut session.graph, &options, None)?;
     if let Some(path) = &command.trajectory {
-        let poses = trajectory(&log, &session, &command.log);
+        let poses = trajectory(&log, &session, &options);
         write_atomically(path, |writer| Ok(write_trajectory(&poses, writer)?))?;
     }
     let Session { mut graph, scans, .. } = session;
@@ -138,14 +140,7 @@ fn report(summary: &Summary) {
         summary.path_length_m,
         summary.duration_s
     );
-    if let Some(matching) = &summary.scan_matching {
-        info!(
-            "{} matched; odometry alone for {} without a match and {} whose match contradicts it",
-            counted(matching.matched, "step"),
-            matching.unmatched,
-            matching.contradicting
-        );
-    }
+    matches::report(summary.scan_matching.as_ref());
 }
 
 fn note(summary: &Summary, statistics: &mut Statistics) {
@@ -159,5 +154,5 @@ fn note(summary: &Summary, statistics: &mut Statistics) {
     statistics.note("beams", summary.beams);
     statistics.note("returns", summary.returns);
     statistics.note("repairs", summary.repairs);
-    statistics.note("scan_matching", summary.scan_matching);
+    matches::note(summary.scan_matching.as_ref(), statistics);
 }

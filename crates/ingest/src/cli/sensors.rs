@@ -4,6 +4,7 @@ use anyhow::bail;
 use posecut_stage::{Context, counted, info};
 
 use super::Command;
+use super::matches;
 use super::scans::{self, SCANS};
 use crate::{FileKind, Ingested, SessionFiles};
 
@@ -30,7 +31,9 @@ pub(super) fn write(command: &Command, ingested: &mut Ingested, context: &mut Co
         counted(laser.scans.len(), "laser scan"),
         counted(ingested.graph.nodes.len(), "keyframe")
     );
+    matches::report(ingested.comparison.as_ref());
     let statistics = &mut context.statistics;
+    matches::note(ingested.comparison.as_ref(), statistics);
     statistics.note("scans", laser.scans.len());
     statistics.note("scans_in_file", laser.in_file);
     statistics.note("scans_out_of_order", laser.out_of_order);

@@ -4,6 +4,7 @@
 
 mod correlative;
 mod icp;
+mod laser_odometry;
 mod rooms;
 mod sight;
 mod thinning;

@@ -31,9 +31,12 @@ pub(super) fn session(hokuyo: Option<f64>, velodyne: Option<f64>) -> TempDir {
 
 /// The graph of a session, with its scans.
 pub(super) fn graph(folder: &TempDir) -> PoseGraph {
+    graph_by(folder, &Options { keep_every: 5, ..Options::DEFAULT })
+}
+
+fn graph_by(folder: &TempDir, options: &Options) -> PoseGraph {
     let mut files = SessionFiles::find(&folder.path().join("2012-01-22"), None, None).unwrap();
-    let options = Options { keep_every: 5, ..Options::DEFAULT };
-    let ingested = ingest(&mut files, &options, &mut |_| ()).unwrap();
+    let ingested = ingest(&mut files, options, &mut |_| ()).unwrap();
     let mut graph = ingested.graph;
     let scans = ingested.laser.map(|laser| laser.scans).unwrap_or_default();
     graph.unknown = scans.iter().map(|(node, scan)| scan.record(*node).unwrap()).collect();
@@ -60,4 +63,31 @@ fn the_planar_scanner_recognises_the_way_back() {
     let right = found.candidates.iter().filter(|candidate| correct(&graph, candidate)).count();
     let all = found.candidates.len();
     assert!(right >= 60 && 10 * right >= 9 * all, "{right} of {all} are correct");
+}
+
+/// How far the last keyframe is from its true place in the frame of the first, metres.
+fn drift(graph: &PoseGraph) -> f64 {
+    let at = |node: usize| {
+        let node = &graph.nodes[node];
+        let truth = node.truth.as_ref().unwrap().pose.as_ref().unwrap();
+        (SE2::from_components(node.pose.as_ref().unwrap()).unwrap(), SE2::from_components(truth).unwrap())
+    };
+    let ((first, true_first), (last, true_last)) = (at(0), at(graph.nodes.len() - 1));
+    (first.between(&last).translation - true_first.between(&true_last).translation).norm()
+}
+
+#[test]
+fn scan_matching_corrects_the_odometry_of_a_session() {
+    let folder = session(Some(5.0), None);
+    let options = Options {
+        keep_every: 5,
+        sigma_translation: Some(0.1),
+        sigma_rotation: Some(0.02),
+        ..Options::DEFAULT
+    };
+    let odometry = graph_by(&folder, &options);
+    let matched = graph_by(&folder, &Options { scan_matching: true, ..options });
+    assert_eq!(odometry.nodes.len(), matched.nodes.len());
+    let [before, after] = [drift(&odometry), drift(&matched)];
+    assert!(before > 1.0 && 5.0 * after < before, "{before} m without, {after} m with scan matching");
 }
