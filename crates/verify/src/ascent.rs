@@ -23,6 +23,8 @@ pub(crate) struct Point {
     pub(crate) coherent: f64,
     pub(crate) short: f64,
     pub(crate) local: f64,
+    /// That of the rest of a local error relative to that of its translation.
+    pub(crate) turning: f64,
 }
 
 /// A factor that the ascent moves.
@@ -33,6 +35,7 @@ pub(crate) enum Axis {
     Coherent,
     Short,
     Local,
+    Turning,
 }
 
 /// Coordinate ascent with steps that halve. Coarse steps over a sample of the loops run from every start; fine steps over all
@@ -93,6 +96,7 @@ impl Point {
             self.coherent - other.coherent,
             self.short - other.short,
             self.local - other.local,
+            self.turning - other.turning,
         ];
         apart.iter().all(|apart| apart.abs() < 1e-9)
     }
@@ -103,6 +107,7 @@ impl Point {
             Axis::Landmark => self.landmark = (self.landmark + by).max(LANDMARK_LEAST.ln()),
             Axis::Short => self.short += by,
             Axis::Local => self.local = (self.local + by).clamp(NARROWEST.ln(), EXCEPTION.ln()),
+            Axis::Turning => self.turning = (self.turning + 2.0 * by).clamp(-EXCEPTION.ln(), 0.0),
             Axis::Coherent => self.coherent = (self.coherent + 2.0 * by).min(COHERENT_MOST.ln()),
         }
         self

@@ -136,7 +136,7 @@ impl<G: Motion<DOF>, const DOF: usize> Bridge<G, DOF> {
         let (closed, own) =
             model.beside(closure, [self.edge.from, self.edge.to], &self.edge.measurement, &covariance);
         let correct = calibration.covariance(&closed) + own;
-        let local = calibration.local(&closed.landmark);
+        let local = calibration.local(&closed.landmark, &closed.translation);
         compare(&closed.error, &correct, &closed.apart, &local, calibration.tail)
     }
 }

@@ -44,8 +44,9 @@ pub(crate) enum LocalErrors {
     /// They are few, and as wide as `EXCEPTION` says. A narrower or more frequent local error would explain gross errors of odometry, and
     /// make all other noise small.
     Exceptions,
-    /// They may outnumber the correct edges. Their variance is this factor on the claimed covariance.
-    Common { factor: f64 },
+    /// They may outnumber the correct edges. Their variances are these factors on the claimed ones of the translation with the right heading,
+    /// and of the rest.
+    Common { translation: f64, turning: f64 },
 }
 
 /// Factors for each use of odometry.
@@ -75,7 +76,8 @@ impl Factors {
                 || peak(&[Axis::Odometry, Axis::Landmark], errors).refined(&classes),
             )
         };
-        let (exceptions, common) = (LocalErrors::Exceptions, LocalErrors::Common { factor: EXCEPTION });
+        let (exceptions, common) =
+            (LocalErrors::Exceptions, LocalErrors::Common { translation: EXCEPTION, turning: EXCEPTION });
         let (loops, mut rest) = rayon::join(
             || {
                 let (usual, other) = rayon::join(
@@ -108,8 +110,8 @@ const NARROWEST_TO_NOISE: f64 = 25.0;
 /// How much better than exceptions common local errors must explain all loops, nats. On 250 simulated graphs with wrong edges of four kinds,
 /// about as many wrong edges were accepted with 3 and 5 nats, and 7 % more with 10.
 const COMMON: f64 = 5.0;
-/// How much larger the factor on landmark noise must be without common local errors: three standard deviations, squared. Where it is not,
-/// exceptions are enough, and edges of a graph whose noise is of two sizes would be left out.
+/// How much larger the factor on landmark noise, or the coherent variance, must be without common local errors: three standard deviations,
+/// squared. Where it is not, exceptions are enough, and edges of a graph whose noise is of two sizes would be left out.
 const INFLATED: f64 = 9.0;
 
 impl Calibration {
@@ -119,11 +121,14 @@ impl Calibration {
         self.landmark <= LANDMARK_LEAST * (1.0 + 1e-9)
     }
 
-    /// The factor that turns the claimed covariance of a loop's landmark edges into that of a local error.
-    pub(crate) fn local_factor(&self) -> f64 {
+    /// The factors that turn the claimed covariance of a loop's landmark edges into that of a local error: for translation with the right
+    /// heading, and for the rest.
+    pub(crate) fn local_factors(&self) -> [f64; 2] {
         match self.errors {
-            LocalErrors::Exceptions => self.landmark.max(1.0) * EXCEPTION,
-            LocalErrors::Common { factor } => factor.max(self.landmark * NARROWEST_TO_NOISE),
+            LocalErrors::Exceptions => [self.landmark.max(1.0) * EXCEPTION; 2],
+            LocalErrors::Common { translation, turning } => {
+                [translation.max(self.landmark * NARROWEST_TO_NOISE), turning.max(self.landmark)]
+            }
         }
     }
 
@@ -131,15 +136,18 @@ impl Calibration {
     /// likely to be edges between the wrong places.
     fn has_narrow_errors(&self) -> bool {
         // exp(ln(x)) differs from x by rounding.
-        matches!(self.errors, LocalErrors::Common { factor } if factor < EXCEPTION * (1.0 - 1e-9))
+        matches!(self.errors, LocalErrors::Common { translation, .. } if translation < EXCEPTION * (1.0 - 1e-9))
     }
 
-    /// The covariance of a local error of a loop's landmark edges.
+    /// The covariance of a local error of a loop's landmark edges, from their covariance and the part of it that is translation with the right
+    /// heading.
     pub(crate) fn local<const DOF: usize>(
         &self,
         landmark: &SMatrix<f64, DOF, DOF>,
+        translation: &SMatrix<f64, DOF, DOF>,
     ) -> SMatrix<f64, DOF, DOF> {
-        landmark * self.local_factor()
+        let [by_translation, by_turning] = self.local_factors();
+        landmark * by_turning + translation * (by_translation - by_turning)
     }
 
     pub(crate) fn covariance<const DOF: usize>(&self, closed: &Loop<DOF>) -> SMatrix<f64, DOF, DOF> {
@@ -152,7 +160,7 @@ impl Calibration {
 
     /// The evidence of a loop; `None` where its covariance is not positive definite.
     pub(crate) fn evidence<const DOF: usize>(&self, closed: &Loop<DOF>) -> Option<Evidence> {
-        let local = self.local(&closed.landmark);
+        let local = self.local(&closed.landmark, &closed.translation);
         compare(&closed.error, &self.covariance(closed), &closed.apart, &local, self.tail)
     }
 
@@ -166,7 +174,10 @@ impl Calibration {
             short: point.short.exp(),
             errors: match self.errors {
                 LocalErrors::Exceptions => LocalErrors::Exceptions,
-                LocalErrors::Common { .. } => LocalErrors::Common { factor: point.local.exp() },
+                LocalErrors::Common { .. } => LocalErrors::Common {
+                    translation: point.local.exp(),
+                    turning: (point.local + point.turning).exp(),
+                },
             },
             ..*self
         }
@@ -229,7 +240,16 @@ impl Peak {
     fn is_preferred_to(&self, exceptions: &Self) -> bool {
         self.calibration.has_narrow_errors()
             && self.objective - exceptions.objective > COMMON
-            && exceptions.calibration.landmark > INFLATED * self.calibration.landmark
+            && self.has_less_noise_than(&exceptions.calibration)
+    }
+
+    /// Whether noise of landmark edges, or the drift of odometry, is much larger in the other explanation.
+    fn has_less_noise_than(&self, other: &Calibration) -> bool {
+        let own = &self.calibration;
+        // Of the common factors, all chains have the same.
+        let drift = own.coherent.first().zip(other.coherent.first());
+        other.landmark > INFLATED * own.landmark
+            || drift.is_some_and(|(own, other)| *other > INFLATED * own.max(COHERENT))
     }
 
     /// The factors of each chain.
@@ -250,7 +270,8 @@ fn peak<G: Motion<DOF>, const DOF: usize>(
     errors: LocalErrors,
 ) -> Peak {
     let with_coherent = axes.contains(&Axis::Coherent);
-    let with_local: &[Axis] = if errors == LocalErrors::Exceptions { &[] } else { &[Axis::Local] };
+    let with_local: &[Axis] =
+        if errors == LocalErrors::Exceptions { &[] } else { &[Axis::Local, Axis::Turning] };
     let axes = &[axes, with_local].concat();
     let chains = model.chains.chains.len();
     let coherent = if with_coherent { COHERENT } else { NEGLIGIBLE };
@@ -280,6 +301,7 @@ fn peak<G: Motion<DOF>, const DOF: usize>(
             coherent: coherent.ln(),
             short: 0.0,
             local: EXCEPTION.ln(),
+            turning: 0.0,
         },
     );
     let best = highest(&starts, axes, |point, loops| {
@@ -288,7 +310,8 @@ fn peak<G: Motion<DOF>, const DOF: usize>(
             + square(point.landmark / PRIOR)
             + square((point.coherent - coherent.ln()) / (2.0 * PRIOR))
             + square(point.short / PRIOR)
-            + square((point.local - EXCEPTION.ln()) / PRIOR);
+            + square((point.local - EXCEPTION.ln()) / PRIOR)
+            + square(point.turning / PRIOR);
         Contrast { objective: found.objective - 0.5 * prior, ..found }
     });
     let Some((point, Contrast { objective, evidence, correct })) = best else {
@@ -330,6 +353,7 @@ fn refine<const DOF: usize>(
                 landmark: 0.0,
                 short: 0.0,
                 local: 0.0,
+                turning: 0.0,
                 coherent,
             });
             let axes: &[Axis] =

@@ -43,6 +43,7 @@ mod rounds;
 mod scores;
 #[cfg(feature = "cli")]
 pub mod stage;
+mod translation;
 mod trials;
 mod usual;
 pub mod verdict;

@@ -14,6 +14,7 @@ use crate::evidence::{CLIP, Evidence, chi_square_quantile, compare};
 use crate::model::{Model, Motion};
 use crate::partners::Partners;
 use crate::rounds::CONTRADICTED;
+use crate::translation::translation_part;
 
 /// Closures without an accepted neighbour whose covariance is computed exactly in one round. Each costs a triangular solve.
 const EXACT: usize = 400;
@@ -302,7 +303,10 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
     }
 
     fn evidence(&self, closure: usize, innovation: &Innovation<DOF>) -> Option<Evidence> {
-        let local = self.calibration.local(&self.drawing.covariances[closure]) * self.scale;
+        let local = {
+            let covariance = &self.drawing.covariances[closure];
+            self.calibration.local(covariance, &translation_part(covariance)) * self.scale
+        };
         compare(
             &innovation.error,
             &(innovation.covariance * self.scale),

@@ -23,6 +23,8 @@ pub(crate) struct Class<const DOF: usize> {
     /// Whether its loops are through neighbours of one chain, over short stretches of odometry. These inform only about noise, not about how
     /// many candidates are correct: wrong neighbours agree with each other, too.
     short: bool,
+    /// Whether its loops are each through one candidate.
+    single: bool,
     /// Most local errors and shifts, relative to the correct loops, where they are exceptions, and where they are common.
     wrong_most: [f64; 2],
     /// Whether loops may be shifted. False closures between chains come in groups that agree with each other and lie the
@@ -102,7 +104,12 @@ pub(crate) fn local_share<const DOF: usize>(classes: &[Class<DOF>], factors: &Ca
         correct += shares[0] * class.real.len() as f64;
         // Some loops that close by chance look like local errors, as some shuffled loops do. Subtract those.
         let chance = 1.0 - shares.iter().sum::<f64>();
-        local += (counts(&real, &shares)[1] - chance * counts(&shuffled, &shares)[1]).max(0.0);
+        let found = (counts(&real, &shares)[1] - chance * counts(&shuffled, &shares)[1]).max(0.0);
+        local += if factors.errors == LocalErrors::Exceptions {
+            found
+        } else {
+            class.of_candidates(found, &shares)
+        };
     }
     if correct > 0.0 { local / correct } else { 0.0 }
 }
@@ -122,6 +129,13 @@ impl<const DOF: usize> Class<DOF> {
         for (sample, closed) in [(&mut self.real, real), (&mut self.shuffled, twin)] {
             sample.push(Loop { beside: beside.unwrap_or(closed.beside), ..closed });
         }
+    }
+
+    /// How many loops of as many candidates as there are correct loops would have a local error if each had one candidate. A loop through two
+    /// has one if either of them has.
+    fn of_candidates(&self, loops: f64, shares: &Shares) -> f64 {
+        let correct = shares[0] * self.real.len() as f64;
+        if self.single { loops } else { correct * ((1.0 + loops / correct).sqrt() - 1.0) }
     }
 
     /// Whether its loops are through neighbours of one chain.
@@ -180,8 +194,9 @@ pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
     model: &Model<G, DOF>,
     partners: &Partners,
 ) -> Vec<Class<DOF>> {
-    let empty = |short, wrong_most, shifted| Class {
+    let empty = |[short, single]: [bool; 2], wrong_most, shifted| Class {
         short,
+        single,
         wrong_most,
         shifted,
         neighbours: false,
@@ -190,9 +205,10 @@ pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
     };
     // Where four candidates in five have a local error, about one pair in twenty-five has none.
     let (of_single, of_pairs) = ([0.0, 4.0], [1.25, 16.0]);
-    let (mut single, mut short) = (empty(false, of_single, false), empty(true, of_pairs, false));
+    let (mut single, mut short) =
+        (empty([false, true], of_single, false), empty([true, false], of_pairs, false));
     let shifted = !model.without(Ingredient::Shift);
-    let (mut near, mut far) = (empty(false, of_pairs, shifted), empty(false, of_pairs, shifted));
+    let (mut near, mut far) = (empty([false; 2], of_pairs, shifted), empty([false; 2], of_pairs, shifted));
     let count = model.closures.len();
     let sample = (0..count).step_by(count.div_ceil(SAMPLE).max(1));
     let neighbours = Neighbours::of(model, partners, sample.clone());

@@ -10,6 +10,7 @@ use posecut_pcm::{PcmError, Spatial};
 
 use crate::calibration::Calibration;
 use crate::ingredients::Ingredient;
+use crate::translation::translation_of;
 use crate::verification::{self, Verification};
 
 /// Groups of motions that can be judged: SE(2) and SE(3).
@@ -49,6 +50,8 @@ pub(crate) struct Closure<G, const DOF: usize> {
     /// Whether the edge leads from chain A to chain B, which is the direction of the candidate.
     pub(crate) forward: bool,
     pub(crate) candidate: Candidate<G, DOF>,
+    /// The part of its covariance that is translation with the right heading, in the frame of chain B.
+    translation: SMatrix<f64, DOF, DOF>,
 }
 
 /// The chains that a group's candidates join, and the range of these candidates among all closures.
@@ -82,6 +85,8 @@ pub(crate) struct Model<G, const DOF: usize> {
 pub(crate) struct Loop<const DOF: usize> {
     pub(crate) error: SVector<f64, DOF>,
     pub(crate) landmark: SMatrix<f64, DOF, DOF>,
+    /// The part of it that is translation with the right heading.
+    pub(crate) translation: SMatrix<f64, DOF, DOF>,
     /// For each chain, its number and the covariances from its random and its coherent odometry errors, at factors of one.
     pub(crate) odometry: [(usize, SMatrix<f64, DOF, DOF>, SMatrix<f64, DOF, DOF>); 2],
     /// R, the second moment of the error by chance.
@@ -111,6 +116,7 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
                     group: number,
                     forward: place(edge.from) <= place(edge.to),
                     candidate: candidate.clone(),
+                    translation: translation_of(candidate, &chains.chains[group.b]),
                 }
             }));
             spans.push(Span { a: group.a, b: group.b, first, end: closures.len() });
@@ -230,17 +236,21 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
     /// The loop through two closures of one group and the odometry between them (Mangelson et al., equation 6, conjugated
     /// into the frame of chain B): E = T_a^-1 T_b.
     pub(crate) fn pair(&self, one: usize, other: usize) -> Loop<DOF> {
-        self.pair_of(&self.closures[one].candidate, &self.closures[other].candidate, one)
+        let [a, b] = [one, other].map(|closure| &self.closures[closure]);
+        let translation = a.translation + b.translation;
+        Loop { translation, ..self.pair_of(&a.candidate, &b.candidate, one) }
     }
 
     /// The same loop, with the second closure's end in chain B moved to that of a third closure.
     pub(crate) fn pair_shuffled(&self, one: usize, other: usize, third: usize) -> Loop<DOF> {
-        let shuffled = self.shuffled(other, third);
-        self.pair_of(&self.closures[one].candidate, &shuffled, one)
+        let (shuffled, moved) = self.shuffled(other, third);
+        let own = &self.closures[one];
+        Loop { translation: own.translation + moved, ..self.pair_of(&own.candidate, &shuffled, one) }
     }
 
     /// A closure moved to another closure's end in chain B. It keeps its measurement, which is meaningless there.
-    fn shuffled(&self, closure: usize, donor: usize) -> Candidate<G, DOF> {
+    /// The second result is the part of its covariance that is translation with the right heading.
+    fn shuffled(&self, closure: usize, donor: usize) -> (Candidate<G, DOF>, SMatrix<f64, DOF, DOF>) {
         let span = self.span(closure);
         let (own, donor) = (&self.closures[closure].candidate, &self.closures[donor].candidate);
         let (chain_a, chain_b) = (self.chain(span.a), self.chain(span.b));
@@ -248,7 +258,9 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
             chain_a.poses[own.i].inverse().compose(&own.alignment).compose(&chain_b.poses[own.k]);
         let back = chain_b.poses[own.k].inverse().adjoint();
         let covariance = back * own.covariance * back.transpose();
-        Candidate::new(own.edge, (chain_a, own.i), (chain_b, donor.k), &measurement, &covariance)
+        let moved = Candidate::new(own.edge, (chain_a, own.i), (chain_b, donor.k), &measurement, &covariance);
+        let translation = translation_of(&moved, chain_b);
+        (moved, translation)
     }
 
     /// The loop through a closure and another measurement between nodes of the same two chains. The second result is the
@@ -272,6 +284,7 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         let other = Candidate::new(own.edge, a, b, &measurement, &covariance);
         let mut closed = self.pair_of(&other, own, closure);
         closed.landmark = own.covariance;
+        closed.translation = self.closures[closure].translation;
         (closed, other.covariance)
     }
 
@@ -309,19 +322,28 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
             ]
         };
         let apart = self.apart_at(closure);
-        Loop { error, landmark, odometry, apart, beside: apart * SHIFT }
+        Loop { error, landmark, translation: zero, odometry, apart, beside: apart * SHIFT }
     }
 
     /// The loop through one closure and the odometry of its own chain; `None` between two chains.
     pub(crate) fn single(&self, closure: usize) -> Option<Loop<DOF>> {
-        self.same_chain(closure).then(|| self.single_of(&self.closures[closure].candidate, closure))
+        let own = &self.closures[closure];
+        self.same_chain(closure).then(|| self.single_of(&own.candidate, own.translation, closure))
     }
 
     pub(crate) fn single_shuffled(&self, closure: usize, donor: usize) -> Option<Loop<DOF>> {
-        self.same_chain(closure).then(|| self.single_of(&self.shuffled(closure, donor), closure))
+        self.same_chain(closure).then(|| {
+            let (shuffled, translation) = self.shuffled(closure, donor);
+            self.single_of(&shuffled, translation, closure)
+        })
     }
 
-    fn single_of(&self, candidate: &Candidate<G, DOF>, closure: usize) -> Loop<DOF> {
+    fn single_of(
+        &self,
+        candidate: &Candidate<G, DOF>,
+        translation: SMatrix<f64, DOF, DOF>,
+        closure: usize,
+    ) -> Loop<DOF> {
         let span = self.span(closure);
         let chain = self.chain(span.a);
         let drift = self.drifts[span.a][candidate.k] - self.drifts[span.a][candidate.i];
@@ -330,6 +352,7 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         Loop {
             error: candidate.from_a.log(),
             landmark: candidate.covariance,
+            translation,
             odometry: [
                 (span.a, chain.covariance_between(candidate.i, candidate.k), drift * drift.transpose()),
                 (span.b, zero, zero),

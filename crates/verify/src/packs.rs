@@ -31,6 +31,7 @@ pub(crate) struct Sample<const DOF: usize> {
 struct Pack<const DOF: usize> {
     error: [Wide; DOF],
     landmark: Stored<DOF>,
+    translation: Stored<DOF>,
     apart: Stored<DOF>,
     beside: Stored<DOF>,
     sides: [Side<DOF>; 2],
@@ -78,7 +79,14 @@ impl<const DOF: usize> Pack<DOF> {
     fn empty() -> Self {
         let zero = [[Wide::default(); DOF]; DOF];
         let side = Side { chains: [0; WIDTH], random: zero, coherent: zero };
-        Self { error: [Wide::default(); DOF], landmark: zero, apart: zero, beside: zero, sides: [side; 2] }
+        Self {
+            error: [Wide::default(); DOF],
+            landmark: zero,
+            translation: zero,
+            apart: zero,
+            beside: zero,
+            sides: [side; 2],
+        }
     }
 
     fn set(&mut self, lane: usize, closed: &Loop<DOF>) {
@@ -93,6 +101,7 @@ impl<const DOF: usize> Pack<DOF> {
             self.error[row].0[lane] = closed.error[row];
         }
         put(&mut self.landmark, &closed.landmark);
+        put(&mut self.translation, &closed.translation);
         put(&mut self.apart, &closed.apart);
         put(&mut self.beside, &closed.beside);
         for (side, (chain, random, coherent)) in self.sides.iter_mut().zip(&closed.odometry) {
@@ -150,9 +159,11 @@ impl<const DOF: usize> Compare<'_, DOF> {
         }
         let near = Eliminated::of(simd, covariance, error, &[Lanes::splat(simd, 1.0); DOF]);
         let wider = Wider { simd, covariance, error, near: &near, tail: self.factors.tail, lane };
-        let correct = wider.by(&pack.apart, 1.0);
-        let local = correct / wider.by(&pack.landmark, self.factors.local_factor());
-        let shifted = if self.shifted { correct / wider.by(&pack.beside, 1.0) } else { zero };
+        let correct = wider.by(&[(&pack.apart, 1.0)]);
+        let [translation, turning] = self.factors.local_factors();
+        let local =
+            correct / wider.by(&[(&pack.landmark, turning), (&pack.translation, translation - turning)]);
+        let shifted = if self.shifted { correct / wider.by(&[(&pack.beside, 1.0)]) } else { zero };
         // Leave out lanes with a pivot that is zero or negative, or with a value that is not a number.
         let one = Lanes::splat(simd, 1.0);
         let definite = zero.less_than(near.least);
@@ -234,11 +245,13 @@ struct Wider<'a, S: Simd, const DOF: usize> {
 }
 
 impl<S: Simd, const DOF: usize> Wider<'_, S, DOF> {
-    /// t(e; S) / t(e; S + share W)
+    /// t(e; S) / t(e; S + sum of share W)
     #[inline(always)]
-    fn by(&self, wide: &Stored<DOF>, share: f64) -> Lanes<S> {
+    fn by<const TERMS: usize>(&self, wide: &[(&Stored<DOF>, f64); TERMS]) -> Lanes<S> {
         let mut covariance = self.covariance;
-        add(self.simd, &mut covariance, wide, Lanes::splat(self.simd, share), self.lane);
+        for (wide, share) in wide {
+            add(self.simd, &mut covariance, wide, Lanes::splat(self.simd, *share), self.lane);
+        }
         let far = Eliminated::of(self.simd, covariance, self.error, &self.near.inverse);
         let tail = Lanes::splat(self.simd, self.tail);
         let mut base = (tail + far.squared) / (tail + self.near.squared);
@@ -279,6 +292,7 @@ mod tests {
         Loop {
             error,
             landmark: matrix(0, 0.01),
+            translation: matrix(0, 0.005),
             odometry: [(chain, matrix(1, 0.1), matrix(2, 1.0)), (2, matrix(3, 0.1), matrix(4, 1.0))],
             apart: matrix(5, 100.0),
             beside: matrix(6, 1.0),
