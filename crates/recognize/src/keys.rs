@@ -27,7 +27,7 @@ const ROUNDS: usize = 8;
 
 /// Keys with an index.
 pub struct Keys {
-    keys: Vec<Key>,
+    all: Vec<Key>,
     /// One group around the origin where all keys are searched.
     centres: Vec<[f32; KEY]>,
     /// The positions of the keys of each group, ascending.
@@ -41,7 +41,7 @@ impl Keys {
     pub fn new(keys: Vec<Key>) -> Self {
         if keys.len() <= SEARCHED {
             let groups = vec![(0..keys.len()).collect()];
-            return Self { keys, centres: vec![[0.0; KEY]], groups, visited: 1 };
+            return Self { all: keys, centres: vec![[0.0; KEY]], groups, visited: 1 };
         }
         let size = (GROUPS * (keys.len() as f64).sqrt()) as usize;
         let rough: Vec<[f32; KEY]> = keys.iter().map(rough).collect();
@@ -53,7 +53,7 @@ impl Keys {
             groups[group].push(position);
         }
         let visited = (VISITED * (centres.len() as f64).sqrt()).ceil() as usize;
-        Self { keys, centres, groups, visited }
+        Self { all: keys, centres, groups, visited }
     }
 
     /// The positions of keys that are nearest to the one at a position, at most `most` of those that are `elsewhere`, with squared
@@ -65,7 +65,7 @@ impl Keys {
         most: usize,
         elsewhere: impl Fn(usize) -> bool,
     ) -> Vec<(f64, usize)> {
-        let key = &self.keys[position];
+        let key = &self.all[position];
         let mut found: Vec<(f64, usize)> = Vec::new();
         for (visits, group) in self.order(key).enumerate() {
             // Where most of the nearest are not elsewhere, the query goes on until it has enough.
@@ -73,7 +73,7 @@ impl Keys {
                 break;
             }
             let others = self.groups[group].iter().copied().filter(|other| elsewhere(*other));
-            found.extend(others.map(|other| (squared(key, &self.keys[other]), other)));
+            found.extend(others.map(|other| (squared(key, &self.all[other]), other)));
         }
         let order =
             |one: &(f64, usize), other: &(f64, usize)| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1));

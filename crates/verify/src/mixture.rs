@@ -17,14 +17,22 @@ pub(crate) const SAMPLE: usize = 400;
 /// Rounds of expectation maximisation.
 const ROUNDS: usize = 12;
 
+/// What the loops of a class are through.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Through {
+    /// One candidate within a chain.
+    One,
+    /// Two candidates between two chains.
+    Two,
+    /// Two neighbours within one chain, over short stretches of odometry. These inform only about noise, not about how many candidates are
+    /// correct: wrong neighbours agree with each other, too.
+    Neighbours,
+}
+
 /// Loops of one kind that share mixing proportions, with their shuffled twins.
 #[derive(Clone)]
 pub(crate) struct Class<const DOF: usize> {
-    /// Whether its loops are through neighbours of one chain, over short stretches of odometry. These inform only about noise, not about how
-    /// many candidates are correct: wrong neighbours agree with each other, too.
-    short: bool,
-    /// Whether its loops are each through one candidate.
-    single: bool,
+    through: Through,
     /// Most local errors and shifts, relative to the correct loops, where they are exceptions, and where they are common.
     wrong_most: [f64; 2],
     /// Whether loops may be shifted. False closures between chains come in groups that agree with each other and lie the
@@ -82,7 +90,7 @@ pub(crate) fn contrast<const DOF: usize>(
         let shares = class.shares(&real, factors.errors);
         let gained = step as f64 * (gain(&real, &shares) - gain(&shuffled, &shares).max(0.0));
         sum += gained;
-        if !class.short {
+        if !class.is_short() {
             evidence += gained;
             correct += shares[0] * class.real.len() as f64;
             counted += class.real.len() as f64;
@@ -98,7 +106,7 @@ pub(crate) fn contrast<const DOF: usize>(
 /// Ratio of local errors to correct loops, in the classes that count correct candidates.
 pub(crate) fn local_share<const DOF: usize>(classes: &[Class<DOF>], factors: &Calibration) -> f64 {
     let (mut correct, mut local) = (0.0, 0.0);
-    for class in classes.iter().filter(|class| !class.short) {
+    for class in classes.iter().filter(|class| !class.is_short()) {
         let [real, shuffled] = class.likelihoods(factors, 1);
         let shares = class.shares(&real, factors.errors);
         correct += shares[0] * class.real.len() as f64;
@@ -135,12 +143,12 @@ impl<const DOF: usize> Class<DOF> {
     /// has one if either of them has.
     fn of_candidates(&self, loops: f64, shares: &Shares) -> f64 {
         let correct = shares[0] * self.real.len() as f64;
-        if self.single { loops } else { correct * ((1.0 + loops / correct).sqrt() - 1.0) }
+        if self.through == Through::One { loops } else { correct * ((1.0 + loops / correct).sqrt() - 1.0) }
     }
 
     /// Whether its loops are through neighbours of one chain.
     pub(crate) fn is_short(&self) -> bool {
-        self.short
+        self.through == Through::Neighbours
     }
 
     /// The loops that a chain takes part in; between two chains, these are all loops.
@@ -161,7 +169,7 @@ impl<const DOF: usize> Class<DOF> {
 
     /// The likelihoods of every `step`-th pack of loops, and of their twins.
     fn likelihoods(&self, factors: &Calibration, step: usize) -> [Vec<Likelihoods>; 2] {
-        let factors = if self.short { Cow::Owned(factors.over_short()) } else { Cow::Borrowed(factors) };
+        let factors = if self.is_short() { Cow::Owned(factors.over_short()) } else { Cow::Borrowed(factors) };
         [&self.real, &self.shuffled].map(|sample| sample.likelihoods(&factors, self.shifted, step))
     }
 
@@ -194,9 +202,8 @@ pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
     model: &Model<G, DOF>,
     partners: &Partners,
 ) -> Vec<Class<DOF>> {
-    let empty = |[short, single]: [bool; 2], wrong_most, shifted| Class {
-        short,
-        single,
+    let empty = |through, wrong_most, shifted| Class {
+        through,
         wrong_most,
         shifted,
         neighbours: false,
@@ -206,9 +213,10 @@ pub(crate) fn classes<G: Motion<DOF>, const DOF: usize>(
     // Where four candidates in five have a local error, about one pair in twenty-five has none.
     let (of_single, of_pairs) = ([0.0, 4.0], [1.25, 16.0]);
     let (mut single, mut short) =
-        (empty([false, true], of_single, false), empty([true, false], of_pairs, false));
+        (empty(Through::One, of_single, false), empty(Through::Neighbours, of_pairs, false));
     let shifted = !model.without(Ingredient::Shift);
-    let (mut near, mut far) = (empty([false; 2], of_pairs, shifted), empty([false; 2], of_pairs, shifted));
+    let (mut near, mut far) =
+        (empty(Through::Two, of_pairs, shifted), empty(Through::Two, of_pairs, shifted));
     let count = model.closures.len();
     let sample = (0..count).step_by(count.div_ceil(SAMPLE).max(1));
     let neighbours = Neighbours::of(model, partners, sample.clone());

@@ -98,7 +98,7 @@ fn of_many_keys_nearly_all_nearest_are_found() {
 #[test]
 fn where_nearly_all_are_beside_the_index_goes_on_until_it_has_enough() {
     let keys = route(SEARCHED + 100, 1);
-    let elsewhere = |other: usize| other % 100 == 0;
+    let elsewhere = |other: usize| other.is_multiple_of(100);
     let found = Keys::new(keys.clone()).nearest(50, 40, elsewhere);
     assert_eq!(found.len(), 40);
     // With fewer elsewhere than are asked for, all of them.
