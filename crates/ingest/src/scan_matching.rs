@@ -39,10 +39,9 @@ pub(crate) fn refine(graph: &mut PoseGraph, laser: &Laser) -> Result<Comparison,
         graph.nodes.iter().map(|node| scans.get(&node.id).copied()).collect();
     let mut odometry = Vec::with_capacity(graph.edges.len());
     for edge in &graph.edges {
-        let Some((motion, information)) = graph.measurement::<SE2, 3>(edge).map_err(unusable)? else {
-            continue;
-        };
-        odometry.push(Measured { motion, information });
+        // Each edge of a session has both, so that steps, edges and pairs of nodes are in one order.
+        let measured = graph.measurement::<SE2, 3>(edge).map_err(unusable)?;
+        odometry.extend(measured.map(|(motion, information)| Measured { motion, information }));
     }
     let (measured, comparison) = by_matching(&odometry, &scans);
     let mut pose = SE2::identity();

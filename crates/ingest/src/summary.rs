@@ -2,6 +2,7 @@
 
 use posecut_geometry::{LieGroup as _, SE3};
 use posecut_graph::PoseGraph;
+use posecut_matching::laser_odometry::spread;
 
 use crate::covariance::step_error;
 use crate::distance_factor::DistanceFactor;
@@ -133,7 +134,10 @@ impl StepErrors {
                 Some(step_error(&measured_from.between(&measured_to), &true_from.between(&true_to)))
             })
             .collect();
-        let axis = |axis: usize| spread(errors.iter().map(|error| error[axis]).collect());
+        let axis = |axis: usize| {
+            let values: Vec<f64> = errors.iter().map(|error| error[axis]).collect();
+            (!values.is_empty()).then(|| spread(&values))
+        };
         Self { forward: axis(0), sideways: axis(1), heading: axis(5) }
     }
 }
@@ -143,18 +147,4 @@ fn seconds_between(times: &[i64]) -> f64 {
         (Some(first), Some(last)) => (last - first) as f64 * 1e-6,
         _ => 0.0,
     }
-}
-
-/// Root mean square, and a robust standard deviation (1.4826 times the median of the absolute values).
-fn spread(mut values: Vec<f64>) -> Option<[f64; 2]> {
-    if values.is_empty() {
-        return None;
-    }
-    let root_mean_square =
-        (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt();
-    for value in &mut values {
-        *value = value.abs();
-    }
-    values.sort_by(f64::total_cmp);
-    Some([root_mean_square, 1.4826 * values[values.len() / 2]])
 }

@@ -252,8 +252,8 @@ fn spanning(difference: &Vector3<f64>, odometry: &Matrix3<f64>, square: f64, fou
     Measured { motion: near.motion, information }
 }
 
-/// Root mean square and robust standard deviation; 0 of none.
-fn spread(values: &[f64]) -> [f64; 2] {
+/// Root mean square and robust standard deviation (1.4826 times the median of the sizes); 0 of none. O(values).
+pub fn spread(values: &[f64]) -> [f64; 2] {
     let squares: f64 = values.iter().map(|value| value * value).sum();
     [(squares / values.len().max(1) as f64).sqrt(), robust_deviation(values)]
 }

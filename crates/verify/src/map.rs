@@ -32,6 +32,8 @@ pub(crate) struct Drawing<G, const DOF: usize> {
     landmarks: Vec<Edge<G, DOF>>,
     /// The covariance of each landmark edge's measurement, as claimed.
     covariances: Vec<SMatrix<f64, DOF, DOF>>,
+    /// The part of each that is translation with the right heading.
+    translations: Vec<SMatrix<f64, DOF, DOF>>,
     /// Memory of the last map, for the next one.
     memory: Mutex<Vec<Memory>>,
 }
@@ -72,13 +74,14 @@ impl<G: Motion<DOF>, const DOF: usize> Drawing<G, DOF> {
         }
         let landmarks: Vec<_> =
             model.closures.iter().filter_map(|closure| landmark_of[closure.candidate.edge]).collect();
-        let covariances =
+        let covariances: Vec<_> =
             model.closures.iter().map(|closure| model.measurement_covariance(closure)).collect();
         let place = |&(chain, place): &(usize, usize)| model.chains.chains[chain].poses[place];
         Ok(Self {
             start: model.chains.places.iter().map(place).collect(),
             odometry,
             landmarks,
+            translations: covariances.iter().map(translation_part).collect(),
             covariances,
             memory: Mutex::default(),
         })
@@ -303,10 +306,8 @@ impl<G: Motion<DOF>, const DOF: usize> Map<'_, G, DOF> {
     }
 
     fn evidence(&self, closure: usize, innovation: &Innovation<DOF>) -> Option<Evidence> {
-        let local = {
-            let covariance = &self.drawing.covariances[closure];
-            self.calibration.local(covariance, &translation_part(covariance)) * self.scale
-        };
+        let Drawing { covariances, translations, .. } = self.drawing;
+        let local = self.calibration.local(&covariances[closure], &translations[closure]) * self.scale;
         compare(
             &innovation.error,
             &(innovation.covariance * self.scale),

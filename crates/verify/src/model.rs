@@ -54,6 +54,13 @@ pub(crate) struct Closure<G, const DOF: usize> {
     translation: SMatrix<f64, DOF, DOF>,
 }
 
+impl<G: Motion<DOF>, const DOF: usize> Closure<G, DOF> {
+    fn of(group: usize, forward: bool, candidate: Candidate<G, DOF>, chain_b: &Chain<G, DOF>) -> Self {
+        let translation = translation_of(&candidate, chain_b);
+        Self { group, forward, candidate, translation }
+    }
+}
+
 /// The chains that a group's candidates join, and the range of these candidates among all closures.
 #[derive(Clone, Debug)]
 pub(crate) struct Span {
@@ -112,12 +119,8 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
             closures.extend(group.candidates.iter().map(|candidate| {
                 let edge = &graph.edges[candidate.edge];
                 let place = |node| graph.node_index(node).map(|node| chains.places[node]);
-                Closure {
-                    group: number,
-                    forward: place(edge.from) <= place(edge.to),
-                    candidate: candidate.clone(),
-                    translation: translation_of(candidate, &chains.chains[group.b]),
-                }
+                let forward = place(edge.from) <= place(edge.to);
+                Closure::of(number, forward, candidate.clone(), &chains.chains[group.b])
             }));
             spans.push(Span { a: group.a, b: group.b, first, end: closures.len() });
         }
@@ -236,21 +239,16 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
     /// The loop through two closures of one group and the odometry between them (Mangelson et al., equation 6, conjugated
     /// into the frame of chain B): E = T_a^-1 T_b.
     pub(crate) fn pair(&self, one: usize, other: usize) -> Loop<DOF> {
-        let [a, b] = [one, other].map(|closure| &self.closures[closure]);
-        let translation = a.translation + b.translation;
-        Loop { translation, ..self.pair_of(&a.candidate, &b.candidate, one) }
+        self.pair_of(&self.closures[one], &self.closures[other], one)
     }
 
     /// The same loop, with the second closure's end in chain B moved to that of a third closure.
     pub(crate) fn pair_shuffled(&self, one: usize, other: usize, third: usize) -> Loop<DOF> {
-        let (shuffled, moved) = self.shuffled(other, third);
-        let own = &self.closures[one];
-        Loop { translation: own.translation + moved, ..self.pair_of(&own.candidate, &shuffled, one) }
+        self.pair_of(&self.closures[one], &self.shuffled(other, third), one)
     }
 
     /// A closure moved to another closure's end in chain B. It keeps its measurement, which is meaningless there.
-    /// The second result is the part of its covariance that is translation with the right heading.
-    fn shuffled(&self, closure: usize, donor: usize) -> (Candidate<G, DOF>, SMatrix<f64, DOF, DOF>) {
+    fn shuffled(&self, closure: usize, donor: usize) -> Closure<G, DOF> {
         let span = self.span(closure);
         let (own, donor) = (&self.closures[closure].candidate, &self.closures[donor].candidate);
         let (chain_a, chain_b) = (self.chain(span.a), self.chain(span.b));
@@ -259,8 +257,8 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         let back = chain_b.poses[own.k].inverse().adjoint();
         let covariance = back * own.covariance * back.transpose();
         let moved = Candidate::new(own.edge, (chain_a, own.i), (chain_b, donor.k), &measurement, &covariance);
-        let translation = translation_of(&moved, chain_b);
-        (moved, translation)
+        let Closure { group, forward, .. } = self.closures[closure];
+        Closure::of(group, forward, moved, chain_b)
     }
 
     /// The loop through a closure and another measurement between nodes of the same two chains. The second result is the
@@ -279,16 +277,19 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         } else {
             (to, from, measurement.inverse(), turned * covariance * turned.transpose())
         };
-        let own = &self.closures[closure].candidate;
+        let own = &self.closures[closure];
         let (a, b) = ((self.chain(start.0), start.1), (self.chain(end.0), end.1));
-        let other = Candidate::new(own.edge, a, b, &measurement, &covariance);
+        let other = Candidate::new(own.candidate.edge, a, b, &measurement, &covariance);
+        let other = Closure::of(own.group, true, other, b.0);
         let mut closed = self.pair_of(&other, own, closure);
-        closed.landmark = own.covariance;
-        closed.translation = self.closures[closure].translation;
-        (closed, other.covariance)
+        closed.landmark = own.candidate.covariance;
+        closed.translation = own.translation;
+        (closed, other.candidate.covariance)
     }
 
-    fn pair_of(&self, a: &Candidate<G, DOF>, b: &Candidate<G, DOF>, closure: usize) -> Loop<DOF> {
+    fn pair_of(&self, one: &Closure<G, DOF>, other: &Closure<G, DOF>, closure: usize) -> Loop<DOF> {
+        let (a, b) = (&one.candidate, &other.candidate);
+        let translation = one.translation + other.translation;
         let span = self.span(closure);
         let (chain_a, chain_b) = (self.chain(span.a), self.chain(span.b));
         let to_b = a.to_b;
@@ -322,28 +323,20 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
             ]
         };
         let apart = self.apart_at(closure);
-        Loop { error, landmark, translation: zero, odometry, apart, beside: apart * SHIFT }
+        Loop { error, landmark, translation, odometry, apart, beside: apart * SHIFT }
     }
 
     /// The loop through one closure and the odometry of its own chain; `None` between two chains.
     pub(crate) fn single(&self, closure: usize) -> Option<Loop<DOF>> {
-        let own = &self.closures[closure];
-        self.same_chain(closure).then(|| self.single_of(&own.candidate, own.translation, closure))
+        self.same_chain(closure).then(|| self.single_of(&self.closures[closure], closure))
     }
 
     pub(crate) fn single_shuffled(&self, closure: usize, donor: usize) -> Option<Loop<DOF>> {
-        self.same_chain(closure).then(|| {
-            let (shuffled, translation) = self.shuffled(closure, donor);
-            self.single_of(&shuffled, translation, closure)
-        })
+        self.same_chain(closure).then(|| self.single_of(&self.shuffled(closure, donor), closure))
     }
 
-    fn single_of(
-        &self,
-        candidate: &Candidate<G, DOF>,
-        translation: SMatrix<f64, DOF, DOF>,
-        closure: usize,
-    ) -> Loop<DOF> {
+    fn single_of(&self, own: &Closure<G, DOF>, closure: usize) -> Loop<DOF> {
+        let candidate = &own.candidate;
         let span = self.span(closure);
         let chain = self.chain(span.a);
         let drift = self.drifts[span.a][candidate.k] - self.drifts[span.a][candidate.i];
@@ -352,7 +345,7 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         Loop {
             error: candidate.from_a.log(),
             landmark: candidate.covariance,
-            translation,
+            translation: own.translation,
             odometry: [
                 (span.a, chain.covariance_between(candidate.i, candidate.k), drift * drift.transpose()),
                 (span.b, zero, zero),

@@ -13,11 +13,9 @@ fn odometry(motion: SE2, [translation, rotation]: [f64; 2]) -> Measured {
     Measured { motion, information: Matrix3::from_diagonal(&deviations.map(|one| 1.0 / (one * one))) }
 }
 
-const FIRST: SE2Parts = [-2.0, -1.0, 0.2];
-type SE2Parts = [f64; 3];
-
-fn pose([x, y, angle]: SE2Parts) -> SE2 {
-    SE2::new(x, y, angle)
+/// Where the first scan is taken.
+fn first() -> SE2 {
+    SE2::new(-2.0, -1.0, 0.2)
 }
 
 /// The normalised square of the difference from a measured step to a motion.
@@ -32,10 +30,10 @@ fn the_step_of_a_wheel_that_slipped_is_where_the_scans_say_and_reaches_to_the_od
     let walls = room();
     // Within the first window around the odometry, and beyond it.
     for slip in [0.4, 2.5] {
-        let motion = pose([0.3, 0.1, 0.1]);
-        let first = pose(FIRST);
+        let motion = SE2::new(0.3, 0.1, 0.1);
+        let first = first();
         let scans = [first, first.compose(&motion)].map(|pose| scan(&walls, &pose, 0.01, &mut random));
-        let wheels = odometry(motion.compose(&pose([slip, 0.0, 0.0])), [0.02, 0.01]);
+        let wheels = odometry(motion.compose(&SE2::new(slip, 0.0, 0.0)), [0.02, 0.01]);
         let (measured, comparison) = by_matching(&[wheels], &[Some(&scans[0]), Some(&scans[1])]);
         assert_eq!((comparison.matched, comparison.contradicting), (0, 1), "slip of {slip} m");
         let error = measured[0].motion.between(&motion).log();
@@ -50,9 +48,9 @@ fn the_step_of_a_wheel_that_slipped_is_where_the_scans_say_and_reaches_to_the_od
 fn along_a_corridor_the_odometry_decides() {
     let mut random = random(6, "laser odometry");
     let walls = corridor();
-    let motion = pose([0.5, 0.02, 0.05]);
+    let motion = SE2::new(0.5, 0.02, 0.05);
     let scans = [SE2::identity(), motion].map(|pose| scan(&walls, &pose, 0.01, &mut random));
-    let wheels = odometry(pose([0.53, 0.08, 0.07]), [0.05, 0.02]);
+    let wheels = odometry(SE2::new(0.53, 0.08, 0.07), [0.05, 0.02]);
     let (measured, comparison) = by_matching(&[wheels], &[Some(&scans[0]), Some(&scans[1])]);
     assert_eq!(comparison.matched, 1);
     let found = measured[0].motion;
@@ -63,8 +61,8 @@ fn along_a_corridor_the_odometry_decides() {
 #[test]
 fn without_a_scan_the_step_is_that_of_the_odometry() {
     let mut random = random(7, "laser odometry");
-    let one = scan(&room(), &pose(FIRST), 0.01, &mut random);
-    let wheels = odometry(pose([0.5, 0.0, 0.0]), [0.05, 0.02]);
+    let one = scan(&room(), &first(), 0.01, &mut random);
+    let wheels = odometry(SE2::new(0.5, 0.0, 0.0), [0.05, 0.02]);
     for scans in [[Some(&one), None], [None, Some(&one)], [None, None]] {
         let (measured, comparison) = by_matching(&[wheels], &scans);
         assert_eq!((&measured[..], comparison.unmatched), (&[wheels][..], 1));

@@ -1,7 +1,7 @@
 //! The index of keys answers as a search of all keys does, or nearly.
 
-use posecut_random::rand::Rng;
-use posecut_random::{ChaCha8Rng, random};
+use posecut_random::rand::RngExt as _;
+use posecut_random::random;
 use posecut_recognize::keys::{Key, Keys, SEARCHED};
 use posecut_recognize::polar_context::KEY;
 use proptest::prelude::*;
@@ -52,22 +52,20 @@ proptest! {
     }
 }
 
-/// A number from -1 to 1.
-fn drawn(random: &mut ChaCha8Rng) -> f64 {
-    2.0 * f64::from(random.next_u32()) / f64::from(u32::MAX) - 1.0
-}
-
 /// A route along which keys change slowly, driven several times.
 fn route(keyframes: usize, passes: usize) -> Vec<Key> {
     let mut random = random(7, "route of keys");
-    let waves: Vec<[f64; 3]> = (0..KEY).map(|_| std::array::from_fn(|_| drawn(&mut random))).collect();
+    let waves: Vec<[f64; 3]> =
+        (0..KEY).map(|_| std::array::from_fn(|_| random.random_range(-1.0..1.0))).collect();
     let mut keys = Vec::new();
     for _ in 0..passes {
         for keyframe in 0..keyframes / passes {
             let along = keyframe as f64;
             keys.push(std::array::from_fn(|at| {
                 let [fast, slow, phase] = waves[at];
-                (0.02 * fast * along + phase).sin() + (0.005 * slow * along).cos() + 0.05 * drawn(&mut random)
+                (0.02 * fast * along + phase).sin()
+                    + (0.005 * slow * along).cos()
+                    + 0.05 * random.random_range(-1.0..1.0)
             }));
         }
     }
