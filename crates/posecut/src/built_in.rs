@@ -9,7 +9,7 @@ use std::process::ExitCode;
 type Main = fn() -> ExitCode;
 
 /// Each program by its name without `posecut-`.
-const PROGRAMS: [(&str, Main); 28] = [
+const PROGRAMS: [(&str, Main); 29] = [
     ("clean", posecut_clean::command::main),
     ("conform", posecut_conform::cli::main),
     ("construct", posecut_construct::cli::main),
@@ -34,6 +34,7 @@ const PROGRAMS: [(&str, Main); 28] = [
     ("recognize", posecut_recognize::cli::main),
     ("report", posecut_report::cli::main),
     ("simulate", posecut_simulate::cli::main),
+    ("simulate-graph", posecut_simulate_graph::cli::main),
     ("simulate-log", posecut_simulate_log::cli::main),
     ("verify", posecut_verify::cli::main),
     ("view", posecut_view::cli::main),

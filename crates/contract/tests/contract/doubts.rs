@@ -112,6 +112,7 @@ const WITHOUT: &[&str] = &[
     "oracle",
     "report",
     "simulate",
+    "simulate-graph",
     "simulate-log",
     "view",
 ];
