@@ -1,7 +1,7 @@
 # The trust benchmark: every method on every kind of graph (pipelines/trust/*.toml, docs/trust.md).
 #   make trust DATA=DIR [FAMILIES="clean kitti"] [SEEDS=1] [HALF=tuning|test] [DOCUMENT=FILE]
 DATA          ?=
-FAMILIES      ?= clean corrupted bicocca kitti kitti-zero robots two-experiences many-sessions hard
+FAMILIES      ?= clean corrupted bicocca kitti kitti-zero robots two-experiences many-sessions hard drawn
 HALF          ?=
 # The page is rewritten where all of the benchmark runs.
 DOCUMENT      ?= $(if $(call given,FAMILIES,1)$(call given,SEEDS,1)$(call given,METHODS,1)$(HALF),,docs/trust.md)
@@ -10,7 +10,9 @@ trust_results  = $(RESULTS)/trust
 trust_files    = $(wildcard $(foreach family,$(FAMILIES),$(foreach part,$(family) $(family)-real $(family)-simulated,\
                  pipelines/trust/$(part).toml)))
 trust_unknown  = $(strip $(foreach family,$(FAMILIES),$(if $(wildcard pipelines/trust/$(family).toml pipelines/trust/$(family)-*.toml),,$(family))))
-trust_places   = --programs $(BIN) --simulated $(call quoted,$(SIMULATED)) --data $(call quoted,$(DATA)) \
+# Drawn graphs need no data.
+trust_needs    = $(filter-out drawn,$(FAMILIES))
+trust_places   = --programs $(BIN) --simulated $(call quoted,$(SIMULATED)) $(if $(DATA),--data $(call quoted,$(DATA))) \
                  --results $(call quoted,$(trust_results))
 trust_of       = $(trust_files) $(trust_places) $(swapped) $(if $(HALF),--half $(HALF)) \
                  $(call given,SEEDS,--seeds $(SEEDS)) $(call given,METHODS,--methods $(call listed,$(METHODS)))
@@ -19,14 +21,15 @@ trust_reliability = $(if $(DOCUMENT),docs/results/trust-reliability.svg,$(trust_
 
 .PHONY: trust-sample constants ablation pcm-gates
 
-trust: $(if $(DATA),$(EXPERIMENTS) $(REPORT))
-	@test -n $(call quoted,$(DATA)) || { echo 'Name the folder of graphs and sessions: make trust DATA=DIR. It holds'; \
+trust: $(if $(or $(DATA),$(if $(trust_needs),,drawn)),$(EXPERIMENTS) $(REPORT))
+	@test -n $(call quoted,$(DATA)$(if $(trust_needs),,drawn)) || { echo 'Name the folder of graphs and sessions: make trust DATA=DIR. It holds'; \
 	  echo '  g2o/             benchmark graphs (clean)'; \
 	  echo '  false_closures/  corrupted/, bicocca25b/, kitti/, pcm_two_robots/ (corrupted, bicocca, kitti, kitti-zero, robots)'; \
 	  echo '  nclt/DATE/       NCLT sessions (two-experiences, many-sessions, hard)'; \
 	  echo '  radish/          laser logs (radish, which is not run by default)'; \
-	  echo 'FAMILIES="clean kitti" needs those of these families alone; docs/methods.md says where to get them.'; exit 2; }
-	@test -d $(call quoted,$(DATA)) || { printf '%s: there is no such folder; name the one with g2o/, false_closures/ and nclt/\n' $(call quoted,$(DATA)); exit 2; }
+	  echo 'FAMILIES="clean kitti" needs those of these families alone; docs/methods.md says where to get them.'; \
+	  echo 'FAMILIES=drawn needs no data: its graphs are simulated.'; exit 2; }
+	@test -d $(call quoted,$(or $(DATA),.)) || { printf '%s: there is no such folder; name the one with g2o/, false_closures/ and nclt/\n' $(call quoted,$(DATA)); exit 2; }
 	@$(if $(trust_unknown),echo 'No family is called $(trust_unknown); there are: $(sort $(patsubst %-real,%,$(patsubst %-simulated,%,$(filter-out methods sessions constants sample,$(basename $(notdir $(wildcard pipelines/trust/*.toml)))))))'; exit 2)
 	$(marked)
 	@mkdir -p $(call quoted,$(trust_results)) $(if $(DOCUMENT),docs/results)

@@ -9,7 +9,7 @@ use serde::Deserialize;
 use toml::Value;
 
 use crate::names::{check, check_value};
-use crate::{Graphs, Halves, toml_text};
+use crate::{Drawn, Graphs, Halves, toml_text};
 
 mod parts;
 
@@ -35,6 +35,8 @@ pub struct Experiment {
     pub source: Option<Origin>,
     /// Given graphs.
     pub graphs: Vec<Graphs>,
+    /// Graphs that a program draws, one for each seed.
+    pub drawn: Vec<Drawn>,
     /// Whether to run only those graphs that are listed under `sessions`, as the command line requests.
     pub only: bool,
     /// Which sessions and graphs are for tuning and which for tests.
@@ -121,6 +123,8 @@ struct File {
     source: Option<Origin>,
     #[serde(default)]
     graphs: Vec<Graphs>,
+    #[serde(default)]
+    drawn: Vec<Drawn>,
     halves: Option<Halves>,
     cpu_limit: Option<u64>,
     seeds: Option<u64>,
@@ -188,6 +192,7 @@ impl Experiment {
             sessions: Vec::new(),
             source: None,
             graphs: Vec::new(),
+            drawn: Vec::new(),
             only: false,
             halves: None,
             cpu_limit: None,
@@ -216,6 +221,9 @@ impl Experiment {
         self.cpu_limit = file.cpu_limit.or(self.cpu_limit);
         if !file.graphs.is_empty() {
             self.graphs = file.graphs;
+        }
+        if !file.drawn.is_empty() {
+            self.drawn = file.drawn;
         }
         self.seeds = file.seeds.unwrap_or(self.seeds);
         self.methods = file.methods.unwrap_or(std::mem::take(&mut self.methods));

@@ -5,12 +5,13 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
 
+use crate::drawn::Drawn;
 use crate::graphs::GraphFile;
 use crate::halves::any;
 use crate::names::check;
 use crate::{Experiment, Half, Halves, Origin, Source};
 
-/// One session, several joined sessions (`A+B`), or one given graph.
+/// One session, several joined sessions (`A+B`), one given graph, or the graphs that are drawn with one set of options.
 pub(crate) struct Item {
     pub(crate) name: String,
     /// The unit of the bootstrap.
@@ -21,6 +22,14 @@ pub(crate) struct Item {
 }
 
 impl Item {
+    /// The unit of the bootstrap that the run with this seed belongs to. Every seed draws another graph.
+    pub(crate) fn cluster_with(&self, seed: u64) -> String {
+        match self.kind {
+            Kind::Drawn(_) => format!("{}-{seed}", self.cluster),
+            Kind::Sessions(_) | Kind::Graph(_) => self.cluster.clone(),
+        }
+    }
+
     /// The half of a run with this seed, if the experiment has halves.
     pub(crate) fn half_with(&self, experiment: &Experiment, seed: u64) -> anyhow::Result<Option<Half>> {
         match &experiment.halves {
@@ -35,6 +44,7 @@ pub(crate) enum Kind {
     /// Names of the sessions and their data.
     Sessions(Vec<(String, String)>),
     Graph(GraphFile),
+    Drawn(Drawn),
 }
 
 impl Source {
@@ -85,13 +95,28 @@ pub(crate) fn items(
         bail!("[halves]: given graphs have only one seed; define the halves by graph names");
     }
     let mut found = given_graphs(experiment, source)?;
+    found.extend(experiment.drawn.iter().map(|drawn| Item {
+        name: drawn.name.clone(),
+        cluster: drawn.name.clone(),
+        half: None,
+        kind: Kind::Drawn(drawn.clone()),
+    }));
     add_sessions(experiment, source, &mut found, missing)?;
     found.iter().try_for_each(|item| check("session or graph", &item.name))?;
     let mut seen = BTreeSet::new();
     if let Some(twice) = found.iter().find(|item| !seen.insert(&item.name)) {
         bail!(
-            "two graphs are called \"{}\"; give one of the [[graphs]] another name, such as name = \"mine_{{stem}}\"",
+            "two graphs are called \"{}\"; give one of the [[graphs]] or [[drawn]] another name, such as name = \"mine_{{stem}}\"",
             twice.name
+        );
+    }
+    let shares_sessions = found.iter().any(|item| matches!(item.kind, Kind::Sessions(_)));
+    if by_seed
+        && shares_sessions
+        && experiment.halves.as_ref().is_some_and(|halves| halves.dependent.is_none())
+    {
+        bail!(
+            "[halves]: blocks of seeds share their sessions; explain in `dependent` why the halves are not independent"
         );
     }
     if let Some(halves) = experiment.halves.as_ref().filter(|_| !by_seed) {
@@ -145,7 +170,8 @@ fn add_sessions(
             // The name is that of a given graph, which a grid or the command line selects.
             continue;
         }
-        if !experiment.graphs.is_empty() && experiment.source.is_none() {
+        let has_graphs = !experiment.graphs.is_empty() || !experiment.drawn.is_empty();
+        if has_graphs && experiment.source.is_none() {
             bail!("there is no graph \"{name}\"; the experiment has {}", names(found));
         }
         let parts: Vec<&str> = name.split('+').collect();

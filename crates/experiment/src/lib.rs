@@ -15,6 +15,7 @@ mod collect;
 mod command;
 mod declaration;
 mod digest;
+mod drawn;
 mod expected;
 mod fingerprint;
 mod graphs;
@@ -40,6 +41,7 @@ mod toml_text;
 
 pub use collect::{Collected, collect};
 pub use declaration::{Experiment, Grid, Keep, Origin, Step};
+pub use drawn::Drawn;
 pub use expected::{Close, Expected, Order, Recorded, Tolerance};
 pub use fingerprint::Fingerprint;
 pub use graphs::Graphs;

@@ -50,9 +50,9 @@ pub fn plan(
                 if !runs(experiment, grid, item).with_context(named)? {
                     continue;
                 }
-                // Only construction draws random numbers, so a given graph needs one seed.
+                // Nothing is drawn for a given graph, so it needs one seed.
                 let seeds = match item.kind {
-                    Kind::Sessions(_) => grid.seeds.unwrap_or(experiment.seeds),
+                    Kind::Sessions(_) | Kind::Drawn(_) => grid.seeds.unwrap_or(experiment.seeds),
                     Kind::Graph(_) => 1,
                 };
                 size.add(grid, seeds, methods.len()).with_context(named)?;
@@ -79,12 +79,14 @@ fn runs(experiment: &Experiment, grid: &Grid, item: &Item) -> anyhow::Result<boo
     let listed = match &grid.sessions {
         Some(names) => matches(names, &item.name)?,
         None if experiment.only => matches(&experiment.sessions, &item.name)?,
-        None => matches!(item.kind, Kind::Graph(_)) || experiment.sessions.contains(&item.name),
+        None => {
+            matches!(item.kind, Kind::Graph(_) | Kind::Drawn(_)) || experiment.sessions.contains(&item.name)
+        }
     };
     Ok(listed && !matches(&grid.except, &item.name)?)
 }
 
-/// One session or graph with one seed at one point of the grid.
+/// One session or graph, given or drawn, with one seed at one point of the grid.
 struct Run<'a> {
     experiment: &'a Experiment,
     item: &'a Item,
@@ -105,7 +107,7 @@ impl Planner<'_> {
     fn add_run(&mut self, run: &Run<'_>) -> anyhow::Result<()> {
         let experiment = run.experiment;
         let name = &run.item.name;
-        let is_graph = matches!(run.item.kind, Kind::Graph(_));
+        let is_graph = matches!(run.item.kind, Kind::Graph(_) | Kind::Drawn(_));
         let label = if is_graph || experiment.source.is_some() || !self.source.simulates(experiment) {
             experiment.name.clone()
         } else {
@@ -130,6 +132,11 @@ impl Planner<'_> {
             Kind::Graph(file) => {
                 let graph = self.add_given(run, file, &graph_folder)?;
                 (graph_folder, graph)
+            }
+            Kind::Drawn(drawn) => {
+                let folder = join(&graph_folder, &run.seed.to_string());
+                let graph = self.add_drawn(run, drawn, &folder)?;
+                (folder, graph)
             }
         };
         let method_folder = join(&graph_folder, &run.point.folder(&of_methods));
@@ -162,7 +169,7 @@ impl Planner<'_> {
         if let Some(family) = &run.experiment.family {
             labels.push(("family", family.clone()));
             labels.extend(run.half.map(|half| ("half", half.name().to_owned())));
-            labels.push(("cluster", run.item.cluster.clone()));
+            labels.push(("cluster", run.item.cluster_with(run.seed)));
         }
         labels.push(("session", run.item.name.clone()));
         labels.push(("seed", run.seed.to_string()));
@@ -177,6 +184,7 @@ impl Planner<'_> {
         let before: &[&str] = match run.item.kind {
             Kind::Sessions(_) => &["simulate", "ingest", "construct"],
             Kind::Graph(_) => &["convert", "label"],
+            Kind::Drawn(_) => &["simulate-graph"],
         };
         let experiment = run.experiment;
         let chain = experiment.chain(method)?;
@@ -208,6 +216,11 @@ impl Placed {
             Kind::Graph(graph) => {
                 let mut names = options(&["convert", "label"]);
                 names.extend(used(experiment, graph.convert.iter().chain(&graph.label)));
+                (names, BTreeSet::new())
+            }
+            Kind::Drawn(drawn) => {
+                let mut names = options(&["simulate-graph"]);
+                names.extend(used(experiment, drawn.words().iter()));
                 (names, BTreeSet::new())
             }
         };

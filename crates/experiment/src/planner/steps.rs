@@ -1,9 +1,10 @@
-//! The steps of a run: from a session or a given graph to the graph of a method.
+//! The steps of a run: from a session, a given or a drawn graph to the graph of a method.
 
 use std::path::Path;
 
 use super::{Folders, Parts, Planner, Run};
 use crate::Keep;
+use crate::drawn::Drawn;
 use crate::graphs::GraphFile;
 
 impl Planner<'_> {
@@ -94,6 +95,26 @@ impl Planner<'_> {
                 more_options: &file.label,
                 statistics: all.then(|| format!("{folder}/label.stats.json")),
                 temporary: !all,
+                ..Parts::default()
+            },
+        )?;
+        Ok(output)
+    }
+
+    /// Adds the task that draws a graph.
+    pub(super) fn add_drawn(&mut self, run: &Run<'_>, drawn: &Drawn, folder: &str) -> anyhow::Result<String> {
+        let all = run.experiment.keep == Keep::All;
+        let output = format!("{folder}/graph.jsonl");
+        self.add(
+            run,
+            "simulate-graph",
+            Parts {
+                group: folder,
+                output: output.clone(),
+                more_options: &drawn.words(),
+                statistics: all.then(|| format!("{folder}/simulate-graph.stats.json")),
+                temporary: !all,
+                names: &[("seed", run.seed.to_string())],
                 ..Parts::default()
             },
         )?;

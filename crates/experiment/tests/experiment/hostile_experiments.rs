@@ -110,6 +110,7 @@ const TABLES: &[&str] = &[
     "[halves]\ntuning_seeds = VALUE\ntest_seeds = VALUE\ndependent = VALUE\n",
     "[[graphs]]\nfiles = VALUE\nname = VALUE\nlabel = \"{folder}\"\n",
     "[[graphs]]\nfiles = \"*.g2o\"\nname = VALUE\ncluster = VALUE\n",
+    "[[drawn]]\nname = VALUE\noptions = VALUE\n",
 ];
 
 /// Paths of a run's files.

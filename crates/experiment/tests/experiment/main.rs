@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod declarations;
+mod drawn;
 mod expectations;
 mod graphs;
 #[cfg(unix)]

@@ -33,6 +33,9 @@ argv = ["{program}", "ingest", "{input}", "--", "{options}", "-o", "{output}"]
 [construct]
 program = "./stage.sh"
 argv = ["{program}", "construct", "{input}", "--", "{options}", "{seed}", "-o", "{output}"]
+[simulate-graph]
+program = "./stage.sh"
+argv = ["{program}", "simulate-graph", "--", "{options}", "{seed}", "-o", "{output}"]
 [convert]
 program = "./stage.sh"
 argv = ["{program}", "convert", "{input}", "--", "{options}", "-o", "{output}"]
