@@ -21,7 +21,7 @@ struct Command {
 const EXAMPLES: Examples = Examples(&[
     ("Draw a graph", "posecut simulate-graph --seed 7 -o graph.jsonl"),
     (
-        "Let corridors repeat themselves, with odometry that is five times as noisy as it claims",
+        "Repeat corridors, with odometry five times as noisy as claimed",
         "posecut simulate-graph --incorrect-kind corridor --odometry-ratio 5 -o graph.jsonl",
     ),
     (
