@@ -7,11 +7,12 @@ use crate::mixture::{Contrast, Loops};
 /// The smallest factor of landmark edges. Neighbouring keyframes share scans, so their measurements agree with each other better than with
 /// the world: loops through two of them ask for a factor near 0.01 on the log intel. Six edges, all off by the same 5 m, then bent the map.
 pub(crate) const LANDMARK_LEAST: f64 = 0.1;
-/// Variance of a local error over that of landmark noise, if local errors are exceptions: thirty standard deviations, squared. They are
-/// never estimated wider.
+/// Variance of a local error over that of landmark noise, if local errors are exceptions: thirty standard deviations, squared.
 pub(crate) const EXCEPTION: f64 = 900.0;
 /// The smallest factor on the claimed covariance for a local error that is common: a narrower one is noise.
 const NARROWEST: f64 = 100.0;
+/// The largest one: a hundred standard deviations, squared. A wider one is an edge between the wrong places.
+pub(crate) const WIDEST: f64 = 1e4;
 /// The largest coherent variance allowed.
 const COHERENT_MOST: f64 = 1e-2;
 
@@ -106,8 +107,8 @@ impl Point {
             Axis::Odometry => self.odometry += by,
             Axis::Landmark => self.landmark = (self.landmark + by).max(LANDMARK_LEAST.ln()),
             Axis::Short => self.short += by,
-            Axis::Local => self.local = (self.local + by).clamp(NARROWEST.ln(), EXCEPTION.ln()),
-            Axis::Turning => self.turning = (self.turning + 2.0 * by).clamp(-EXCEPTION.ln(), 0.0),
+            Axis::Local => self.local = (self.local + by).clamp(NARROWEST.ln(), WIDEST.ln()),
+            Axis::Turning => self.turning = (self.turning + 2.0 * by).clamp(-WIDEST.ln(), 0.0),
             Axis::Coherent => self.coherent = (self.coherent + 2.0 * by).min(COHERENT_MOST.ln()),
         }
         self

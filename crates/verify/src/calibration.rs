@@ -3,7 +3,7 @@
 use nalgebra::SMatrix;
 use serde::Serialize;
 
-use crate::ascent::{Axis, EXCEPTION, LANDMARK_LEAST, Point, highest};
+use crate::ascent::{Axis, EXCEPTION, LANDMARK_LEAST, Point, WIDEST, highest};
 use crate::evidence::{Evidence, GAUSSIAN, TAIL, compare};
 use crate::ingredients::Ingredient;
 use crate::mixture::{Class, Contrast, SAMPLE, classes, contrast, local_share};
@@ -110,9 +110,15 @@ const NARROWEST_TO_NOISE: f64 = 25.0;
 /// How much better than exceptions common local errors must explain all loops, nats. On 250 simulated graphs with wrong edges of four kinds,
 /// about as many wrong edges were accepted with 3 and 5 nats, and 7 % more with 10.
 const COMMON: f64 = 5.0;
+/// How much better they must explain them, nats for each candidate, where they are wider than exceptions or where no noise is smaller for them.
+/// Where noise is of two sizes, as under heavy tails, or where odometry drifts beyond all factors, they explain loops a little better, and
+/// correct edges would be left out.
+const MUCH_BETTER: f64 = 0.35;
 /// How much larger the factor on landmark noise, or the coherent variance, must be without common local errors: three standard deviations,
-/// squared. Where it is not, exceptions are enough, and edges of a graph whose noise is of two sizes would be left out.
+/// squared.
 const INFLATED: f64 = 9.0;
+/// The same for the factor on odometry, which all loops inform. It explains errors of metres as drift over long loops.
+const INFLATED_ODOMETRY: f64 = 5.0;
 
 impl Calibration {
     /// Whether the factor of landmark edges is the smallest one allowed: the loops may ask for a smaller one.
@@ -132,11 +138,26 @@ impl Calibration {
         }
     }
 
-    /// Whether local errors are common and estimated narrower than exceptions. If they are not, they have no width of their own, and are more
-    /// likely to be edges between the wrong places.
-    fn has_narrow_errors(&self) -> bool {
+    /// Whether local errors are common and narrower than this factor on the claimed covariance.
+    fn has_errors_below(&self, limit: f64) -> bool {
         // exp(ln(x)) differs from x by rounding.
-        matches!(self.errors, LocalErrors::Common { translation, .. } if translation < EXCEPTION * (1.0 - 1e-9))
+        matches!(self.errors, LocalErrors::Common { translation, .. } if translation < limit * (1.0 - 1e-9))
+    }
+
+    /// Whether some noise is much larger in the other explanation: that of landmark edges, of odometry, or its drift.
+    fn has_less_noise_than(&self, other: &Self) -> bool {
+        // Of the common factors, all chains have the same.
+        let drift = self.coherent.first().zip(other.coherent.first());
+        let odometry = self.odometry.first().zip(other.odometry.first());
+        other.landmark > INFLATED * self.landmark
+            || odometry.is_some_and(|(own, other)| *other > INFLATED_ODOMETRY * own)
+            || drift.is_some_and(|(own, other)| *other > INFLATED * own.max(COHERENT))
+    }
+
+    /// Whether landmark edges are much noisier here than they claim and than in the other explanation. On sphere_a, whose edges are all correct,
+    /// a factor of 90 on landmark edges with local errors twice as wide again explains as much as one of 150 on odometry.
+    fn has_noisier_edges_than(&self, other: &Self) -> bool {
+        self.landmark > INFLATED * other.landmark.max(1.0)
     }
 
     /// The covariance of a local error of a loop's landmark edges, from their covariance and the part of it that is translation with the right
@@ -233,23 +254,21 @@ struct Peak {
     objective: f64,
     tempering: f64,
     with_coherent: bool,
+    /// The number of candidates whose loops were looked at.
+    sampled: usize,
 }
 
 impl Peak {
     /// Whether common local errors explain the loops so much better than exceptions that noise was mistaken there.
     fn is_preferred_to(&self, exceptions: &Self) -> bool {
-        self.calibration.has_narrow_errors()
-            && self.objective - exceptions.objective > COMMON
-            && self.has_less_noise_than(&exceptions.calibration)
-    }
-
-    /// Whether noise of landmark edges, or the drift of odometry, is much larger in the other explanation.
-    fn has_less_noise_than(&self, other: &Calibration) -> bool {
-        let own = &self.calibration;
-        // Of the common factors, all chains have the same.
-        let drift = own.coherent.first().zip(other.coherent.first());
-        other.landmark > INFLATED * own.landmark
-            || drift.is_some_and(|(own, other)| *other > INFLATED * own.max(COHERENT))
+        let (own, other) = (&self.calibration, &exceptions.calibration);
+        let gain = self.objective - exceptions.objective;
+        let is_much_better = gain > MUCH_BETTER * self.sampled as f64;
+        // Errors of the widest kind have no width of their own: they are more likely to be edges between the wrong places.
+        own.has_errors_below(WIDEST)
+            && gain > COMMON
+            && !own.has_noisier_edges_than(other)
+            && (is_much_better || (own.has_errors_below(EXCEPTION) && own.has_less_noise_than(other)))
     }
 
     /// The factors of each chain.
@@ -287,13 +306,13 @@ fn peak<G: Motion<DOF>, const DOF: usize>(
         on_prior: true,
         tail: if model.without(Ingredient::HeavyTails) { GAUSSIAN } else { TAIL },
     };
-    let candidates = model.closures.len();
+    let sampled = model.closures.len().min(SAMPLE);
     let loops: usize = classes.iter().map(|class| class.real.len()).sum();
     if loops == 0 || model.without(Ingredient::Calibration) {
-        return Peak { calibration, objective: 0.0, tempering: 0.0, with_coherent };
+        return Peak { calibration, objective: 0.0, tempering: 0.0, with_coherent, sampled };
     }
     // Loops through the same closures are not independent, so each counts for less.
-    let tempering = (candidates.min(SAMPLE) as f64 / loops as f64).min(1.0);
+    let tempering = (sampled as f64 / loops as f64).min(1.0);
     let starts = [(0.0, 0.0), (-4.0, 0.0), (4.0, 0.0), (0.0, 5.0), (0.0, LANDMARK_LEAST.ln())].map(
         |(odometry, landmark)| Point {
             odometry,
@@ -315,7 +334,7 @@ fn peak<G: Motion<DOF>, const DOF: usize>(
         Contrast { objective: found.objective - 0.5 * prior, ..found }
     });
     let Some((point, Contrast { objective, evidence, correct })) = best else {
-        return Peak { calibration, objective: 0.0, tempering, with_coherent };
+        return Peak { calibration, objective: 0.0, tempering, with_coherent, sampled };
     };
     calibration.evidence = evidence;
     calibration.correct = correct;
@@ -324,7 +343,7 @@ fn peak<G: Motion<DOF>, const DOF: usize>(
     if !calibration.on_prior {
         calibration = calibration.with(point);
     }
-    Peak { calibration, objective, tempering, with_coherent }
+    Peak { calibration, objective, tempering, with_coherent, sampled }
 }
 
 /// Estimates the factors of each chain from the loops that it takes part in, near the common factors.

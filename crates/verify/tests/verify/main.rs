@@ -9,6 +9,7 @@
 mod bad_input;
 mod breaks;
 mod clean;
+mod drawn;
 mod extremes;
 mod interruptions;
 mod invariance;
