@@ -2,8 +2,9 @@
 
 use rayon::prelude::*;
 
-use crate::calibration::{Calibration, Factors};
+use crate::calibration::Calibration;
 use crate::cut::{COST, Tie, cut, tied};
+use crate::factors::Factors;
 use crate::ingredients::Ingredient;
 use crate::islands::{Hypothesis, islands, support};
 use crate::model::{Model, Motion};

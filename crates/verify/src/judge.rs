@@ -5,9 +5,9 @@ use posecut_graph::PoseGraph;
 
 use crate::breaks::breaks;
 use crate::bridges::{Bridge, Seams, bridged, bridges};
-use crate::calibration::Factors;
 use crate::cut::Tie;
 use crate::evidence::chi_square_quantile;
+use crate::factors::Factors;
 use crate::first_pass::FirstPass;
 use crate::ingredients::Ingredient;
 use crate::islands::Hypothesis;

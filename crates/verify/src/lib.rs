@@ -25,6 +25,7 @@ mod calibration;
 pub mod cli;
 mod cut;
 mod evidence;
+mod factors;
 mod first_pass;
 mod ingredients;
 mod islands;
