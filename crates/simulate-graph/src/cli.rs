@@ -20,14 +20,8 @@ struct Command {
 
 const EXAMPLES: Examples = Examples(&[
     ("Draw a graph", "posecut simulate-graph --seed 7 -o graph.jsonl"),
-    (
-        "Repeat corridors, with odometry five times as noisy as claimed",
-        "posecut simulate-graph --incorrect-kind corridor --odometry-ratio 5 -o graph.jsonl",
-    ),
-    (
-        "Draw many robots in space",
-        "posecut simulate-graph --dimension 3 --robots 12 --correct-edges 5000 -o graph.jsonl.gz",
-    ),
+    ("Let corridors repeat themselves", "posecut simulate-graph --incorrect-kind corridor -o graph.jsonl"),
+    ("Draw many robots in space", "posecut simulate-graph --dimension 3 --robots 12 -o graph.jsonl.gz"),
 ]);
 
 /// The `main` of the program.

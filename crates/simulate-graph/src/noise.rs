@@ -29,7 +29,7 @@ impl Noise {
         random: &mut ChaCha8Rng,
     ) -> G {
         let tangent = tangent::<DOF>(self.sigma, random);
-        // The degrees of freedom are positive, so the distribution exists.
+        // Drawn for normal noise, too, so that the tails change nothing else. The degrees of freedom are positive, so the distribution exists.
         let squared = ChiSquared::new(TAILS).map(|distribution| distribution.sample(random));
         let factor = match squared {
             Ok(squared) if self.heavy_tails => (TAILS / f64::max(squared, f64::MIN_POSITIVE)).sqrt(),

@@ -15,6 +15,9 @@ use crate::odometry::odometry;
 use crate::world::Walks;
 use crate::{Character, OptionError, Options};
 
+/// The most poses of a graph, which is in memory as a whole.
+const MOST_POSES: usize = 5_000_000;
+
 /// A simulated graph.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Simulated {
@@ -32,6 +35,14 @@ pub struct Simulated {
 pub fn simulate(options: &Options) -> Result<Simulated, OptionError> {
     options.check()?;
     let character = Character::draw(options);
+    let poses = character.robots.saturating_mul(character.poses);
+    if poses > MOST_POSES {
+        return Err(OptionError {
+            option: "--poses",
+            value: format!("{} for each of {} robots", character.poses, character.robots),
+            expected: "such that all robots together have at most 5000000",
+        });
+    }
     let dimension = if character.dimension == 2 { Dimension::Two } else { Dimension::Three };
     Ok(for_dimension!(dimension, |G, DOF| simulated::<G, DOF>(dimension, character, options.seed)))
 }

@@ -197,6 +197,10 @@ fn impossible_options_are_refused_in_a_sentence() {
             "--world is flight, but must be another one in the plane",
         ),
     ];
+    let refused = refused.into_iter().chain([(
+        Options { robots: Some(1000), poses: Some(1_000_000), ..of_seed(1) },
+        "--poses is 1000000 for each of 1000 robots, but must be such that",
+    )]);
     for (options, said) in refused {
         let error = simulate(&options).unwrap_err().to_string();
         assert!(error.starts_with(said), "{error}");

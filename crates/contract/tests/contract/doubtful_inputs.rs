@@ -77,8 +77,9 @@ fn frustrated_instance() -> String {
     format!("MULTICUT\n{}", lines.concat())
 }
 
-/// Two chains in space and many candidates between them that disagree slightly, so that the largest clique needs branching.
-fn cliques() -> String {
+/// Two chains in space and many candidates between them that disagree by up to this many metres, so that the largest clique and the multicut of
+/// the candidates need branching.
+fn cliques(candidates: u64, apart: f64) -> String {
     let information = "[100,0,0,0,0,0,100,0,0,0,0,100,0,0,0,400,0,0,400,0,400]";
     let mut text = header(information).replace("\"dimension\":2", "\"dimension\":3");
     for node in 0..40 {
@@ -92,10 +93,10 @@ fn cliques() -> String {
         );
     }
     let mut draw = draws(5);
-    for id in 100..400 {
+    for id in 100..100 + candidates {
         let (from, to) = ((20.0 * draw()) as u64, (20.0 * draw()) as u64);
-        let [x, y, z] = std::array::from_fn(|_| 2.4 * (draw() - 0.5));
-        let [qx, qy, qz]: [f64; 3] = std::array::from_fn(|_| 0.24 * (draw() - 0.5));
+        let [x, y, z] = std::array::from_fn(|_| apart * (draw() - 0.5));
+        let [qx, qy, qz]: [f64; 3] = std::array::from_fn(|_| 0.1 * apart * (draw() - 0.5));
         let qw = (1.0 - qx * qx - qy * qy - qz * qz).sqrt();
         let x = x + to as f64 - from as f64;
         let to = to + 20;
@@ -167,7 +168,8 @@ pub(crate) fn path(name: &str) -> String {
             ("costs.jsonl", wrong.replace("\"noise\":\"n\"}\n", "\"noise\":\"n\",\"cost\":-1}\n")),
             ("frustrated.jsonl", frustrated()),
             ("frustrated.mc", frustrated_instance()),
-            ("cliques.jsonl", cliques()),
+            ("cliques.jsonl", cliques(300, 2.4)),
+            ("fewer.jsonl", cliques(150, 1.2)),
             ("crowd.jsonl", crowd()),
             ("tangle.jsonl", tangle()),
             (

@@ -31,7 +31,7 @@ const CASES: &[Case] = &[
     case("clean", "not-converged", &["{graph.jsonl}", "--method", "optimize --max-iterations 1"]),
     case("clean", "nothing-kept", &["{wrong.jsonl}"]),
     case("clean", "parts-not-connected", &["{wrong-apart.jsonl}"]),
-    case("clean", "search-limit", &["{cliques.jsonl}"]),
+    case("clean", "search-limit", &["{fewer.jsonl}"]),
     case("clean", "undetermined", &["{weak.jsonl}", "--method", "none"]),
     case(
         "construct",
@@ -96,7 +96,7 @@ const CASES: &[Case] = &[
     case("verify", "calibration-on-prior", &["{right.jsonl}"]),
     case("verify", "nothing-kept", &["{wrong.jsonl}"]),
     case("verify", "parts-not-connected", &["{wrong-apart.jsonl}"]),
-    case("verify", "search-limit", &["{cliques.jsonl}"]),
+    case("verify", "search-limit", &["{fewer.jsonl}"]),
     case("voting", "nothing-kept", &["{wrong.jsonl}"]),
 ];
 
