@@ -1,7 +1,7 @@
 # The trust benchmark: every method on every kind of graph (pipelines/trust/*.toml, docs/trust.md).
 #   make trust DATA=DIR [FAMILIES="clean kitti"] [SEEDS=1] [HALF=tuning|test] [DOCUMENT=FILE]
 DATA          ?=
-FAMILIES      ?= clean corrupted bicocca kitti kitti-zero robots two-experiences many-sessions hard drawn
+FAMILIES      ?= clean corrupted bicocca kitti kitti-zero robots two-experiences many-sessions hard
 HALF          ?=
 # The page is rewritten where all of the benchmark runs.
 DOCUMENT      ?= $(if $(call given,FAMILIES,1)$(call given,SEEDS,1)$(call given,METHODS,1)$(HALF),,docs/trust.md)
@@ -16,8 +16,10 @@ trust_places   = --programs $(BIN) --simulated $(call quoted,$(SIMULATED)) $(if 
                  --results $(call quoted,$(trust_results))
 trust_of       = $(trust_files) $(trust_places) $(swapped) $(if $(HALF),--half $(HALF)) \
                  $(call given,SEEDS,--seeds $(SEEDS)) $(call given,METHODS,--methods $(call listed,$(METHODS)))
-trust_figure   = $(if $(DOCUMENT),docs/results/trust-regret.svg,$(trust_results)/regret.svg)
-trust_reliability = $(if $(DOCUMENT),docs/results/trust-reliability.svg,$(trust_results)/reliability.svg)
+# Figures of a page in docs: docs/results/PAGE-regret.svg.
+trust_figures  = $(if $(DOCUMENT),docs/results/$(basename $(notdir $(DOCUMENT)))-,$(trust_results)/)
+trust_figure   = $(trust_figures)regret.svg
+trust_reliability = $(trust_figures)reliability.svg
 
 .PHONY: trust-sample constants ablation pcm-gates
 

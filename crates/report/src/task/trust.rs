@@ -82,7 +82,8 @@ impl Trust {
             }
         }
         if let Some(document) = &self.document {
-            fill(document, &sections(&benchmark)?)?;
+            let link = self.reliability.as_deref().map(|diagram| link(document, diagram));
+            fill(document, &sections(&benchmark, link.as_deref())?)?;
         }
         if let Some(document) = &self.summary {
             let chosen = recommended(&benchmark)?;
@@ -93,6 +94,12 @@ impl Trust {
         let text: String = tables(&benchmark, self.half).iter().map(Table::markdown).collect();
         Ok(text.into_bytes())
     }
+}
+
+/// The link from a document to a file, which is relative if the file is in or below the document's folder.
+fn link(document: &Path, file: &Path) -> String {
+    let folder = document.parent().unwrap_or(Path::new(""));
+    file.strip_prefix(folder).unwrap_or(file).display().to_string()
 }
 
 /// Replaces sections of a document between their markers.

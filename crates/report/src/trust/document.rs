@@ -1,4 +1,4 @@
-//! The sections of docs/trust.md.
+//! The sections of docs/trust.md, and of other pages of its form.
 
 use super::benchmark::Benchmark;
 use super::comparison::comparison;
@@ -8,11 +8,11 @@ use super::records::Half;
 use super::reliability::{reliability, sentence};
 use super::tables::{self, Table};
 
-/// The sections as Markdown, each with the name of its marker.
+/// The sections as Markdown, each with the name of its marker. `diagram` is the link from the document to the diagram of probabilities.
 ///
 /// # Errors
 /// If no method can be recommended.
-pub fn sections(benchmark: &Benchmark) -> anyhow::Result<Vec<(&'static str, String)>> {
+pub fn sections(benchmark: &Benchmark, diagram: Option<&str>) -> anyhow::Result<Vec<(&'static str, String)>> {
     let half = Half::Test;
     let joined = |tables: Vec<Table>| -> String { tables.iter().map(Table::markdown).collect() };
     Ok(vec![
@@ -22,7 +22,7 @@ pub fn sections(benchmark: &Benchmark) -> anyhow::Result<Vec<(&'static str, Stri
         ("overall", joined(vec![tables::overall(benchmark, half), tables::matrix(benchmark, half)])),
         ("counts", joined(vec![tables::counts(benchmark)])),
         ("families", joined(tables::families(benchmark, half))),
-        ("reliability", calibration(benchmark, half)),
+        ("reliability", calibration(benchmark, half, diagram)),
         (
             "failures",
             joined(
@@ -41,14 +41,17 @@ pub fn sections(benchmark: &Benchmark) -> anyhow::Result<Vec<(&'static str, Stri
 }
 
 /// The calibration of probabilities: the answer, the figure and the tables.
-fn calibration(benchmark: &Benchmark, half: Half) -> String {
+fn calibration(benchmark: &Benchmark, half: Half, diagram: Option<&str>) -> String {
     let found = reliability(benchmark, half);
     let mut text = sentence(found.as_ref(), half);
     if let Some(tuning) = reliability(benchmark, Half::Tuning) {
         text += &format!(" {}", sentence(Some(&tuning), Half::Tuning));
     }
     if let Some(found) = &found {
-        text.push_str("\n\n![Share of correct edges over their probability, by family](results/trust-reliability.svg)\n\n");
+        text.push_str("\n\n");
+        if let Some(link) = diagram {
+            text += &format!("![Share of correct edges over their probability, by family]({link})\n\n");
+        }
         for table in tables::calibration(found) {
             text.push_str(&table.markdown());
         }

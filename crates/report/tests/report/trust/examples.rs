@@ -124,16 +124,18 @@ fn the_tuning_half_chooses_and_the_test_half_reports() {
 }
 
 #[test]
-fn the_document_of_the_repository_has_every_marker() {
+fn the_documents_of_the_repository_have_every_marker() {
     let text = sample("test") + &sample("tuning").replace("\"f ", "\"tuned ") + &filled();
     let benchmark = read(&text).unwrap();
-    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/trust.md");
-    let mut document = fs::read_to_string(page).unwrap();
-    for (name, section) in sections(&benchmark).unwrap() {
-        document = splice(&document, name, &section).unwrap();
-        assert!(document.contains(section.trim()), "{name}");
+    for page in ["docs/trust.md", "docs/results/drawn.md"] {
+        let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(page);
+        let mut document = fs::read_to_string(page).unwrap();
+        for (name, section) in sections(&benchmark, Some("diagram.svg")).unwrap() {
+            document = splice(&document, name, &section).unwrap();
+            assert!(document.contains(section.trim()), "{name}");
+        }
+        assert!(document.find("**Use `").unwrap() < 200, "the answer comes first");
     }
-    assert!(document.find("**Use `").unwrap() < 200, "the answer comes first");
 }
 
 /// `one` is beyond the bound on two runs: it failed one, and on the other it is closer to the truth than the reference is.
