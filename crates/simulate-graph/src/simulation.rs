@@ -18,6 +18,9 @@ use crate::{Character, OptionError, Options};
 /// The most poses of a graph, which is in memory as a whole.
 const MOST_POSES: usize = 5_000_000;
 
+/// Paths that are tried until robots see some place twice.
+const ATTEMPTS: usize = 20;
+
 /// A simulated graph.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Simulated {
@@ -52,6 +55,12 @@ fn simulated<G: Walks<DOF>, const DOF: usize>(
     character: Character,
     seed: u64,
 ) -> Simulated {
+    // Where no place is seen twice, there is nothing to judge.
+    let seen_twice = (0..ATTEMPTS).find(|&attempt| {
+        let viewpoints = viewpoints(&G::walks(&character, seed, attempt));
+        !Scene::<G, DOF>::new(&viewpoints, &character).similar.is_empty()
+    });
+    let paths = G::walks(&character, seed, seen_twice.unwrap_or(0));
     let mut graph = PoseGraph::new(Header::new(dimension));
     for (name, (translation, rotation)) in
         [("odometry", character.odometry_sigma), ("landmark", character.landmark_sigma)]
@@ -59,17 +68,19 @@ fn simulated<G: Walks<DOF>, const DOF: usize>(
         let information = isotropic_information(DOF, translation, rotation);
         graph.header.noise_models.push((name.to_owned(), NoiseModel { information, extra: Extra::new() }));
     }
-    let paths = G::walks(&character, seed);
     add_robots(&mut graph, &paths, &character, seed);
-
-    let viewpoints: Vec<Viewpoint<G>> = paths
-        .iter()
-        .enumerate()
-        .flat_map(|(robot, path)| path.iter().map(move |&pose| Viewpoint { robot, pose }))
-        .collect();
+    let viewpoints = viewpoints(&paths);
     let scene = Scene::<G, DOF>::new(&viewpoints, &character);
     let (correct_edges, incorrect_edges) = add_landmark_edges(&mut graph, &scene, seed);
     Simulated { graph, character, correct_edges, incorrect_edges }
+}
+
+/// The poses of all robots, one after the other.
+fn viewpoints<G: Copy>(paths: &[Vec<G>]) -> Vec<Viewpoint<G>> {
+    let of_robot = |(robot, path): (usize, &Vec<G>)| {
+        path.iter().map(move |&pose| Viewpoint { robot, pose }).collect::<Vec<_>>()
+    };
+    paths.iter().enumerate().flat_map(of_robot).collect()
 }
 
 /// Adds the nodes and the odometry of all robots. Each starts at the origin of a frame of its own.

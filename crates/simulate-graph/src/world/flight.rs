@@ -2,8 +2,9 @@
 
 use nalgebra::{Vector3, Vector6};
 use posecut_geometry::{LieGroup as _, SE3};
-use posecut_random::{ChaCha8Rng, random};
+use posecut_random::ChaCha8Rng;
 
+use super::path_of;
 use crate::Character;
 use crate::noise::normal;
 
@@ -15,11 +16,11 @@ const TURN: (f64, f64) = (0.8, 0.08);
 const RETURN: f64 = 0.3;
 
 /// The paths of all robots.
-pub(super) fn walks(character: &Character, seed: u64) -> Vec<Vec<SE3>> {
+pub(super) fn walks(character: &Character, seed: u64, attempt: usize) -> Vec<Vec<SE3>> {
     let volume = (character.robots * character.poses) as f64 / DENSITY;
     let radius = (volume / (4.0 / 3.0 * std::f64::consts::PI)).cbrt();
     (0..character.robots)
-        .map(|robot| path(character.poses, radius, &mut random(seed, &format!("path of robot {robot}"))))
+        .map(|robot| path(character.poses, radius, &mut path_of(robot, seed, attempt)))
         .collect()
 }
 

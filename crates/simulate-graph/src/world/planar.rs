@@ -7,6 +7,7 @@ use posecut_geometry::{SE2, wrap_angle};
 use posecut_random::{ChaCha8Rng, random};
 use rand::RngExt as _;
 
+use super::path_of;
 use crate::noise::normal;
 use crate::{Character, World};
 
@@ -24,12 +25,12 @@ const RETURN: f64 = 0.3;
 const ROUNDS: f64 = 3.0;
 
 /// The paths of all robots.
-pub(super) fn walks(character: &Character, seed: u64) -> Vec<Vec<SE2>> {
+pub(super) fn walks(character: &Character, seed: u64, attempt: usize) -> Vec<Vec<SE2>> {
     let total = (character.robots * character.poses) as f64;
     let circuit = Circuit::draw(character.poses as f64 / ROUNDS, &mut random(seed, "circuit"));
     (0..character.robots)
         .map(|robot| {
-            let mut random = random(seed, &format!("path of robot {robot}"));
+            let mut random = path_of(robot, seed, attempt);
             match character.world {
                 World::Streets => streets(character.poses, total, &mut random),
                 World::Rounds => circuit.rounds(character.poses, &mut random),
