@@ -10,8 +10,8 @@ trust_results  = $(RESULTS)/trust
 trust_files    = $(wildcard $(foreach family,$(FAMILIES),$(foreach part,$(family) $(family)-real $(family)-simulated,\
                  pipelines/trust/$(part).toml)))
 trust_unknown  = $(strip $(foreach family,$(FAMILIES),$(if $(wildcard pipelines/trust/$(family).toml pipelines/trust/$(family)-*.toml),,$(family))))
-# Drawn graphs need no data.
-trust_needs    = $(filter-out drawn,$(FAMILIES))
+# The folder of data; drawn graphs need none.
+trust_data     = $(or $(DATA),$(if $(filter-out drawn,$(FAMILIES)),,.))
 trust_places   = --programs $(BIN) --simulated $(call quoted,$(SIMULATED)) $(if $(DATA),--data $(call quoted,$(DATA))) \
                  --results $(call quoted,$(trust_results))
 trust_of       = $(trust_files) $(trust_places) $(swapped) $(if $(HALF),--half $(HALF)) \
@@ -23,15 +23,15 @@ trust_reliability = $(trust_figures)reliability.svg
 
 .PHONY: trust-sample constants ablation pcm-gates
 
-trust: $(if $(or $(DATA),$(if $(trust_needs),,drawn)),$(EXPERIMENTS) $(REPORT))
-	@test -n $(call quoted,$(DATA)$(if $(trust_needs),,drawn)) || { echo 'Name the folder of graphs and sessions: make trust DATA=DIR. It holds'; \
+trust: $(if $(trust_data),$(EXPERIMENTS) $(REPORT))
+	@test -n $(call quoted,$(trust_data)) || { echo 'Name the folder of graphs and sessions: make trust DATA=DIR. It holds'; \
 	  echo '  g2o/             benchmark graphs (clean)'; \
 	  echo '  false_closures/  corrupted/, bicocca25b/, kitti/, pcm_two_robots/ (corrupted, bicocca, kitti, kitti-zero, robots)'; \
 	  echo '  nclt/DATE/       NCLT sessions (two-experiences, many-sessions, hard)'; \
 	  echo '  radish/          laser logs (radish, which is not run by default)'; \
 	  echo 'FAMILIES="clean kitti" needs those of these families alone; docs/methods.md says where to get them.'; \
 	  echo 'FAMILIES=drawn needs no data: its graphs are simulated.'; exit 2; }
-	@test -d $(call quoted,$(or $(DATA),.)) || { printf '%s: there is no such folder; name the one with g2o/, false_closures/ and nclt/\n' $(call quoted,$(DATA)); exit 2; }
+	@test -d $(call quoted,$(trust_data)) || { printf '%s: there is no such folder; name the one with g2o/, false_closures/ and nclt/\n' $(call quoted,$(DATA)); exit 2; }
 	@$(if $(trust_unknown),echo 'No family is called $(trust_unknown); there are: $(sort $(patsubst %-real,%,$(patsubst %-simulated,%,$(filter-out methods sessions constants sample,$(basename $(notdir $(wildcard pipelines/trust/*.toml)))))))'; exit 2)
 	$(marked)
 	@mkdir -p $(call quoted,$(trust_results)) $(if $(DOCUMENT),docs/results)

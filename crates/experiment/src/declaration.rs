@@ -13,8 +13,9 @@ use crate::{Drawn, Graphs, Halves, toml_text};
 
 mod parts;
 
+pub(crate) use parts::words;
 pub use parts::{Grid, Step};
-use parts::{grid, scalar, step, words};
+use parts::{grid, scalar, step};
 
 /// The longest chain of declarations that build on each other.
 const LONGEST_CHAIN: usize = 16;

@@ -2,6 +2,8 @@
 
 use serde::Deserialize;
 
+use crate::declaration::words;
+
 /// Drawn graphs with one set of options.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -16,6 +18,6 @@ pub struct Drawn {
 impl Drawn {
     /// The options as words.
     pub(crate) fn words(&self) -> Vec<String> {
-        self.options.split_whitespace().map(str::to_owned).collect()
+        words(&self.options)
     }
 }

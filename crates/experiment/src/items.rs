@@ -22,6 +22,11 @@ pub(crate) struct Item {
 }
 
 impl Item {
+    /// Whether the item is a graph, given or drawn, and not made of sessions.
+    pub(crate) fn is_graph(&self) -> bool {
+        !matches!(self.kind, Kind::Sessions(_))
+    }
+
     /// The unit of the bootstrap that the run with this seed belongs to. Every seed draws another graph.
     pub(crate) fn cluster_with(&self, seed: u64) -> String {
         match self.kind {
@@ -110,9 +115,8 @@ pub(crate) fn items(
             twice.name
         );
     }
-    let shares_sessions = found.iter().any(|item| matches!(item.kind, Kind::Sessions(_)));
     if by_seed
-        && shares_sessions
+        && !found.iter().all(Item::is_graph)
         && experiment.halves.as_ref().is_some_and(|halves| halves.dependent.is_none())
     {
         bail!(
@@ -170,8 +174,7 @@ fn add_sessions(
             // The name is that of a given graph, which a grid or the command line selects.
             continue;
         }
-        let has_graphs = !experiment.graphs.is_empty() || !experiment.drawn.is_empty();
-        if has_graphs && experiment.source.is_none() {
+        if found.iter().any(Item::is_graph) && experiment.source.is_none() {
             bail!("there is no graph \"{name}\"; the experiment has {}", names(found));
         }
         let parts: Vec<&str> = name.split('+').collect();

@@ -79,9 +79,7 @@ fn runs(experiment: &Experiment, grid: &Grid, item: &Item) -> anyhow::Result<boo
     let listed = match &grid.sessions {
         Some(names) => matches(names, &item.name)?,
         None if experiment.only => matches(&experiment.sessions, &item.name)?,
-        None => {
-            matches!(item.kind, Kind::Graph(_) | Kind::Drawn(_)) || experiment.sessions.contains(&item.name)
-        }
+        None => item.is_graph() || experiment.sessions.contains(&item.name),
     };
     Ok(listed && !matches(&grid.except, &item.name)?)
 }
@@ -107,12 +105,12 @@ impl Planner<'_> {
     fn add_run(&mut self, run: &Run<'_>) -> anyhow::Result<()> {
         let experiment = run.experiment;
         let name = &run.item.name;
-        let is_graph = matches!(run.item.kind, Kind::Graph(_) | Kind::Drawn(_));
-        let label = if is_graph || experiment.source.is_some() || !self.source.simulates(experiment) {
-            experiment.name.clone()
-        } else {
-            format!("{}-simulated", experiment.name)
-        };
+        let label =
+            if run.item.is_graph() || experiment.source.is_some() || !self.source.simulates(experiment) {
+                experiment.name.clone()
+            } else {
+                format!("{}-simulated", experiment.name)
+            };
         let Placed { session: of_session, graph: of_graph, methods: of_methods } = Placed::of(run);
         let results = self.source.results.to_string_lossy().into_owned();
         let session_folder =

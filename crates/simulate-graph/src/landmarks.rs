@@ -20,7 +20,8 @@ pub(crate) struct Viewpoint<G> {
 
 /// The viewpoints of all robots, and which of them see the same.
 pub(crate) struct Scene<'a, G, const DOF: usize> {
-    pub(crate) viewpoints: &'a [Viewpoint<G>],
+    /// One robot after the other.
+    pub(crate) viewpoints: Vec<Viewpoint<G>>,
     pub(crate) character: &'a Character,
     /// All pairs that see the same place, the earlier viewpoint first, in ascending order.
     pub(crate) similar: Vec<(usize, usize)>,
@@ -28,12 +29,16 @@ pub(crate) struct Scene<'a, G, const DOF: usize> {
 
 impl<'a, G: LieGroup<DOF>, const DOF: usize> Scene<'a, G, DOF> {
     /// Finds the pairs that see the same place. O(n), as long as few viewpoints are within the radius of each other.
-    pub(crate) fn new(viewpoints: &'a [Viewpoint<G>], character: &'a Character) -> Self {
+    pub(crate) fn new(paths: &[Vec<G>], character: &'a Character) -> Self {
+        let of_robot = |(robot, path): (usize, &Vec<G>)| {
+            path.iter().map(move |&pose| Viewpoint { robot, pose }).collect::<Vec<_>>()
+        };
+        let viewpoints = paths.iter().enumerate().flat_map(of_robot).collect();
         let cell = |place: [f64; 3]| place.map(|along| (along / character.radius).floor() as i64);
         let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
         let mut scene = Self { viewpoints, character, similar: Vec::new() };
-        for (to, viewpoint) in viewpoints.iter().enumerate() {
-            let here = cell(viewpoint.pose.translation());
+        for to in 0..scene.viewpoints.len() {
+            let here = cell(scene.viewpoints[to].pose.translation());
             let mut found: Vec<usize> = neighbours(here)
                 .filter_map(|near| cells.get(&near))
                 .flatten()

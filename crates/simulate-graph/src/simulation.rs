@@ -8,7 +8,7 @@ use posecut_graph::{
 };
 use posecut_random::random;
 
-use crate::landmarks::{Scene, Viewpoint};
+use crate::landmarks::Scene;
 use crate::mistakes::Claims;
 use crate::noise::Noise;
 use crate::odometry::odometry;
@@ -56,11 +56,13 @@ fn simulated<G: Walks<DOF>, const DOF: usize>(
     seed: u64,
 ) -> Simulated {
     // Where no place is seen twice, there is nothing to judge.
-    let seen_twice = (0..ATTEMPTS).find(|&attempt| {
-        let viewpoints = viewpoints(&G::walks(&character, seed, attempt));
-        !Scene::<G, DOF>::new(&viewpoints, &character).similar.is_empty()
-    });
-    let paths = G::walks(&character, seed, seen_twice.unwrap_or(0));
+    let attempt = |attempt| {
+        let paths = G::walks(&character, seed, attempt);
+        let scene = Scene::<G, DOF>::new(&paths, &character);
+        (paths, scene)
+    };
+    let seen_twice = (0..ATTEMPTS).map(attempt).find(|(_, scene)| !scene.similar.is_empty());
+    let (paths, scene) = seen_twice.unwrap_or_else(|| attempt(0));
     let mut graph = PoseGraph::new(Header::new(dimension));
     for (name, (translation, rotation)) in
         [("odometry", character.odometry_sigma), ("landmark", character.landmark_sigma)]
@@ -69,18 +71,8 @@ fn simulated<G: Walks<DOF>, const DOF: usize>(
         graph.header.noise_models.push((name.to_owned(), NoiseModel { information, extra: Extra::new() }));
     }
     add_robots(&mut graph, &paths, &character, seed);
-    let viewpoints = viewpoints(&paths);
-    let scene = Scene::<G, DOF>::new(&viewpoints, &character);
     let (correct_edges, incorrect_edges) = add_landmark_edges(&mut graph, &scene, seed);
     Simulated { graph, character, correct_edges, incorrect_edges }
-}
-
-/// The poses of all robots, one after the other.
-fn viewpoints<G: Copy>(paths: &[Vec<G>]) -> Vec<Viewpoint<G>> {
-    let of_robot = |(robot, path): (usize, &Vec<G>)| {
-        path.iter().map(move |&pose| Viewpoint { robot, pose }).collect::<Vec<_>>()
-    };
-    paths.iter().enumerate().flat_map(of_robot).collect()
 }
 
 /// Adds the nodes and the odometry of all robots. Each starts at the origin of a frame of its own.
@@ -106,7 +98,7 @@ fn add_robots<G: LieGroup<DOF>, const DOF: usize>(
             let Some(step) = steps.get(frame) else { continue };
             pose = pose.compose(step);
             let from = first + frame as u64;
-            add_edge(graph, EdgeKind::Odometry, (from, from + 1), step);
+            graph.edges.push(edge(graph.edges.len(), EdgeKind::Odometry, (from, from + 1), step));
         }
     }
 }
@@ -138,27 +130,26 @@ fn add_landmark_edges<G: LieGroup<DOF>, const DOF: usize>(
     let mut stream = random(seed, "noise of landmark edges");
     for ((from, to), motion, mistake) in edges {
         let measured = noise.applied(&motion, &mut stream);
-        let edge = add_edge(graph, EdgeKind::Landmark, (from as u64, to as u64), &measured);
+        let mut edge = edge(graph.edges.len(), EdgeKind::Landmark, (from as u64, to as u64), &measured);
         let mut truth = EdgeTruth::of(mistake.is_none());
         if let Some(kind) = mistake {
             truth.extra.insert("mistake".to_owned(), kind.name().into());
         }
         edge.truth = Some(truth);
+        graph.edges.push(edge);
     }
     (correct.len(), incorrect)
 }
 
-fn add_edge<'a, G: LieGroup<DOF>, const DOF: usize>(
-    graph: &'a mut PoseGraph,
+/// An edge with the noise model of its kind.
+fn edge<G: LieGroup<DOF>, const DOF: usize>(
+    id: usize,
     kind: EdgeKind,
     (from, to): (u64, u64),
     motion: &G,
-) -> &'a mut Edge {
-    let id = graph.edges.len() as u64;
-    let mut edge = Edge::new(kind, id, from, to);
+) -> Edge {
+    let mut edge = Edge::new(kind, id as u64, from, to);
     edge.measurement = Some(motion.components());
     edge.noise = Some(kind.name().to_owned());
-    graph.edges.push(edge);
-    let last = graph.edges.len() - 1;
-    &mut graph.edges[last]
+    edge
 }

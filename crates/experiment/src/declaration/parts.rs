@@ -30,7 +30,7 @@ pub struct Grid {
 }
 
 /// Options as words.
-pub(super) fn words(options: &str) -> Vec<String> {
+pub(crate) fn words(options: &str) -> Vec<String> {
     options.split_whitespace().map(str::to_owned).collect()
 }
 
