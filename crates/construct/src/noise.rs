@@ -1,8 +1,8 @@
 //! Noise of landmark edges.
 
 use nalgebra::SVector;
-use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::isotropic_information;
+use posecut_geometry::{LieGroup, translations};
 use posecut_graph::{Extra, NoiseModel, PoseGraph};
 use posecut_random::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -24,11 +24,6 @@ pub enum NoiseKind {
 
 /// Degrees of freedom of the heavy-tailed noise: the smallest whole number with a finite variance.
 const TAILS: u32 = 3;
-
-/// Number of translation axes of a tangent vector: 2 of 3 in the plane, 3 of 6 in space.
-const fn translations(degrees_of_freedom: usize) -> usize {
-    if degrees_of_freedom == 3 { 2 } else { 3 }
-}
 
 fn sigma<const DOF: usize>(options: &Options, axis: usize) -> f64 {
     if axis < translations(DOF) {

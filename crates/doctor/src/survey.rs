@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::SMatrix;
 use posecut_geometry::covariance::{covariance_from_information, unpack_upper_triangle};
-use posecut_geometry::{LieGroup as _, SE3};
+use posecut_geometry::{LieGroup as _, SE3, translations};
 use posecut_graph::{Dimension, Edge, EdgeKind, PoseGraph, for_dimension};
 
 /// A graph, prepared for the checks.
@@ -135,9 +135,8 @@ pub(crate) fn deviation(dimension: Dimension, terms: &[f64]) -> Option<Deviation
 fn deviation_of<const DOF: usize>(terms: &[f64]) -> Option<Deviation> {
     let information: SMatrix<f64, DOF, DOF> = unpack_upper_triangle(terms).ok()?;
     let variances = covariance_from_information(&information).ok()?.diagonal();
-    let translations = if DOF == 3 { 2 } else { 3 };
     let root = |variances: &[f64]| (variances.iter().sum::<f64>() / variances.len() as f64).sqrt();
-    let (translation, rotation) = variances.as_slice().split_at(translations);
+    let (translation, rotation) = variances.as_slice().split_at(translations(DOF));
     let deviation = Deviation { translation: root(translation), rotation: root(rotation).to_degrees() };
     (deviation.translation.is_finite() && deviation.rotation.is_finite()).then_some(deviation)
 }

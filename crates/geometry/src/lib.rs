@@ -30,6 +30,6 @@ mod so3;
 mod trigonometric;
 
 pub use angle::wrap_angle;
-pub use lie_group::LieGroup;
+pub use lie_group::{LieGroup, translations};
 pub use se2::SE2;
 pub use se3::SE3;

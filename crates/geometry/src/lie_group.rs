@@ -7,6 +7,11 @@
 
 use nalgebra::{SMatrix, SVector};
 
+/// The number of translation components in a tangent vector of so many degrees of freedom, 3 or 6. They come first.
+pub const fn translations(degrees_of_freedom: usize) -> usize {
+    if degrees_of_freedom == 6 { 3 } else { 2 }
+}
+
 /// A group of rigid motions with `DOF` degrees of freedom: 3 for [`SE2`](crate::SE2), 6 for [`SE3`](crate::SE3).
 ///
 /// Notation and Jacobians follow J. Solà, J. Deray, D. Atchuthan, "A micro Lie theory for state estimation in robotics",

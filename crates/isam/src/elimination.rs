@@ -12,7 +12,8 @@ use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::{SMatrix, SVector};
 use posecut_cholesky::SINGULAR;
 use posecut_cholesky::fronts::{FrontView, Run, eliminate, extend_add, push_rows, scratch};
-use posecut_optimize::model::{Linearised, translations};
+use posecut_geometry::translations;
+use posecut_optimize::model::Linearised;
 
 use crate::tree::{Clique, Tree};
 

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use nalgebra::SVector;
-use posecut_optimize::model::{Magnitude, Term as _, translations};
+use posecut_geometry::translations;
+use posecut_optimize::model::{Magnitude, Term as _};
 use posecut_optimize::{Edge, EdgeKind, Initialisation, Options, Problem, optimize};
 
 use crate::prior::Prior;

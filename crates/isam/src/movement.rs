@@ -6,8 +6,7 @@
 )]
 
 use nalgebra::SVector;
-use posecut_geometry::LieGroup;
-use posecut_optimize::model::translations;
+use posecut_geometry::{LieGroup, translations};
 
 use crate::IncrementalOptions;
 use crate::edges::Edges;

@@ -1,6 +1,6 @@
 //! The options of the solver.
 
-use posecut_optimize::model::translations;
+use posecut_geometry::translations;
 
 use crate::IncrementalError;
 

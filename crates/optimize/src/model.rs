@@ -18,6 +18,6 @@ pub(crate) mod problem;
 pub(crate) mod residual;
 
 pub use kernel::charge;
-pub use magnitude::{Magnitude, distance, size, translations};
+pub use magnitude::{Magnitude, distance, size};
 pub use problem::{check_edge, is_finite};
 pub use residual::{Expansion, Gradient, Linearised, Link, Term};

@@ -1,11 +1,10 @@
 //! Reads a pose graph for the algorithms: the edges in use that have a measurement, the priors in use, and the fixed nodes.
 
 use nalgebra::SMatrix;
-use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::unpack_upper_triangle;
+use posecut_geometry::{LieGroup, translations};
 use posecut_graph::{Node, PoseGraph, PriorOf};
 
-use crate::model::translations;
 use crate::{Edge, EdgeKind, Prior};
 
 /// The indices of the fixed nodes.

@@ -3,13 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::SVector;
-use posecut_geometry::LieGroup;
+use posecut_geometry::{LieGroup, translations};
 use posecut_random::ChaCha8Rng;
 use rand::RngExt as _;
 use serde::Serialize;
 
 use crate::landmarks::Scene;
-use crate::noise::{is_translation, normal};
+use crate::noise::normal;
 
 /// How incorrect edges arise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -171,15 +171,11 @@ fn missed<G: LieGroup<DOF>, const DOF: usize>(
 ) -> (usize, usize, G) {
     let (from, to) = pair(scene, random);
     let direction =
-        SVector::<f64, DOF>::from_fn(
-            |axis, _| {
-                if is_translation::<DOF>(axis) { normal(random) } else { 0.0 }
-            },
-        );
+        SVector::<f64, DOF>::from_fn(|axis, _| if axis < translations(DOF) { normal(random) } else { 0.0 });
     let length = least * random.random_range(1.0..MOST);
     let mut error = direction * (length / direction.norm().max(f64::MIN_POSITIVE));
     if random.random::<bool>() {
-        for axis in (0..DOF).filter(|&axis| !is_translation::<DOF>(axis)) {
+        for axis in translations(DOF)..DOF {
             error[axis] = random.random_range(-MISSED_ANGLE..MISSED_ANGLE);
         }
     }

@@ -1,7 +1,7 @@
 //! Gaussian and heavy-tailed noise of measurements.
 
 use nalgebra::SVector;
-use posecut_geometry::LieGroup;
+use posecut_geometry::{LieGroup, translations};
 use posecut_random::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution as _, StandardNormal};
 
@@ -44,12 +44,5 @@ pub(crate) fn tangent<const DOF: usize>(
     (translation, rotation): (f64, f64),
     random: &mut ChaCha8Rng,
 ) -> SVector<f64, DOF> {
-    SVector::from_fn(|axis, _| {
-        normal(random) * if is_translation::<DOF>(axis) { translation } else { rotation }
-    })
-}
-
-/// Whether an axis of the tangent space is a translation: the first two of three, the first three of six.
-pub(crate) fn is_translation<const DOF: usize>(axis: usize) -> bool {
-    axis < if DOF == 3 { 2 } else { 3 }
+    SVector::from_fn(|axis, _| normal(random) * if axis < translations(DOF) { translation } else { rotation })
 }

@@ -1,12 +1,12 @@
 //! What robots measure of their steps.
 
 use nalgebra::SVector;
-use posecut_geometry::LieGroup;
+use posecut_geometry::{LieGroup, translations};
 use posecut_random::ChaCha8Rng;
 use rand::RngExt as _;
 
 use crate::Character;
-use crate::noise::{Noise, is_translation, normal, tangent};
+use crate::noise::{Noise, normal, tangent};
 
 /// Deviations of a slip, metres and radians.
 const SLIP: (f64, f64) = (1.0, 0.2);
@@ -26,7 +26,7 @@ pub(crate) fn odometry<G: LieGroup<DOF>, const DOF: usize>(
     let measured = |pair: &[G]| {
         let step = pair[0].between(&pair[1]).log();
         let step: SVector<f64, DOF> = SVector::from_fn(|axis, _| match axis {
-            axis if is_translation::<DOF>(axis) => scale * step[axis],
+            axis if axis < translations(DOF) => scale * step[axis],
             axis if axis + 1 == DOF => step[axis] + turn,
             axis => step[axis],
         });

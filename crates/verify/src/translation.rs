@@ -4,6 +4,7 @@
 //! translation and rotation is the sum of that of the translation given the rotation, T - C R^-1 C^T, and of what comes with the rotation.
 
 use nalgebra::SMatrix;
+use posecut_geometry::translations;
 use posecut_pcm::candidate::Candidate;
 use posecut_pcm::chain::Chain;
 
@@ -24,10 +25,9 @@ pub(crate) fn translation_of<G: Motion<DOF>, const DOF: usize>(
 pub(crate) fn translation_part<const DOF: usize>(
     covariance: &SMatrix<f64, DOF, DOF>,
 ) -> SMatrix<f64, DOF, DOF> {
-    let axes = if DOF == 3 { 2 } else { 3 };
     let mut part = *covariance;
     // Schur's complement, one axis of rotation at a time.
-    for axis in axes..DOF {
+    for axis in translations(DOF)..DOF {
         let pivot = part[(axis, axis)];
         if !(pivot > 0.0) {
             return SMatrix::zeros();

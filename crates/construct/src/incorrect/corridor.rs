@@ -1,5 +1,6 @@
 //! Places that repeat at a fixed displacement, such as parallel corridors, or doors along one corridor.
 
+use posecut_geometry::translations;
 use posecut_random::ChaCha8Rng;
 use rand::RngExt as _;
 
@@ -59,8 +60,7 @@ fn repeats<G>(scene: &Scene<'_, G>, from: &Viewpoint<G>, to: &Viewpoint<G>) -> O
 /// A pose translated in the world, with the same heading.
 fn displaced<G: Headed<DOF>, const DOF: usize>(pose: &G, displacement: [f64; 3]) -> G {
     let mut components = pose.components();
-    let axes = if DOF == 3 { 2 } else { 3 };
-    for (component, shift) in components.iter_mut().zip(displacement).take(axes) {
+    for (component, shift) in components.iter_mut().zip(displacement).take(translations(DOF)) {
         *component += shift;
     }
     G::from_components(&components).unwrap_or_else(G::identity)

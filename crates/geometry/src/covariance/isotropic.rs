@@ -1,6 +1,7 @@
 //! Information matrices from two standard deviations.
 
 use super::packing::packed_length;
+use crate::translations;
 
 /// The upper triangle, row-major, of the information matrix of independent axes with one standard deviation for all
 /// translations (metres) and one for all rotations (radians): `1/sigma^2` on the diagonal. `degrees_of_freedom` is 3 in
@@ -10,10 +11,9 @@ pub fn isotropic_information(
     sigma_translation: f64,
     sigma_rotation: f64,
 ) -> Vec<f64> {
-    let translations = if degrees_of_freedom == 3 { 2 } else { 3 };
     let mut packed = Vec::with_capacity(packed_length(degrees_of_freedom));
     for row in 0..degrees_of_freedom {
-        let sigma = if row < translations { sigma_translation } else { sigma_rotation };
+        let sigma = if row < translations(degrees_of_freedom) { sigma_translation } else { sigma_rotation };
         packed.push(1.0 / (sigma * sigma));
         packed.extend(std::iter::repeat_n(0.0, degrees_of_freedom - row - 1));
     }

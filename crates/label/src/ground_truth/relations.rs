@@ -13,9 +13,8 @@
 use anyhow::bail;
 use nalgebra::{SMatrix, SVector};
 use posecut_evaluate::relations::{Relation, RelationErrors, Track, relation_errors};
-use posecut_geometry::{LieGroup as _, SE3};
+use posecut_geometry::{LieGroup as _, SE3, translations};
 use posecut_graph::{PoseGraph, for_dimension};
-use posecut_optimize::model::translations;
 use posecut_optimize::{Edge, EdgeKind, Options, PoseGroup, Problem, optimize, pose_graph};
 
 /// The standard deviations that relations are taken to have, metres and radians: about what maps of a log differ from them.

@@ -6,12 +6,12 @@
 //! is found in more dimensions ([`lifted`](crate::lifted)). Then the scale rises, and each descent starts at the minimum before it
 //! (a homotopy: E. L. Allgower, K. Georg, "Numerical Continuation Methods", 1990). Depends on `descent`, `lifted` and `pose_group`.
 
-use posecut_geometry::LieGroup;
+use posecut_geometry::{LieGroup, translations};
 
 use super::solution::ComponentReport;
 use crate::descent::phases::timed;
 use crate::descent::workspace::Workspace;
-use crate::model::magnitude::{median_of_positive, translations};
+use crate::model::magnitude::median_of_positive;
 use crate::model::problem::Edge;
 use crate::options::Options;
 use crate::pose_group::PoseGroup;

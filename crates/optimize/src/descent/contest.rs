@@ -6,12 +6,11 @@
 //! Gauss-Newton step is also tried with a correction of second order ([`acceleration`](super::acceleration)).
 
 use nalgebra::SVector;
-use posecut_geometry::LieGroup;
+use posecut_geometry::{LieGroup, translations};
 
 use super::outcome::Step;
 use super::stiff_tree::StiffTree;
 use super::workspace::Workspace;
-use crate::model::magnitude::translations;
 use crate::model::residual::Term;
 
 /// A step and the cost where it leads.

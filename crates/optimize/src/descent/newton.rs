@@ -6,12 +6,11 @@
 //! definite where the exact matrix is not, and no matrix is factorised for it.
 
 use nalgebra::SVector;
-use posecut_geometry::LieGroup;
+use posecut_geometry::{LieGroup, translations};
 
 use super::outcome::Step;
 use super::phases::timed;
 use super::workspace::Workspace;
-use crate::model::magnitude::translations;
 use crate::model::residual::Term;
 use crate::normal_equations::NormalEquations;
 

@@ -2,12 +2,12 @@
 
 use nalgebra::{SMatrix, SVector};
 use posecut_cholesky::{Factor, Memory};
-use posecut_geometry::LieGroup;
+use posecut_geometry::{LieGroup, translations};
 
 use super::outcome::Step;
 use super::phases::{Phases, timed};
 use super::stiff_tree::StiffTree;
-use crate::model::magnitude::{Magnitude, translations};
+use crate::model::magnitude::Magnitude;
 use crate::model::prior::{self, Prior};
 use crate::model::residual::{Term, total};
 use crate::normal_equations::{NormalEquations, Pattern};

@@ -12,10 +12,9 @@
 //! block between them, with `g = J^T lambda`.
 
 use nalgebra::{SMatrix, SVector};
-use posecut_geometry::LieGroup;
+use posecut_geometry::{LieGroup, translations};
 
 use super::kernel::charge;
-use super::magnitude::translations;
 use super::problem::Edge;
 use super::residual::Linearised;
 

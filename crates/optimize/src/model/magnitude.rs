@@ -4,7 +4,7 @@ use nalgebra::SMatrix;
 
 use super::prior::Prior;
 use super::problem::Edge;
-use posecut_geometry::LieGroup;
+use posecut_geometry::{LieGroup, translations};
 
 /// A graph counts as noiseless if its cost is below this share of the magnitude: residuals of a millionth. Without noise, no
 /// step would meet a tolerance relative to the cost.
@@ -71,9 +71,4 @@ fn size_of<const DOF: usize>(information: &SMatrix<f64, DOF, DOF>, length: f64) 
 /// Measured distance between the two poses.
 pub fn distance<G: LieGroup<DOF>, const DOF: usize>(measurement: &G) -> f64 {
     measurement.components()[..translations(DOF)].iter().map(|value| value * value).sum::<f64>().sqrt()
-}
-
-/// Number of translation components in a tangent vector of so many degrees of freedom: they come first.
-pub fn translations(degrees_of_freedom: usize) -> usize {
-    if degrees_of_freedom == 6 { 3 } else { 2 }
 }

@@ -5,14 +5,13 @@
 //! and `[R, 0]`: `t` moves by `R d_t` to first order.
 
 use nalgebra::{SMatrix, SVector};
-use posecut_geometry::LieGroup;
 use posecut_geometry::covariance::{Definiteness, definiteness};
+use posecut_geometry::{LieGroup, translations};
 use posecut_graph::PriorOf;
 use posecut_graph::connectivity::Component;
 use thiserror::Error;
 
 use super::kernel::{Kernel, charge};
-use super::magnitude::translations;
 use super::problem::is_finite;
 
 /// A measurement of one node in the frame of the map.

@@ -7,11 +7,10 @@
 
 use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::{Matrix3, SMatrix, SVector};
-use posecut_geometry::LieGroup;
+use posecut_geometry::{LieGroup, translations};
 
 use super::curvature::curve;
 use super::kernel::charge;
-use super::magnitude::translations;
 use super::prior;
 use super::problem::{Edge, Problem};
 
