@@ -82,7 +82,9 @@ pub fn lanes(figure: &Lanes, columns: usize) -> anyhow::Result<Drawing> {
     let left = GAP + CHARACTER * longest as f64 + 8.0;
     let (width, height) = (AXIS + BESIDE + GAP, HEAD + LANE * figure.labels.len() as f64 + FOOT);
     let rows = figure.panels.len().div_ceil(columns);
-    let all = (left + width * columns as f64).max(left + 640.0);
+    // One panel alone is narrower than what is written below it.
+    let below = CHARACTER * figure.axis.chars().count() as f64;
+    let all = left + (width * columns as f64).max(below).max(640.0);
     let mut pen = Pen(Scene::new(all, TOP + height * rows as f64 + 22.0));
     pen.text(GAP, 24.0, &figure.title, 16, TextAnchor::Start, true, INK);
     pen.legend(&figure.legend);
