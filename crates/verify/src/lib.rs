@@ -21,6 +21,7 @@ mod ascent;
 mod breaks;
 mod bridges;
 mod calibration;
+mod chance;
 #[cfg(feature = "cli")]
 pub mod cli;
 mod cut;

@@ -9,6 +9,7 @@ use posecut_pcm::chain::{Chain, Chains, Covariances};
 use posecut_pcm::{PcmError, Spatial};
 
 use crate::calibration::Calibration;
+use crate::chance::{SHIFT, second_moment};
 use crate::ingredients::Ingredient;
 use crate::translation::translation_of;
 use crate::verification::{self, Verification};
@@ -32,12 +33,6 @@ impl Motion<6> for SE3 {
         verification::run::<Self, 6>(graph, hypothesis, without)
     }
 }
-
-/// Pairs of positions sampled to estimate how far apart two positions of a chain are.
-const PLACES: usize = 500;
-
-/// The second moment of a shift, as a share of that of chance: a shift is a tenth as long.
-const SHIFT: f64 = 0.01;
 
 /// Directions of coherent odometry errors: along the motion, and across it (one direction in the plane, two in space).
 pub(crate) const COHERENT: usize = 3;
@@ -374,18 +369,4 @@ fn drift<G: Motion<DOF>, const DOF: usize>(chain: &Chain<G, DOF>) -> Vec<Drift<D
         sums.push(sum);
     }
     sums
-}
-
-/// Second moment of the logarithm of the relative pose of two positions in a sequence, sampled far apart.
-pub(crate) fn second_moment<G: Motion<DOF>, const DOF: usize>(poses: &[G]) -> SMatrix<f64, DOF, DOF> {
-    let count = poses.len();
-    let mut sum = SMatrix::zeros();
-    let sample: Vec<usize> = (0..count).step_by(count.div_ceil(PLACES).max(1)).collect();
-    for (turn, &one) in sample.iter().enumerate() {
-        // Golden-section steps spread the partners over all positions without a pattern.
-        let other = (one + (count as f64 * (0.618_034 * (turn + 1) as f64).fract()) as usize) % count;
-        let error = poses[one].between(&poses[other]).log();
-        sum += error * error.transpose() / sample.len() as f64;
-    }
-    sum
 }

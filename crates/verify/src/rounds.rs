@@ -6,12 +6,13 @@ use petgraph::unionfind::UnionFind;
 
 use crate::bridges::{Bridge, Seams};
 use crate::calibration::Calibration;
+use crate::chance::second_moment;
 use crate::cut::COST;
 use crate::evidence::Evidence;
 use crate::ingredients::Ingredient;
 use crate::islands::Hypothesis;
 use crate::map::Drawing;
-use crate::model::{Model, Motion, second_moment};
+use crate::model::{Model, Motion};
 use crate::partners::Partners;
 use crate::prior::{Prior, odds_among};
 use crate::scores::Scores;

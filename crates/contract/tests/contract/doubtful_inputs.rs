@@ -161,7 +161,7 @@ pub(crate) fn path(name: &str) -> String {
         let files = [
             ("wrong.jsonl", wrong.clone()),
             ("apart.jsonl", apart),
-            ("wrong-apart.jsonl", chain(24, &[11], &[(2, 14, 0.0), (6, 15, 9.0)])),
+            ("wrong-apart.jsonl", chain(24, &[11], &[(2, 14, 0.0), (6, 15, 0.5)])),
             ("huge.jsonl", right.replace("[9.0,0,0]", "[1e160,0,0]")),
             ("fixed.jsonl", fixed(&right, &[0, 9])),
             ("weak.jsonl", without_rotations(&chain(4, &[], &[(0, 3, 4.0), (0, 2, 3.0)]))),
@@ -169,7 +169,7 @@ pub(crate) fn path(name: &str) -> String {
             ("frustrated.jsonl", frustrated()),
             ("frustrated.mc", frustrated_instance()),
             ("cliques.jsonl", cliques(300, 2.4)),
-            ("fewer.jsonl", cliques(150, 1.2)),
+            ("fewer.jsonl", cliques(100, 2.4)),
             ("crowd.jsonl", crowd()),
             ("tangle.jsonl", tangle()),
             (

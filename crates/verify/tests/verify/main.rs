@@ -15,5 +15,6 @@ mod interruptions;
 mod invariance;
 mod local_errors;
 mod scores;
+mod straight;
 mod trials;
 mod verdicts;
