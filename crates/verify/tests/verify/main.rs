@@ -14,6 +14,7 @@ mod extremes;
 mod interruptions;
 mod invariance;
 mod local_errors;
+mod mistakes;
 mod scores;
 mod straight;
 mod trials;

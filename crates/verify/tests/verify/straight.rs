@@ -2,13 +2,12 @@
 
 use std::fmt::Write as _;
 
-use posecut_geometry::SE2;
 use posecut_graph::PoseGraph;
 use posecut_stage::random;
-use posecut_verify::verdict::Verdict;
-use posecut_verify::verify;
 use rand::{Rng, RngExt as _};
 use rand_distr::{Distribution as _, StandardNormal};
+
+use crate::mistakes::mistakes;
 
 /// Claimed standard deviations of a landmark edge and of a step, metres and radians.
 const LANDMARK: [f64; 2] = [0.1, 0.05];
@@ -24,7 +23,8 @@ fn measured(random: &mut impl Rng, along: f64, [metres, radians]: [f64; 2], nois
     format!(r#""measurement":[{},{y},{turn}],"information":[{metres},0,0,{metres},0,{radians}]"#, along + x)
 }
 
-/// Two sessions of nodes one metre apart on one line, and landmark edges between any two of their nodes. Every third edge is wrong by three metres or more along the road.
+/// Two sessions of nodes one metre apart on one line, and landmark edges between any two of their nodes. Every third edge is
+/// wrong by three metres or more along the road.
 fn road(seed: u64, nodes: u64, edges: u64, noise: f64) -> PoseGraph {
     let random = &mut random(seed, "road");
     let mut text = "{\"kind\":\"header\",\"format\":\"posecut\",\"version\":1,\"dimension\":2}\n".to_owned();
@@ -55,32 +55,15 @@ fn road(seed: u64, nodes: u64, edges: u64, noise: f64) -> PoseGraph {
     PoseGraph::read("road", text.as_bytes()).unwrap()
 }
 
-/// The numbers of correct edges, of those that are not accepted, and of incorrect ones that are.
-fn mistakes(graph: &PoseGraph) -> [usize; 3] {
-    let mut found = [0; 3];
-    for finding in verify::<SE2, 3>(graph).unwrap().findings {
-        let is_correct = graph.edges[finding.edge].truth_correct().unwrap();
-        let is_accepted = finding.verdict == Verdict::Accepted;
-        found[0] += usize::from(is_correct);
-        found[1] += usize::from(is_correct && !is_accepted);
-        found[2] += usize::from(!is_correct && is_accepted);
-    }
-    found
-}
-
-fn sum(graphs: impl Iterator<Item = PoseGraph>) -> [usize; 3] {
-    graphs
-        .map(|graph| mistakes(&graph))
-        .fold([0; 3], |sum, found| std::array::from_fn(|part| sum[part] + found[part]))
-}
-
 /// Regression: chance had no spread across the road, and noise there was taken for nothing. Of the 3864 correct edges 2203 were left out.
 #[test]
 fn noise_across_a_straight_road_speaks_against_no_edge() {
     // Two nodes out of twenty are often less than ten claimed deviations apart, so that single pairs of edges say little.
     for (nodes, edges, share) in [(20, 40, 0.05), (20, 200, 0.4), (50, 40, 0.05), (50, 200, 0.05)] {
-        let graphs = (1..=12).map(|seed| road(seed, nodes, edges, [0.5, 1.0][seed as usize % 2]));
-        let [correct, lost, kept] = sum(graphs);
+        let found = (1..=12).map(|seed| mistakes(&road(seed, nodes, edges, [0.5, 1.0][seed as usize % 2])));
+        let [correct, lost, kept] = found.fold([0; 3], |[correct, lost, kept], found| {
+            [correct + found.correct, lost + found.lost, kept + found.kept]
+        });
         assert_eq!(kept, 0, "{nodes} nodes, {edges} edges: incorrect edges are kept");
         assert!(
             lost as f64 <= share * correct as f64,
