@@ -6,11 +6,15 @@
 //! A. S. Bandeira, "The non-convex Burer-Monteiro approach works on smooth semidefinite programs", 2016; D. M. Rosen, L. Carlone,
 //! A. S. Bandeira, J. J. Leonard, "SE-Sync", IJRR 38(2-3), 2019, algorithms 1 and 2).
 //!
-//! [`matrix`] has the products with `M`, [`manifold`] the columns, and [`trust_region`] the iteration. Depends on `certificate` for `F` and
+//! [`matrix`] has the products with `M`, [`manifold`] the columns, [`places`] the translations, [`tangent`] the matrix on
+//! tangents, [`preconditioner`] the choice between the two matrices, and [`trust_region`] the iteration. Depends on `certificate` for `F` and
 //! `M`, on [`initialisation`](crate::initialisation) for rotations as matrices, and on posecut-cholesky.
 
 mod manifold;
 mod matrix;
+mod places;
+mod preconditioner;
+mod tangent;
 mod trust_region;
 
 use nalgebra::{DMatrix, SMatrix, SVector};
@@ -28,8 +32,16 @@ use manifold::{Lift, orthonormalise};
 const SEED: u64 = 1;
 
 /// Poses of a connected graph near the minimum of `F` in `P` dimensions, found from these poses; `None` if `F` does not exist or its matrix
-/// is singular. The first pose stays the same. `N` is the dimension, `M` is `N + 1`.
-pub(crate) fn lifted_poses<G, const DOF: usize, const N: usize, const M: usize, const P: usize>(
+/// is singular. The first pose stays the same. `N` is the dimension, `M` is `N + 1`, and a pose has `T` tangents:
+/// `P + N (N - 1) / 2 + (P - N) N`.
+pub(crate) fn lifted_poses<
+    G,
+    const DOF: usize,
+    const N: usize,
+    const M: usize,
+    const P: usize,
+    const T: usize,
+>(
     edges: &[Edge<G, DOF>],
     poses: &[G],
 ) -> Option<Vec<G>>
@@ -45,7 +57,7 @@ where
         let translation = pose.translation_vector() - origin.translation_vector();
         raise::<N, M, P>(&pose.rotation_matrix(), &translation, &mut random)
     });
-    let lifted = trust_region::minimise::<N, M, P>(&matrix, start.collect())?;
+    let lifted = trust_region::minimise::<N, M, P, T>(&matrix, start.collect())?;
     let flat = flatten::<N, M, P>(&lifted);
     let turned = flat.iter().map(|block| {
         let rotation = G::nearest_rotation(&block.fixed_columns::<N>(1).into_owned());

@@ -121,7 +121,7 @@ impl PoseGroup<3> for SE2 {
     }
 
     fn lifted_poses(edges: &[Edge<Self, 3>], poses: &[Self]) -> Option<Vec<Self>> {
-        lifted::lifted_poses::<Self, 3, 2, 3, 4>(edges, poses)
+        lifted::lifted_poses::<Self, 3, 2, 3, 4, 9>(edges, poses)
     }
 
     fn certificate(edges: &[Edge<Self, 3>], poses: &[Self]) -> (Certificate, Vec<Self>) {
@@ -147,7 +147,7 @@ impl PoseGroup<6> for SE3 {
     }
 
     fn lifted_poses(edges: &[Edge<Self, 6>], poses: &[Self]) -> Option<Vec<Self>> {
-        lifted::lifted_poses::<Self, 6, 3, 4, 5>(edges, poses)
+        lifted::lifted_poses::<Self, 6, 3, 4, 5, 14>(edges, poses)
     }
 
     fn certificate(edges: &[Edge<Self, 6>], poses: &[Self]) -> (Certificate, Vec<Self>) {

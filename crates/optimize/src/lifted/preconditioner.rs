@@ -1,0 +1,56 @@
+//! What conjugate gradients divide by: a matrix near the Hessian, and its factor.
+
+use posecut_cholesky::Factor;
+
+use super::manifold::{Lift, project};
+use super::tangent::Tangents;
+use crate::certificate::chordal_matrix::ChordalMatrix;
+
+/// The cheap one first, the close one where that does not suffice.
+pub(super) enum Preconditioner<const P: usize, const M: usize, const T: usize> {
+    /// `M` on all blocks, one factor for the whole iteration. It serves where the information of all edges has about one size.
+    Blocks(Factor<M>),
+    /// `M` on the tangents at the point, with larger blocks and a factor for each point.
+    Tangents(Box<Tangents<P, M, T>>),
+}
+
+impl<const P: usize, const M: usize, const T: usize> Preconditioner<P, M, T> {
+    /// `None` if `M` is singular.
+    pub(super) fn new(matrix: &ChordalMatrix<M>) -> Option<Self> {
+        matrix.factor().map(Self::Blocks)
+    }
+
+    /// Takes the close one from now on; returns whether that is a change.
+    pub(super) fn come_closer(&mut self, matrix: &ChordalMatrix<M>) -> bool {
+        let changes = matches!(self, Self::Blocks(_));
+        if changes {
+            *self = Self::Tangents(Box::new(Tangents::new(matrix)));
+        }
+        changes
+    }
+
+    /// Goes to a point; returns whether it can be factorised there.
+    pub(super) fn move_to(&mut self, matrix: &ChordalMatrix<M>, x: &Lift<P, M>) -> bool {
+        match self {
+            Self::Blocks(_) => true,
+            Self::Tangents(tangents) => tangents.move_to(matrix, x),
+        }
+    }
+
+    /// The tangent at `x` that the quotient of `r` is.
+    pub(super) fn divide<const N: usize>(
+        &mut self,
+        matrix: &ChordalMatrix<M>,
+        x: &Lift<P, M>,
+        r: &Lift<P, M>,
+    ) -> Lift<P, M> {
+        match self {
+            Self::Blocks(factor) => {
+                let mut quotient = matrix.divide(factor, r);
+                project::<N, M, P>(x, &mut quotient);
+                quotient
+            }
+            Self::Tangents(tangents) => tangents.divide(r),
+        }
+    }
+}
