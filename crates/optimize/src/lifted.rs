@@ -6,18 +6,19 @@
 //! A. S. Bandeira, "The non-convex Burer-Monteiro approach works on smooth semidefinite programs", 2016; D. M. Rosen, L. Carlone,
 //! A. S. Bandeira, J. J. Leonard, "SE-Sync", IJRR 38(2-3), 2019, algorithms 1 and 2).
 //!
-//! [`matrix`] has the products with `M`, [`manifold`] the columns, [`places`] the translations, [`tangent`] the matrix on
-//! tangents, [`preconditioner`] the choice between the two matrices, and [`trust_region`] the iteration. Depends on `certificate` for `F` and
-//! `M`, on [`initialisation`](crate::initialisation) for rotations as matrices, and on posecut-cholesky.
+//! [`matrix`] has the products with `M`, [`manifold`] the columns, [`places`] the translations, [`tangent`] the matrix on tangents,
+//! [`preconditioner`] the choice between the two matrices, [`trust_region`] the iteration, and [`projection`] the way back. Depends on
+//! `certificate` for `F` and `M`, on [`initialisation`](crate::initialisation) for rotations as matrices, and on posecut-cholesky.
 
 mod manifold;
 mod matrix;
 mod places;
 mod preconditioner;
+mod projection;
 mod tangent;
 mod trust_region;
 
-use nalgebra::{DMatrix, SMatrix, SVector};
+use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -26,13 +27,13 @@ use crate::certificate::chordal_cost::ChordalEdge;
 use crate::certificate::chordal_matrix::ChordalMatrix;
 use crate::initialisation::chordal::MatrixPose;
 use crate::model::problem::Edge;
-use manifold::{Lift, orthonormalise};
+use manifold::orthonormalise;
 
 /// Seed of the added entries: the result depends on the graph alone.
 const SEED: u64 = 1;
 
-/// Poses of a connected graph near the minimum of `F` in `P` dimensions, found from these poses; `None` if `F` does not exist or its matrix
-/// is singular. The first pose stays the same. `N` is the dimension, `M` is `N + 1`, and a pose has `T` tangents:
+/// Poses of a connected graph near the minimum of `F` in `P` dimensions, found from these poses: one projection if the relaxation is tight,
+/// and several otherwise; `None` if `F` does not exist or its matrix is singular. The first pose stays the same. `N` is the dimension, `M` is `N + 1`, and a pose has `T` tangents:
 /// `P + N (N - 1) / 2 + (P - N) N`.
 pub(crate) fn lifted_poses<
     G,
@@ -44,7 +45,7 @@ pub(crate) fn lifted_poses<
 >(
     edges: &[Edge<G, DOF>],
     poses: &[G],
-) -> Option<Vec<G>>
+) -> Option<Vec<Vec<G>>>
 where
     G: LieGroup<DOF> + MatrixPose<N>,
 {
@@ -58,7 +59,18 @@ where
         raise::<N, M, P>(&pose.rotation_matrix(), &translation, &mut random)
     });
     let lifted = trust_region::minimise::<N, M, P, T>(&matrix, start.collect())?;
-    let flat = flatten::<N, M, P>(&lifted);
+    let spaces = projection::spaces::<N, M, P>(&lifted, &mut random);
+    spaces.iter().map(|space| returned(&projection::project_to(&lifted, space), origin)).collect()
+}
+
+/// The poses nearest to these blocks, moved so that the first is the origin.
+fn returned<G, const DOF: usize, const N: usize, const M: usize>(
+    flat: &[SMatrix<f64, N, M>],
+    origin: &G,
+) -> Option<Vec<G>>
+where
+    G: LieGroup<DOF> + MatrixPose<N>,
+{
     let turned = flat.iter().map(|block| {
         let rotation = G::nearest_rotation(&block.fixed_columns::<N>(1).into_owned());
         G::from_matrix(&rotation, &block.column(0).into_owned())
@@ -86,27 +98,4 @@ fn raise<const N: usize, const M: usize, const P: usize>(
         }
     }
     orthonormalise(block)
-}
-
-/// The blocks in the `N` dimensions that the axes of all poses share most, right-handed for most of them.
-fn flatten<const N: usize, const M: usize, const P: usize>(lifted: &Lift<P, M>) -> Vec<SMatrix<f64, N, M>> {
-    let mut gram = SMatrix::<f64, P, P>::zeros();
-    for block in lifted {
-        let axes = block.fixed_columns::<N>(1);
-        gram += axes * axes.transpose();
-    }
-    let eigen = DMatrix::from_fn(P, P, |row, column| gram[(row, column)]).symmetric_eigen();
-    let mut order: Vec<usize> = (0..P).collect();
-    order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
-    let basis = SMatrix::<f64, P, N>::from_fn(|row, column| eigen.eigenvectors[(row, order[column])]);
-    let mut flat: Vec<SMatrix<f64, N, M>> = lifted.iter().map(|block| basis.tr_mul(block)).collect();
-    let mirrored = |block: &&SMatrix<f64, N, M>| {
-        DMatrix::from_fn(N, N, |row, column| block[(row, column + 1)]).determinant() < 0.0
-    };
-    if 2 * flat.iter().filter(mirrored).count() > flat.len() {
-        for block in &mut flat {
-            block.row_mut(N - 1).neg_mut();
-        }
-    }
-    flat
 }

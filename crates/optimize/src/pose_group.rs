@@ -35,10 +35,10 @@ pub trait PoseGroup<const DOF: usize>: LieGroup<DOF> {
     #[doc(hidden)]
     fn aligning(priors: &[Prior<Self, DOF>], poses: &[Self]) -> Self;
 
-    /// Poses of a connected graph near the minimum of SE-Sync's cost in more dimensions, found from these poses; `None` if that cost does
-    /// not exist.
+    /// Poses of a connected graph near the minimum of SE-Sync's cost in more dimensions, found from these poses: one projection of it if the
+    /// relaxation is tight, and several otherwise; `None` if that cost does not exist.
     #[doc(hidden)]
-    fn lifted_poses(edges: &[Edge<Self, DOF>], poses: &[Self]) -> Option<Vec<Self>>;
+    fn lifted_poses(edges: &[Edge<Self, DOF>], poses: &[Self]) -> Option<Vec<Vec<Self>>>;
 
     /// The certificate of a connected graph, and the poses it is for.
     #[doc(hidden)]
@@ -120,7 +120,7 @@ impl PoseGroup<3> for SE2 {
         alignment::aligning::<Self, 3, 2>(priors, poses)
     }
 
-    fn lifted_poses(edges: &[Edge<Self, 3>], poses: &[Self]) -> Option<Vec<Self>> {
+    fn lifted_poses(edges: &[Edge<Self, 3>], poses: &[Self]) -> Option<Vec<Vec<Self>>> {
         lifted::lifted_poses::<Self, 3, 2, 3, 4, 9>(edges, poses)
     }
 
@@ -146,7 +146,7 @@ impl PoseGroup<6> for SE3 {
         alignment::aligning::<Self, 6, 3>(priors, poses)
     }
 
-    fn lifted_poses(edges: &[Edge<Self, 6>], poses: &[Self]) -> Option<Vec<Self>> {
+    fn lifted_poses(edges: &[Edge<Self, 6>], poses: &[Self]) -> Option<Vec<Vec<Self>>> {
         lifted::lifted_poses::<Self, 6, 3, 4, 5, 14>(edges, poses)
     }
 

@@ -19,6 +19,10 @@ use crate::pose_group::PoseGroup;
 /// The scale rises by this factor.
 const RISE: f64 = 4.0;
 
+/// Shares of the first scale at which the minimum in more dimensions is found. The weaker the translations, the fewer minima, and the further
+/// away: of 65 graphs with false edges or noise, a lower minimum than that found was known on 15 with either share alone, on 11 with both.
+const SHARES: [f64; 2] = [1.0, 0.1];
+
 /// Steps tried at a scale. The next scale needs no exact minimum.
 const STEPS: usize = 20;
 
@@ -55,8 +59,8 @@ fn scaled<G: LieGroup<DOF>, const DOF: usize>(edges: &[Edge<G, DOF>], scale: f64
 }
 
 /// Poses near the minimum of a graph, found from those of the relaxation: the minimum of SE-Sync's cost in more dimensions where
-/// translations are weak ([`lifted`](crate::lifted)), followed to the graph's own information. `None` if SE-Sync's cost does not exist.
-/// The descents are counted in the report.
+/// translations are weak ([`lifted`](crate::lifted)), followed to the graph's own information. If the relaxation is not tight, projections at
+/// two scales run a race. `None` if SE-Sync's cost does not exist. The descents are counted in the report.
 pub(super) fn continued<G: PoseGroup<DOF>, const DOF: usize>(
     workspace: &mut Workspace<'_, G, DOF>,
     edges: &[Edge<G, DOF>],
@@ -65,12 +69,65 @@ pub(super) fn continued<G: PoseGroup<DOF>, const DOF: usize>(
     report: &mut ComponentReport,
 ) -> Option<Vec<G>> {
     let rough = Options { max_iterations: STEPS, cost_tolerance: ROUGH, ..*options };
-    let mut scale = first_scale(edges);
-    let mut poses = timed(&mut workspace.phases.start, || G::lifted_poses(&scaled(edges, scale), relaxed))?;
-    while scale < 1.0 {
-        let outcome = workspace.minimise(&scaled(edges, scale), &mut poses, &rough);
-        report.count(&outcome);
-        scale *= RISE;
+    let first = first_scale(edges);
+    let mut race = Race { workspace, edges, rough, report };
+    let mut runners = Vec::new();
+    for share in SHARES {
+        let mut starts = race.starts(share * first, relaxed)?;
+        if let ([only], true) = (&mut starts[..], runners.is_empty()) {
+            race.follow(share * first, only);
+            return starts.pop();
+        }
+        for mut poses in starts {
+            race.follow(share * first, &mut poses);
+            let cost = race.descend(1.0, &mut poses);
+            runners.push((cost, poses));
+        }
     }
-    Some(poses)
+    Some(race.winner(runners))
+}
+
+/// Descents from several starts.
+struct Race<'a, 'b, G, const DOF: usize> {
+    workspace: &'a mut Workspace<'b, G, DOF>,
+    edges: &'a [Edge<G, DOF>],
+    rough: Options,
+    report: &'a mut ComponentReport,
+}
+
+impl<G: PoseGroup<DOF>, const DOF: usize> Race<'_, '_, G, DOF> {
+    /// Projections from more dimensions where the information of translations has this scale.
+    fn starts(&mut self, scale: f64, relaxed: &[G]) -> Option<Vec<Vec<G>>> {
+        timed(&mut self.workspace.phases.start, || G::lifted_poses(&scaled(self.edges, scale), relaxed))
+    }
+
+    /// Follows the minimum from this scale to the last one below 1.
+    fn follow(&mut self, mut scale: f64, poses: &mut [G]) {
+        while scale < 1.0 {
+            self.descend(scale, poses);
+            scale *= RISE;
+        }
+    }
+
+    /// Descends at a scale; returns the cost.
+    fn descend(&mut self, scale: f64, poses: &mut [G]) -> f64 {
+        let scaled = scaled(self.edges, scale);
+        let outcome = self.workspace.minimise(&scaled, poses, &self.rough);
+        self.report.count(&outcome);
+        outcome.cost
+    }
+
+    /// Halves the runners by their cost, and lets the rest descend further, until two are left; of these the lower.
+    fn winner(&mut self, mut runners: Vec<(f64, Vec<G>)>) -> Vec<G> {
+        loop {
+            runners.sort_by(|a, b| a.0.total_cmp(&b.0));
+            if runners.len() <= 2 {
+                return runners.swap_remove(0).1;
+            }
+            runners.truncate(runners.len() / 2);
+            for (cost, poses) in &mut runners {
+                *cost = self.descend(1.0, poses);
+            }
+        }
+    }
 }

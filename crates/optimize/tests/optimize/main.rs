@@ -22,5 +22,6 @@ mod metamorphic;
 mod noisy_rotations;
 mod priors;
 mod scale;
+mod several_projections;
 mod solutions;
 mod stage;

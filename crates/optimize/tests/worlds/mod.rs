@@ -1,4 +1,4 @@
-//! Generated worlds: a city and a sphere whose size is free, and noise that is added to the rotations of any graph.
+//! Generated worlds: a city and a sphere whose size is free, and noise and false edges that are added to any graph.
 
 #![allow(
     dead_code,
@@ -122,6 +122,26 @@ pub(crate) fn add_rotation_noise<G: LieGroup<DOF>, const DOF: usize>(
         }
         let information = covariance.try_inverse().unwrap();
         edge.information = (information + information.transpose()) * 0.5;
+    }
+}
+
+/// Adds landmark edges between poses drawn at random, in groups of five neighbours that agree with each other, as false matches of two places
+/// do that look alike: each group says that the second place is the first.
+pub(crate) fn add_false_closures<G: LieGroup<DOF>, const DOF: usize>(
+    (truth, edges): &mut Graph<G, DOF>,
+    groups: usize,
+    random: &mut ChaCha8Rng,
+) {
+    const GROUP: usize = 5;
+    let last = truth.len() - GROUP;
+    for _ in 0..groups {
+        let (from, to) = (random.random_range(0..last), random.random_range(0..last));
+        for offset in (0..GROUP).filter(|_| from.abs_diff(to) > GROUP) {
+            let mut edge = measured(truth, from + offset, to + offset, EdgeKind::Landmark, random);
+            let place = truth[to].between(&truth[to + offset]);
+            edge.measurement = truth[from].between(&truth[from + offset]).between(&place);
+            edges.push(edge);
+        }
     }
 }
 
