@@ -182,7 +182,9 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     });
     let mut starts = VecDeque::from(starts);
     let mut others_known = options.initialisation != Initialisation::Best || starts.len() > 1;
-    let detour = options.initialisation == Initialisation::Best && may_be_lifted(part, held);
+    let detour = options.initialisation == Initialisation::Best
+        && options.graduated.is_none()
+        && may_be_lifted(part, held);
     loop {
         if starts.is_empty() && !others_known {
             others_known = true;
@@ -225,7 +227,8 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     (start, result, report, Some(System { pattern, equations, factor }))
 }
 
-/// Graduation from the result of [`solve_component`] without kernels on the landmark edges. If the best start is asked for,
+/// Graduation from the result of [`solve_component`] without kernels on the landmark edges. That start needs no detour: the lowest minimum
+/// of all edges is the one that obeys false edges most. If the best start is asked for,
 /// also from the spanning tree: false edges may fold the former result so that no surrogate unfolds it, while odometry drifts
 /// but never folds. The result of lower cost is kept.
 fn graduate_component<G: PoseGroup<DOF>, const DOF: usize>(
