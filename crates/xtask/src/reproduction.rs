@@ -58,8 +58,8 @@ const SECTIONS: [(&str, Section); 11] = [
         Section::Real(&[
             "SESSIONS=2012-01-08 2012-01-22 2012-08-04 2013-02-23",
             "METHODS=pcm pcm+gc",
-            "paper.construct=--split middle --minimum-interval 60",
-            "calibrated.construct=--split middle --minimum-interval 60",
+            "paper.construct=--split middle --minimum-interval 60 --incorrect-rate 0.1",
+            "calibrated.construct=--split middle --minimum-interval 60 --incorrect-rate 0.1",
         ]),
     ),
     (
