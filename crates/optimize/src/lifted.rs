@@ -33,8 +33,8 @@ use manifold::orthonormalise;
 const SEED: u64 = 1;
 
 /// Poses of a connected graph near the minimum of `F` in `P` dimensions, found from these poses: one projection if the relaxation is tight,
-/// and several otherwise; `None` if `F` does not exist or its matrix is singular. The first pose stays the same. `N` is the dimension, `M` is `N + 1`, and a pose has `T` tangents:
-/// `P + N (N - 1) / 2 + (P - N) N`.
+/// and several otherwise; `None` if `F` does not exist or its matrix is singular. The first pose stays the same. `N` is the dimension, `M` is
+/// `N + 1`, and a pose has `T` tangents: `P + N (N - 1) / 2 + (P - N) N`.
 pub(crate) fn lifted_poses<
     G,
     const DOF: usize,

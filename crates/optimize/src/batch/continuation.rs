@@ -73,7 +73,7 @@ pub(super) fn continued<G: PoseGroup<DOF>, const DOF: usize>(
     let mut race = Race { workspace, edges, rough, report };
     let mut runners = Vec::new();
     for share in SHARES {
-        let mut starts = race.starts(share * first, relaxed)?;
+        let Some(mut starts) = race.starts(share * first, relaxed) else { break };
         if let ([only], true) = (&mut starts[..], runners.is_empty()) {
             race.follow(share * first, only);
             return starts.pop();
@@ -84,7 +84,7 @@ pub(super) fn continued<G: PoseGroup<DOF>, const DOF: usize>(
             runners.push((cost, poses));
         }
     }
-    Some(race.winner(runners))
+    race.winner(runners)
 }
 
 /// Descents from several starts.
@@ -117,12 +117,12 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Race<'_, '_, G, DOF> {
         outcome.cost
     }
 
-    /// Halves the runners by their cost, and lets the rest descend further, until two are left; of these the lower.
-    fn winner(&mut self, mut runners: Vec<(f64, Vec<G>)>) -> Vec<G> {
+    /// Halves the runners by their cost, and lets the rest descend further, until two are left; of these the lower. `None` of none.
+    fn winner(&mut self, mut runners: Vec<(f64, Vec<G>)>) -> Option<Vec<G>> {
         loop {
             runners.sort_by(|a, b| a.0.total_cmp(&b.0));
             if runners.len() <= 2 {
-                return runners.swap_remove(0).1;
+                return runners.into_iter().next().map(|(_, poses)| poses);
             }
             runners.truncate(runners.len() / 2);
             for (cost, poses) in &mut runners {

@@ -228,9 +228,8 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
 }
 
 /// Graduation from the result of [`solve_component`] without kernels on the landmark edges. That start needs no detour: the lowest minimum
-/// of all edges is the one that obeys false edges most. If the best start is asked for,
-/// also from the spanning tree: false edges may fold the former result so that no surrogate unfolds it, while odometry drifts
-/// but never folds. The result of lower cost is kept.
+/// of all edges is the one that obeys false edges most. If the best start is asked for, also from the spanning tree: false edges may fold
+/// the former result so that no surrogate unfolds it, while odometry drifts but never folds. The result of lower cost is kept.
 fn graduate_component<G: PoseGroup<DOF>, const DOF: usize>(
     part: &Problem<G, DOF>,
     held: usize,

@@ -72,15 +72,17 @@ fn corrected_steps_do_not_hide_that_a_descent_is_hard() {
     assert!(relaxed.cost > 870.0);
 }
 
-/// The chordal relaxation alone ends 14 % above the minimum.
+/// The chordal relaxation alone ends 14 % and 51 % above the minimum. With 0.4 rad, the principal space alone led to 3007.02.
 #[test]
-fn a_manhattan_world_with_noise_of_three_tenths_is_solved_from_more_dimensions() {
+fn manhattan_worlds_with_noise_of_tenths_are_solved_from_more_dimensions() {
     let Some(text) = g2o::text("M3500") else { return };
-    let (poses, mut edges) = g2o::planar(&text);
-    add_rotation_noise(&mut edges, 0.3, &mut ChaCha8Rng::seed_from_u64(2));
-    let best = solve(&poses, &edges, Initialisation::Best);
-    let relaxed = solve(&poses, &edges, Initialisation::Chordal);
-    println!("{} {}", best.cost, relaxed.cost);
-    assert!(best.converged && best.cost < 2620.783 && best.components[0].start.name() == "lifted");
-    assert!(relaxed.cost > 2620.783);
+    for (noise, minimum) in [(0.3, 2620.783), (0.4, 3005.566)] {
+        let (poses, mut edges) = g2o::planar(&text);
+        add_rotation_noise(&mut edges, noise, &mut ChaCha8Rng::seed_from_u64(2));
+        let best = solve(&poses, &edges, Initialisation::Best);
+        let relaxed = solve(&poses, &edges, Initialisation::Chordal);
+        println!("{noise}: {} {}", best.cost, relaxed.cost);
+        assert!(best.converged && best.cost < minimum && best.components[0].start.name() == "lifted");
+        assert!(relaxed.cost > minimum);
+    }
 }
