@@ -111,8 +111,9 @@ impl<G: PoseGroup<DOF>, const DOF: usize> Race<'_, '_, G, DOF> {
 
     /// Descends at a scale; returns the cost.
     fn descend(&mut self, scale: f64, poses: &mut [G]) -> f64 {
-        let scaled = scaled(self.edges, scale);
-        let outcome = self.workspace.minimise(&scaled, poses, &self.rough);
+        let scaled = (scale < 1.0).then(|| scaled(self.edges, scale));
+        let edges = scaled.as_deref().unwrap_or(self.edges);
+        let outcome = self.workspace.minimise(edges, poses, &self.rough);
         self.report.count(&outcome);
         outcome.cost
     }

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
-use super::manifold::Lift;
+use super::manifold::{Lift, orthonormalise};
 
 /// Up to this share of the axes' squares outside the principal space, the relaxation counts as tight.
 const TIGHT: f64 = 0.01;
@@ -27,7 +27,7 @@ pub(super) fn spaces<const N: usize, const M: usize, const P: usize>(
     let (directions, squares) = principal_directions(lifted);
     let mut spaces = vec![directions.fixed_columns::<N>(0).into_owned()];
     if squares.rows_range(N..).sum() > TIGHT * squares.sum() {
-        spaces.resize_with(SPACES, || directions * random_frame::<N, P>(&squares, random));
+        spaces.resize_with(SPACES, || directions * random_frame::<N, M, P>(&squares, random));
     }
     spaces
 }
@@ -67,30 +67,25 @@ fn principal_directions<const M: usize, const P: usize>(
 
 /// `N` orthonormal vectors near the first `N` unit vectors. A component is turned by up to the length of the axes in its direction, as a
 /// share of the greatest.
-fn random_frame<const N: usize, const P: usize>(
+fn random_frame<const N: usize, const M: usize, const P: usize>(
     squares: &SVector<f64, P>,
     random: &mut ChaCha8Rng,
 ) -> SMatrix<f64, P, N> {
-    let mut frame = SMatrix::<f64, P, N>::zeros();
-    for column in 0..N {
-        let mut vector = SVector::<f64, P>::from_fn(|row, _| {
-            let length = (squares[row] / squares[0]).max(0.0).sqrt();
-            f64::from(u8::from(row == column)) + length * random.random_range(-1.0..1.0)
-        });
-        for before in 0..column {
-            let other = frame.column(before).into_owned();
-            vector -= other * other.dot(&vector);
+    let mut block = SMatrix::<f64, P, M>::zeros();
+    for (index, mut axis) in block.fixed_columns_mut::<N>(1).column_iter_mut().enumerate() {
+        axis[index] = 1.0;
+        for (component, square) in axis.iter_mut().zip(squares) {
+            let length = (square / squares[0]).max(0.0).sqrt();
+            *component += length * random.random_range(-1.0..1.0);
         }
-        frame.set_column(column, &vector.normalize());
     }
-    frame
+    orthonormalise(block).fixed_columns::<N>(1).into_owned()
 }
 
 #[cfg(test)]
 mod tests {
     use rand::SeedableRng as _;
 
-    use super::super::manifold::orthonormalise;
     use super::*;
 
     fn plane(angle: f64) -> SMatrix<f64, 4, 3> {
