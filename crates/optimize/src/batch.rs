@@ -9,5 +9,6 @@
 pub(crate) mod certify;
 mod continuation;
 mod graduated;
+mod graduated_component;
 pub(crate) mod solution;
 pub(crate) mod solve;

@@ -46,6 +46,13 @@ impl Graduated {
             Self::GemanMcClure(width) => Kernel::GemanMcClure(width),
         }
     }
+
+    /// Parameter c, standard deviations.
+    pub fn width(self) -> f64 {
+        match self {
+            Self::TruncatedLeastSquares(width) | Self::GemanMcClure(width) => width,
+        }
+    }
 }
 
 /// Settings of [`optimize`](crate::optimize).

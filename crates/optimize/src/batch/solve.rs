@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 
 use super::continuation::continued;
 use super::graduated::{set_landmark_kernels, set_prior_kernels};
+use super::graduated_component::graduated_component;
 use super::solution::{ComponentReport, Solution, Start};
 use crate::descent::phases::{Phases, timed};
 use crate::descent::workspace::Workspace;
@@ -17,7 +18,7 @@ use crate::model::prior::{PriorsOfNodes, leave_free};
 use crate::model::problem::Problem;
 use crate::model::residual::{chi_square, cost, exceeds, squared};
 use crate::normal_equations::{Pattern, System};
-use crate::options::{Graduated, Initialisation, Options};
+use crate::options::{Initialisation, Options};
 use crate::pose_group::{PoseGroup, Relaxation};
 use posecut_cholesky::Memory;
 use posecut_graph::connectivity::connected_components;
@@ -79,7 +80,7 @@ pub(crate) fn optimize_and_keep<G: PoseGroup<DOF>, const DOF: usize>(
         let memory = memory.next().unwrap_or_default();
         let mut seconds = 0.0;
         let (start, result, mut report, system) = timed(&mut seconds, || match options.graduated {
-            Some(graduation) => graduate_component(part, held, graduation, options, memory),
+            Some(graduation) => graduated_component(part, held, graduation, options, memory),
             None => solve_component(part, held, options, memory),
         });
         keep(system);
@@ -146,7 +147,7 @@ fn may_be_lifted<G: PoseGroup<DOF>, const DOF: usize>(part: &Problem<G, DOF>, he
 }
 
 /// Start, result, report and system of a component.
-type Solved<G, const DOF: usize> = (Vec<G>, Vec<G>, ComponentReport, Option<System<DOF>>);
+pub(super) type Solved<G, const DOF: usize> = (Vec<G>, Vec<G>, ComponentReport, Option<System<DOF>>);
 
 /// Chooses a start of a connected graph whose first `held` nodes keep their poses, and solves from it.
 ///
@@ -154,7 +155,7 @@ type Solved<G, const DOF: usize> = (Vec<G>, Vec<G>, ComponentReport, Option<Syst
 /// dominate. If the descent from it is hard, it halts, and the start of [`continuation`](super::continuation) is tried; it goes on if it is
 /// still the lower one then. If the result costs more than another *start*, that start is tried too, and the lowest result is kept. With
 /// kernels, the cheapest start is tried first, since the relaxation ignores outliers.
-fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
+pub(super) fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     part: &Problem<G, DOF>,
     held: usize,
     options: &Options,
@@ -227,59 +228,13 @@ fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     (start, result, report, Some(System { pattern, equations, factor }))
 }
 
-/// Graduation from the result of [`solve_component`] without kernels on the landmark edges. That start needs no detour: the lowest minimum
-/// of all edges is the one that obeys false edges most. If the best start is asked for, also from the spanning tree: false edges may fold
-/// the former result so that no surrogate unfolds it, while odometry drifts but never folds. The result of lower cost is kept.
-fn graduate_component<G: PoseGroup<DOF>, const DOF: usize>(
-    part: &Problem<G, DOF>,
-    held: usize,
-    graduation: Graduated,
-    options: &Options,
-    memory: Memory,
-) -> Solved<G, DOF> {
-    let edges = part.edges();
-    if is_settled(part, held) {
-        return solve_component(part, held, options, memory);
-    }
-    let mut plain = edges.to_vec();
-    set_landmark_kernels(&mut plain, None);
-    let mut priors = part.priors().to_vec();
-    set_prior_kernels(&mut priors, None);
-    let plain =
-        Problem::from_checked(part.poses().to_vec(), plain, part.held().to_vec()).with_checked_priors(priors);
-    let (start, solved, mut report, system) = solve_component(&plain, held, options, memory);
-    let memory = system.map(|system| system.factor.into_memory(None)).unwrap_or_default();
-    let mut starts = vec![(report.start, start, solved)];
-    if options.initialisation == Initialisation::Best {
-        let tree = aligned(part, held, spanning_tree_from(held, part.poses(), edges));
-        starts.push((Start::SpanningTree, tree.clone(), tree));
-    }
-    let pattern = timed(&mut report.phases.analysis, || Pattern::of(part.poses().len(), held, edges));
-    let magnitude = Magnitude::of(edges.iter());
-    let mut workspace = Workspace::new(&pattern, magnitude, memory).with_priors(part.priors());
-    report.cost_given = cost(part, part.poses());
-    report.cost = f64::INFINITY;
-    let mut best = (Vec::new(), part.poses().to_vec());
-    for (name, start, mut poses) in starts {
-        let outcome = graduation.minimise(&mut workspace, edges, &mut poses, options);
-        report.count(&outcome);
-        if best.0.is_empty() || outcome.cost < report.cost {
-            report.adopt(name, cost(part, &start), &outcome);
-            best = (start, poses);
-        }
-    }
-    report.phases += workspace.phases;
-    let Workspace { equations, factor, .. } = workspace;
-    (best.0, best.1, report, Some(System { pattern, equations, factor }))
-}
-
 /// Whether a component has nothing to optimise.
-fn is_settled<G: PoseGroup<DOF>, const DOF: usize>(part: &Problem<G, DOF>, held: usize) -> bool {
+pub(super) fn is_settled<G: PoseGroup<DOF>, const DOF: usize>(part: &Problem<G, DOF>, held: usize) -> bool {
     (part.edges().is_empty() && part.priors().is_empty()) || held == part.poses().len()
 }
 
 /// A start that edges alone gave, moved to the priors if no node is held.
-fn aligned<G: PoseGroup<DOF>, const DOF: usize>(
+pub(super) fn aligned<G: PoseGroup<DOF>, const DOF: usize>(
     part: &Problem<G, DOF>,
     held: usize,
     mut poses: Vec<G>,

@@ -70,6 +70,14 @@ impl Outcome {
             undetermined: None,
         }
     }
+
+    /// The same outcome with the steps of an earlier descent counted.
+    pub(crate) fn after(mut self, earlier: &Self) -> Self {
+        self.iterations += earlier.iterations;
+        self.rejected += earlier.rejected;
+        self.factorizations += earlier.factorizations;
+        self
+    }
 }
 
 /// What the quadratic model says about a step.

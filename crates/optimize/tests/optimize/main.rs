@@ -14,6 +14,7 @@ mod worlds;
 mod benchmark_graphs;
 mod certificate;
 mod false_closures;
+mod graduation;
 mod held;
 mod ill_posed;
 mod long_routes;
