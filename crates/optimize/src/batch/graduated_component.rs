@@ -33,7 +33,7 @@ enum Way {
 /// lowest cost is kept:
 ///
 /// - from the spanning tree, since false edges may fold the former result so that no surrogate unfolds it, while odometry drifts but never
-///   folds;
+///   folds: by truncated least squares, and smoothly;
 /// - from the given poses, where they cost less than all results: none costs more than the poses of the input.
 pub(super) fn graduated_component<G: PoseGroup<DOF>, const DOF: usize>(
     part: &Problem<G, DOF>,
@@ -67,10 +67,11 @@ pub(super) fn graduated_component<G: PoseGroup<DOF>, const DOF: usize>(
     };
     if options.initialisation == Initialisation::Best {
         let tree = aligned(part, held, spanning_tree_from(held, part.poses(), edges));
-        for surrogates in several(graduation) {
-            go(plain, &start, &solved, Way::Graduated(surrogates));
-            go(Start::SpanningTree, &tree, &tree, Way::Graduated(surrogates));
-        }
+        go(plain, &start, &solved, Way::Graduated(graduation));
+        // Geman-McClure's surrogates feel every false edge a little, and where half of the edges are false they mostly settle beside the
+        // correct ones; truncated surrogates let false edges go.
+        let truncated = Graduated::TruncatedLeastSquares(graduation.width());
+        go(Start::SpanningTree, &tree, &tree, Way::Graduated(truncated));
         let smooth = Way::Smooth(graduation.width());
         let mut lowest = go(Start::SpanningTree, &tree, &tree, smooth);
         for way in [smooth, Way::Direct] {
@@ -94,15 +95,6 @@ fn without_kernels<G: PoseGroup<DOF>, const DOF: usize>(part: &Problem<G, DOF>) 
     let mut priors = part.priors().to_vec();
     set_prior_kernels(&mut priors, None);
     Problem::from_checked(part.poses().to_vec(), edges, part.held().to_vec()).with_checked_priors(priors)
-}
-
-/// The surrogates that are tried for a robust cost. Those of Geman-McClure feel every false edge a little, and where half of the edges
-/// are false they mostly settle beside the correct ones; truncated surrogates let false edges go.
-fn several(graduation: Graduated) -> Vec<Graduated> {
-    match graduation {
-        Graduated::TruncatedLeastSquares(_) => vec![graduation],
-        Graduated::GemanMcClure(width) => vec![Graduated::TruncatedLeastSquares(width), graduation],
-    }
 }
 
 impl Way {

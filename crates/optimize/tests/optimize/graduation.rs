@@ -21,10 +21,10 @@ fn graduated(groups: usize, seed: u64, graduation: Graduated) -> Solution<SE2> {
 }
 
 /// With squared residuals s and width c, Geman-McClure's cost `s c^2 / (c^2 + s)` is nowhere above `min(s, c^2)`, and so neither is its
-/// minimum. Its own surrogates end above it in these worlds but one.
+/// minimum. Its own surrogates end above it in four of these worlds.
 #[test]
 fn geman_mcclure_ends_no_higher_than_truncated_least_squares() {
-    for (groups, seeds) in [(10, 2..=4), (40, 4..=5)] {
+    for (groups, seeds) in [(10, 1..=5), (40, 1..=5)] {
         for seed in seeds {
             let truncated = graduated(groups, seed, Graduated::TruncatedLeastSquares(WIDTH)).cost;
             let smooth = graduated(groups, seed, Graduated::GemanMcClure(WIDTH)).cost;
