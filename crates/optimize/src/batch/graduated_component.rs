@@ -1,8 +1,8 @@
 //! Graduation of one connected component, from several starts.
 
+use super::component::{Solved, aligned, is_settled, solve_component};
 use super::graduated::{set_landmark_kernels, set_prior_kernels};
 use super::solution::Start;
-use super::solve::{Solved, aligned, is_settled, solve_component};
 use crate::descent::outcome::Outcome;
 use crate::descent::phases::timed;
 use crate::descent::workspace::Workspace;
@@ -21,8 +21,8 @@ use posecut_geometry::LieGroup;
 enum Way {
     /// Through the surrogates of this graduation.
     Graduated(Graduated),
-    /// Through the minimum of Geman-McClure's cost of this width. Where odometry is good, its landmark edges nearly agree with the
-    /// spanning tree, and no surrogate need open the door to false ones: where nine in ten are false, this ends lowest.
+    /// Through the minimum of Geman-McClure's cost of this width. Where odometry is good, correct landmark edges nearly agree with the
+    /// spanning tree, and false ones have no weight from the start: where nine in ten are false, this ends lowest.
     Smooth(f64),
     /// Down the robust cost itself.
     Direct,
