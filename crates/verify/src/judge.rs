@@ -106,6 +106,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         threshold,
         tried: vec![false; hypotheses.len()],
         hypotheses,
+        preferred,
         parts: joined(model, |closure| known[closure]).0,
         accepted,
         ratio,
@@ -162,7 +163,7 @@ fn settle<G: Motion<DOF>, const DOF: usize>(
 }
 
 /// The components that some closures make of the chains, and how many of these closures join two components.
-fn joined<G: Motion<DOF>, const DOF: usize>(
+pub(crate) fn joined<G: Motion<DOF>, const DOF: usize>(
     model: &Model<G, DOF>,
     is_among: impl Fn(usize) -> bool,
 ) -> (UnionFind<usize>, usize) {

@@ -1,15 +1,19 @@
-//! Rivals: other ways to join two chains, with evidence comparable to that of the accepted edges.
+//! Rivals: other ways to join two chains, with comparable evidence.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
 use crate::islands::Hypothesis;
-use crate::judge::Judged;
+use crate::judge::{Judged, joined};
 use crate::model::{Model, Motion};
+use crate::rounds::{CONTRADICTED, Rounds};
 
 /// Smallest evidence of a rival, as a share of that of the accepted edges between the same chains.
 pub(crate) const COMPARABLE: f64 = 0.5;
+
+/// Longest stretch of a chain from which one mistaken place may take all edges of a group, as a share of the chain.
+const SHORT: f64 = 0.1;
 
 /// Another way to join two chains.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -20,25 +24,98 @@ pub struct Rival {
     pub edges: usize,
     /// Its evidence, nats.
     pub evidence: f64,
-    /// The evidence of the accepted edges between the same chains, nats.
+    /// The evidence of the accepted edges between the same chains, nats; 0 if nothing joins these chains.
     pub accepted: f64,
 }
 
-/// The rivals of the map, in the order of their numbers.
+/// The rivals of the map, in the order of their numbers. Between chains that nothing joins, the rivals of each other.
 pub(crate) fn rivals<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, judged: &Judged) -> Vec<Rival> {
     let group = |hypothesis: &Hypothesis| model.closures[hypothesis.members[0]].group;
-    let mut held = BTreeMap::new();
+    let part = joined(model, |closure| judged.accepted[closure]).0.into_labeling();
+    let (mut held, mut heaviest) = (BTreeMap::new(), BTreeMap::new());
     for hypothesis in judged.hypotheses.iter().filter(|hypothesis| judged.has_member_of(hypothesis)) {
         *held.entry(group(hypothesis)).or_insert(0.0) += hypothesis.evidence;
+    }
+    for hypothesis in &judged.hypotheses {
+        let span = model.span(hypothesis.members[0]);
+        if part[span.a] != part[span.b] {
+            let most: &mut f64 = heaviest.entry(group(hypothesis)).or_insert(0.0);
+            *most = most.max(hypothesis.evidence);
+        }
     }
     (1..)
         .zip(judged.others())
         .filter(|(_, other)| !model.same_chain(other.members[0]))
         .filter_map(|(hypothesis, other)| {
-            let accepted = *held.get(&group(other))?;
+            let accepted = held.get(&group(other)).copied();
+            let compared = accepted.or_else(|| heaviest.get(&group(other)).copied())?;
             let evidence = other.evidence;
-            let edges = other.members.len();
-            (evidence >= COMPARABLE * accepted).then_some(Rival { hypothesis, edges, evidence, accepted })
+            let (edges, accepted) = (other.members.len(), accepted.unwrap_or(0.0));
+            (evidence >= COMPARABLE * compared).then_some(Rival { hypothesis, edges, evidence, accepted })
         })
         .collect()
+}
+
+impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
+    /// Whether a hypothesis of one short stretch has a rival: another one joins the same chains, excludes it, and has at least a share of
+    /// its evidence. That of hypotheses that agree with it counts for it. Edges between two chains that nothing else joins have only each
+    /// other as witnesses, and on a short stretch a group of false edges, from one mistaken place, agrees with itself as well as correct
+    /// edges do.
+    pub(crate) fn has_rival(&self, hypothesis: &Hypothesis) -> bool {
+        if !self.is_short(hypothesis) {
+            return false;
+        }
+        let group = |hypothesis: &Hypothesis| self.model.closures[hypothesis.members[0]].group;
+        let (mut evidence, mut against) = (hypothesis.evidence, 0.0_f64);
+        for other in self.hypotheses.iter().filter(|other| {
+            other.is_strong() && group(other) == group(hypothesis) && other.members != hypothesis.members
+        }) {
+            match self.relation(hypothesis, other) {
+                Relation::Agree => evidence += other.evidence,
+                Relation::Exclude => against = against.max(other.evidence),
+                Relation::Unknown => {}
+            }
+        }
+        against > 0.0 && against >= COMPARABLE * evidence
+    }
+
+    /// Whether the members of a hypothesis lie within a short stretch of both chains.
+    fn is_short(&self, hypothesis: &Hypothesis) -> bool {
+        let ends: Vec<_> = hypothesis.members.iter().map(|&member| self.model.ends(member)).collect();
+        [0, 1].into_iter().all(|side| {
+            let places = || ends.iter().map(|end| end[side].1);
+            let stretch = places().max().unwrap_or(0) - places().min().unwrap_or(0);
+            let whole = self.model.chains.chains[ends[0][side].0].poses.len();
+            stretch as f64 <= SHORT * whole as f64
+        })
+    }
+
+    /// What most loops through a member of each say.
+    fn relation(&self, one: &Hypothesis, other: &Hypothesis) -> Relation {
+        let others = other.witnesses();
+        let weights: Vec<f64> = one
+            .witnesses()
+            .iter()
+            .flat_map(|&one| others.iter().map(move |&other| (one, other)))
+            .filter_map(|(one, other)| Some(self.random.evidence(&self.model.pair(one, other))?.weight()))
+            .collect();
+        let most = |holds: fn(f64) -> bool| {
+            2 * weights.iter().filter(|&&weight| holds(weight)).count() > weights.len()
+        };
+        if most(|weight| weight <= CONTRADICTED) {
+            Relation::Exclude
+        } else if most(|weight| weight > 0.0) {
+            Relation::Agree
+        } else {
+            Relation::Unknown
+        }
+    }
+}
+
+/// How two hypotheses between the same chains relate.
+enum Relation {
+    Agree,
+    Exclude,
+    /// Odometry between them is too uncertain.
+    Unknown,
 }

@@ -47,6 +47,8 @@ pub(crate) struct Rounds<'a, G, const DOF: usize> {
     pub(crate) random: Calibration,
     pub(crate) threshold: f64,
     pub(crate) hypotheses: Vec<Hypothesis>,
+    /// The members of the hypothesis that a user has chosen.
+    pub(crate) preferred: Option<&'a [usize]>,
     /// Components of the graph: chains that accepted closures join.
     pub(crate) parts: UnionFind<usize>,
     pub(crate) accepted: Vec<bool>,
@@ -360,7 +362,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
     }
 
     /// Joins components by the hypotheses of most evidence, each component at most once a round, so that the next round
-    /// judges the other hypotheses by the larger map. Returns whether it joined any.
+    /// judges the other hypotheses by the larger map. Between rivals only a user can choose. Returns whether it joined any.
     fn join(&mut self, next: &mut [bool]) -> bool {
         let part = self.parts.clone().into_labeling();
         let mut busy = vec![false; part.len()];
@@ -368,6 +370,10 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             let span = self.model.span(hypothesis.members[0]);
             let (a, b) = (part[span.a], part[span.b]);
             if a == b || busy[a] || busy[b] {
+                continue;
+            }
+            let is_preferred = self.preferred.is_some_and(|members| members == hypothesis.members);
+            if !is_preferred && self.has_rival(hypothesis) {
                 continue;
             }
             (busy[a], busy[b]) = (true, true);

@@ -114,7 +114,17 @@ fn report(verification: &Verification) {
         verification.count(Verdict::Rejected),
         verification.count(Verdict::Undecided)
     );
-    for rival in rivals {
+    let (unjoined, others): (Vec<_>, Vec<_>) = rivals.iter().partition(|rival| rival.accepted == 0.0);
+    for rival in unjoined {
+        warn!(
+            "undecided hypotheses: hypothesis {} ({}, {:.0} nats) joins chains that nothing else joins, and another one of comparable evidence joins them differently; --hypothesis {} applies it",
+            rival.hypothesis,
+            counted(rival.edges, "edge"),
+            rival.evidence,
+            rival.hypothesis
+        );
+    }
+    for rival in others {
         warn!(
             "two hypotheses: hypothesis {} ({}, {:.0} nats) joins the same chains differently from the accepted edges ({:.0} nats); --hypothesis {} applies it",
             rival.hypothesis,

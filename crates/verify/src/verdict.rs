@@ -40,7 +40,8 @@ pub enum Reason {
     Vague,
     /// No other closure is near enough to support or contradict it.
     Alone,
-    /// It belongs to a group of closures that agree with each other and not with the map.
+    /// It belongs to a group of closures that agree with each other, but not with the map, or not with another group where the map cannot
+    /// tell which is correct.
     OtherHypothesis,
 }
 
@@ -241,7 +242,7 @@ impl Reason {
                 "alone: no other edge is near enough to support or contradict it; a second landmark edge within a few metres of it would decide"
             }
             Self::OtherHypothesis => {
-                "other-hypothesis: it belongs to a group of edges that agree with each other and not with the map"
+                "other-hypothesis: it belongs to a group of edges that agree with each other, but not with the map, or not with another group where the map cannot tell which is correct"
             }
         }
     }

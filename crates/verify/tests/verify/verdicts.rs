@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use clap::ValueEnum as _;
 use posecut_geometry::{LieGroup, SE2, SE3};
-use posecut_graph::{EdgeKind, EdgeTruth, PoseGraph};
+use posecut_graph::{Edge, EdgeKind, EdgeTruth, PoseGraph};
 use posecut_pcm::generate::{Falsehood, Scenario};
 use posecut_verify::verdict::{Reason, Verdict};
 use posecut_verify::{Calibration, Ingredient, Motion, Verification, verify, verify_by};
@@ -180,9 +180,8 @@ fn every_verdict_has_a_reason_a_probability_and_witnesses() {
     }
 }
 
-/// Two groups that agree within themselves: correct closures, and two in five that put the second session 30 m to the side.
-fn two_alignments() -> PoseGraph {
-    let mut graph = draw::<SE2, 3>(0.0, Falsehood::Uniform, 9);
+/// The poses of the first session by odometry.
+fn by_odometry(graph: &PoseGraph) -> HashMap<u64, SE2> {
     let mut poses = HashMap::from([(0, SE2::identity())]);
     for edge in graph.edges.iter().filter(|edge| edge.kind == EdgeKind::Odometry) {
         let motion = SE2::from_components(edge.measurement.as_ref().unwrap()).unwrap();
@@ -190,17 +189,73 @@ fn two_alignments() -> PoseGraph {
             poses.insert(edge.to, before.compose(&motion));
         }
     }
+    poses
+}
+
+/// Makes a landmark edge claim that the second session is 30 m to the side.
+fn put_aside(edge: &mut Edge, from: &SE2) {
+    let measured = SE2::from_components(edge.measurement.as_ref().unwrap()).unwrap();
     let aside = SE2::new(0.0, 30.0, 0.0);
+    edge.measurement = Some(from.inverse().compose(&aside).compose(from).compose(&measured).components());
+    edge.truth = Some(EdgeTruth { correct: Some(false), ..EdgeTruth::default() });
+}
+
+/// Two groups that agree within themselves: correct closures, and two in five that put the second session 30 m to the side.
+fn two_alignments() -> PoseGraph {
+    let mut graph = draw::<SE2, 3>(0.0, Falsehood::Uniform, 9);
+    let poses = by_odometry(&graph);
     for (turn, edge) in graph.edges.iter_mut().filter(|edge| edge.kind == EdgeKind::Landmark).enumerate() {
         if turn % 5 >= 3 {
-            let measured = SE2::from_components(edge.measurement.as_ref().unwrap()).unwrap();
             let from = poses[&edge.from];
-            edge.measurement =
-                Some(from.inverse().compose(&aside).compose(&from).compose(&measured).components());
-            edge.truth = Some(EdgeTruth { correct: Some(false), ..EdgeTruth::default() });
+            put_aside(edge, &from);
         }
     }
     graph
+}
+
+/// Two sessions that two short groups of landmark edges join: correct ones, and others, elsewhere, that put the second session 30 m to the
+/// side.
+fn two_short_groups(correct: usize, false_ones: usize) -> PoseGraph {
+    let mut graph = draw::<SE2, 3>(0.0, Falsehood::Uniform, 9);
+    let poses = by_odometry(&graph);
+    let mut landmarks: Vec<(u64, u64)> = graph
+        .edges
+        .iter()
+        .filter(|edge| edge.kind == EdgeKind::Landmark)
+        .map(|edge| (edge.from, edge.id))
+        .collect();
+    landmarks.sort_unstable();
+    let (early, late) = landmarks.split_at(landmarks.len() / 2);
+    let (early, late) = (&early[..correct], &late[..false_ones]);
+    let among = |group: &[(u64, u64)], edge: &Edge| group.contains(&(edge.from, edge.id));
+    graph.edges.retain(|edge| edge.kind == EdgeKind::Odometry || among(early, edge) || among(late, edge));
+    for edge in graph.edges.iter_mut().filter(|edge| among(late, edge)) {
+        let from = poses[&edge.from];
+        put_aside(edge, &from);
+    }
+    graph
+}
+
+/// On short stretches a group of false edges agrees with itself as well as one of correct edges: the heavier one was accepted, with
+/// probability 1.
+#[test]
+fn of_two_short_groups_neither_is_accepted_unless_one_is_much_heavier() {
+    let accepted = |verification: &Verification| verification.count(Verdict::Accepted);
+    let graph = two_short_groups(8, 6);
+    let found = verify::<SE2, 3>(&graph).unwrap();
+    println!("{:?}", found.rivals);
+    assert_eq!(accepted(&found), 0);
+    assert!(found.findings.iter().all(|finding| finding.reason == Reason::OtherHypothesis));
+    assert_eq!(found.rivals.iter().map(|rival| rival.edges).collect::<Vec<_>>(), [8, 6]);
+    assert!(found.rivals.iter().all(|rival| rival.accepted == 0.0));
+    for (rival, correct) in found.rivals.iter().zip([true, false]) {
+        let chosen = verify_by::<SE2, 3>(&graph, rival.hypothesis, &[]).unwrap();
+        let held = chosen.findings.iter().filter(|finding| finding.verdict == Verdict::Accepted);
+        let truth: Vec<_> = held.map(|finding| graph.edges[finding.edge].truth_correct()).collect();
+        assert_eq!(truth, vec![Some(correct); rival.edges]);
+    }
+    let heavier = verify::<SE2, 3>(&two_short_groups(16, 4)).unwrap();
+    assert_eq!((accepted(&heavier), heavier.rivals.len()), (16, 0));
 }
 
 #[test]
