@@ -87,14 +87,18 @@ fn joins(verification: &Verification) -> Vec<String> {
         lines.push(line("overlap", overlap));
     }
     for rival in &verification.rivals {
+        let beside = if rival.is_open() {
+            "would join sessions that stay apart, because another one would join them differently".to_owned()
+        } else {
+            format!("joins the same sessions differently, against {:.0} nats", rival.accepted)
+        };
         lines.push(line(
             "or else",
             format!(
-                "hypothesis {} with {} joins the same sessions differently ({:.0} against {:.0} nats; --hypothesis {0} applies it)",
+                "hypothesis {} with {} and {:.0} nats {beside} (--hypothesis {0} applies it)",
                 rival.hypothesis,
                 counted(rival.edges, "edge"),
                 rival.evidence,
-                rival.accepted
             ),
         ));
     }

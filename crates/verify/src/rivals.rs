@@ -28,6 +28,13 @@ pub struct Rival {
     pub accepted: f64,
 }
 
+impl Rival {
+    /// Whether nothing joins these chains, because the map cannot tell which rival is correct.
+    pub fn is_open(&self) -> bool {
+        self.accepted == 0.0
+    }
+}
+
 /// The rivals of the map, in the order of their numbers. Between chains that nothing joins, the rivals of each other.
 pub(crate) fn rivals<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, judged: &Judged) -> Vec<Rival> {
     let group = |hypothesis: &Hypothesis| model.closures[hypothesis.members[0]].group;

@@ -114,8 +114,8 @@ fn report(verification: &Verification) {
         verification.count(Verdict::Rejected),
         verification.count(Verdict::Undecided)
     );
-    let (unjoined, others): (Vec<_>, Vec<_>) = rivals.iter().partition(|rival| rival.accepted == 0.0);
-    for rival in unjoined {
+    let (open, others): (Vec<_>, Vec<_>) = rivals.iter().partition(|rival| rival.is_open());
+    for rival in open {
         warn!(
             "undecided hypotheses: hypothesis {} ({}, {:.0} nats) joins chains that nothing else joins, and another one of comparable evidence joins them differently; --hypothesis {} applies it",
             rival.hypothesis,

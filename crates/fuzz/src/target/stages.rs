@@ -114,7 +114,8 @@ fn verdicts(before: &PoseGraph, after: &PoseGraph, undecided_stay: bool) {
         };
         assert_eq!(new.rejected_by.as_deref(), (!in_use).then_some("verify"), "{}: {verdict}", new.name());
         let reason = text("verify_reason");
-        let known = ["supported", "contradicted", "chance", "alone", "other-hypothesis"].contains(&reason);
+        let known =
+            ["supported", "contradicted", "chance", "vague", "alone", "other-hypothesis"].contains(&reason);
         assert!(
             known && (verdict == "accepted") == (reason == "supported"),
             "{}: {verdict}, {reason}",
