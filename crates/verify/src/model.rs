@@ -193,8 +193,13 @@ impl<G: Motion<DOF>, const DOF: usize> Model<G, DOF> {
         to_closure * (sum + from_neighbour) * to_closure.transpose()
     }
 
+    /// The number of the two chains that a closure joins.
+    pub(crate) fn group(&self, closure: usize) -> usize {
+        self.closures[closure].group
+    }
+
     pub(crate) fn span(&self, closure: usize) -> &Span {
-        &self.spans[self.closures[closure].group]
+        &self.spans[self.group(closure)]
     }
 
     /// Chain and position of a closure's ends: first in chain A, then in chain B.

@@ -37,7 +37,7 @@ impl Rival {
 
 /// The rivals of the map, in the order of their numbers. Between chains that nothing joins, the rivals of each other.
 pub(crate) fn rivals<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, judged: &Judged) -> Vec<Rival> {
-    let group = |hypothesis: &Hypothesis| model.closures[hypothesis.members[0]].group;
+    let group = |hypothesis: &Hypothesis| model.group(hypothesis.members[0]);
     let part = joined(model, |closure| judged.accepted[closure]).0.into_labeling();
     let (mut held, mut heaviest) = (BTreeMap::new(), BTreeMap::new());
     for hypothesis in judged.hypotheses.iter().filter(|hypothesis| judged.has_member_of(hypothesis)) {
@@ -72,18 +72,25 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         if !self.is_short(hypothesis) {
             return false;
         }
-        let group = |hypothesis: &Hypothesis| self.model.closures[hypothesis.members[0]].group;
-        let (mut evidence, mut against) = (hypothesis.evidence, 0.0_f64);
-        for other in self.hypotheses.iter().filter(|other| {
-            other.is_strong() && group(other) == group(hypothesis) && other.members != hypothesis.members
-        }) {
-            match self.relation(hypothesis, other) {
-                Relation::Agree => evidence += other.evidence,
-                Relation::Exclude => against = against.max(other.evidence),
-                Relation::Unknown => {}
-            }
+        let group = |hypothesis: &Hypothesis| self.model.group(hypothesis.members[0]);
+        let others = || {
+            self.hypotheses.iter().filter(|other| {
+                other.is_strong() && group(other) == group(hypothesis) && other.members != hypothesis.members
+            })
+        };
+        // Only these can have a share of the whole.
+        let comparable = others().filter(|other| other.evidence >= COMPARABLE * hypothesis.evidence);
+        let against = comparable
+            .filter(|other| self.is_mostly(hypothesis, other, |weight| weight <= CONTRADICTED))
+            .map(|other| other.evidence)
+            .fold(0.0, f64::max);
+        if against == 0.0 {
+            return false;
         }
-        against > 0.0 && against >= COMPARABLE * evidence
+        let evidence = others()
+            .filter(|other| self.is_mostly(hypothesis, other, |weight| weight > 0.0))
+            .fold(hypothesis.evidence, |sum, other| sum + other.evidence);
+        against >= COMPARABLE * evidence
     }
 
     /// Whether the members of a hypothesis lie within a short stretch of both chains.
@@ -97,32 +104,13 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         })
     }
 
-    /// What most loops through a member of each say.
-    fn relation(&self, one: &Hypothesis, other: &Hypothesis) -> Relation {
+    /// Whether a condition holds for the evidence of most loops through a member of each hypothesis.
+    fn is_mostly(&self, one: &Hypothesis, other: &Hypothesis, holds: impl Fn(f64) -> bool) -> bool {
         let others = other.witnesses();
-        let weights: Vec<f64> = one
-            .witnesses()
-            .iter()
-            .flat_map(|&one| others.iter().map(move |&other| (one, other)))
+        let pairs = one.witnesses().into_iter().flat_map(|one| others.iter().map(move |&other| (one, other)));
+        let weights: Vec<f64> = pairs
             .filter_map(|(one, other)| Some(self.random.evidence(&self.model.pair(one, other))?.weight()))
             .collect();
-        let most = |holds: fn(f64) -> bool| {
-            2 * weights.iter().filter(|&&weight| holds(weight)).count() > weights.len()
-        };
-        if most(|weight| weight <= CONTRADICTED) {
-            Relation::Exclude
-        } else if most(|weight| weight > 0.0) {
-            Relation::Agree
-        } else {
-            Relation::Unknown
-        }
+        2 * weights.iter().filter(|&&weight| holds(weight)).count() > weights.len()
     }
-}
-
-/// How two hypotheses between the same chains relate.
-enum Relation {
-    Agree,
-    Exclude,
-    /// Odometry between them is too uncertain.
-    Unknown,
 }

@@ -114,25 +114,20 @@ fn report(verification: &Verification) {
         verification.count(Verdict::Rejected),
         verification.count(Verdict::Undecided)
     );
-    let (open, others): (Vec<_>, Vec<_>) = rivals.iter().partition(|rival| rival.is_open());
-    for rival in open {
-        warn!(
-            "undecided hypotheses: hypothesis {} ({}, {:.0} nats) joins chains that nothing else joins, and another one of comparable evidence joins them differently; --hypothesis {} applies it",
-            rival.hypothesis,
-            counted(rival.edges, "edge"),
-            rival.evidence,
-            rival.hypothesis
-        );
-    }
-    for rival in others {
-        warn!(
-            "two hypotheses: hypothesis {} ({}, {:.0} nats) joins the same chains differently from the accepted edges ({:.0} nats); --hypothesis {} applies it",
-            rival.hypothesis,
-            counted(rival.edges, "edge"),
-            rival.evidence,
-            rival.accepted,
-            rival.hypothesis
-        );
+    for rival in rivals {
+        let number = rival.hypothesis;
+        let named =
+            format!("hypothesis {number} ({}, {:.0} nats)", counted(rival.edges, "edge"), rival.evidence);
+        if rival.is_open() {
+            warn!(
+                "undecided hypotheses: {named} joins chains that nothing else joins, and another one of comparable evidence joins them differently; --hypothesis {number} applies it"
+            );
+        } else {
+            warn!(
+                "two hypotheses: {named} joins the same chains differently from the accepted edges ({:.0} nats); --hypothesis {number} applies it",
+                rival.accepted
+            );
+        }
     }
     if !broken.is_empty() {
         warn!(

@@ -17,7 +17,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
     /// closures than it wins. Returns whether there is one.
     pub(crate) fn try_others(&mut self) -> anyhow::Result<bool> {
         let open = self.possible();
-        let group = |number: usize| self.model.closures[self.hypotheses[number].members[0]].group;
+        let group = |number: usize| self.model.group(self.hypotheses[number].members[0]);
         let others = |number: usize| -> Vec<usize> {
             open.iter().copied().filter(|&other| group(other) != group(number)).collect()
         };

@@ -12,9 +12,10 @@ use crate::descent::outcome::Outcome;
 use crate::descent::workspace::Workspace;
 use crate::model::kernel::Kernel;
 use crate::model::prior::Prior;
-use crate::model::problem::{Edge, EdgeKind};
+use crate::model::problem::{Edge, EdgeKind, Problem};
 use crate::model::residual::squared;
 use crate::options::{Graduated, Options};
+use crate::pose_group::PoseGroup;
 
 /// Factor between one round's convexity and the next; remark 5 of the paper.
 const RATE: f64 = 1.4;
@@ -70,17 +71,14 @@ impl Graduated {
             ..*options
         };
         let mut edges = edges.to_vec();
-        let (mut iterations, mut rejected, mut factorizations) = (0, 0, 0);
+        let mut before = Outcome::new(f64::NAN);
         for kernel in self.surrogates(largest) {
             set_landmark_kernels(&mut edges, Some(kernel));
             set_prior_kernels(&mut workspace.priors, Some(kernel));
-            let outcome = workspace.minimise(&edges, poses, &round);
-            iterations += outcome.iterations;
-            rejected += outcome.rejected;
-            factorizations += outcome.factorizations;
+            before = workspace.minimise(&edges, poses, &round).after(&before);
             // The range of weights between 0 and 1 only shrinks: later rounds would give every edge the same weight.
             let decided = |squared: f64| matches!(kernel.evaluate(squared).1, 0.0 | 1.0);
-            if outcome.termination.converged()
+            if before.termination.converged()
                 && landmarks().all(|edge| decided(squared(edge, poses)))
                 && workspace.priors.iter().all(|prior| decided(prior.squared(&poses[prior.node])))
             {
@@ -89,12 +87,21 @@ impl Graduated {
         }
         set_landmark_kernels(&mut edges, Some(self.kernel()));
         set_prior_kernels(&mut workspace.priors, Some(self.kernel()));
-        let mut outcome = workspace.minimise(&edges, poses, options);
-        outcome.iterations += iterations;
-        outcome.rejected += rejected;
-        outcome.factorizations += factorizations;
-        outcome
+        workspace.minimise(&edges, poses, options).after(&before)
     }
+}
+
+/// The same graph with this kernel on every landmark edge and prior.
+pub(crate) fn with_kernels<G: PoseGroup<DOF>, const DOF: usize>(
+    problem: &Problem<G, DOF>,
+    kernel: Option<Kernel>,
+) -> Problem<G, DOF> {
+    let mut edges = problem.edges().to_vec();
+    set_landmark_kernels(&mut edges, kernel);
+    let mut priors = problem.priors().to_vec();
+    set_prior_kernels(&mut priors, kernel);
+    Problem::from_checked(problem.poses().to_vec(), edges, problem.held().to_vec())
+        .with_checked_priors(priors)
 }
 
 /// Sets this kernel on every landmark edge.

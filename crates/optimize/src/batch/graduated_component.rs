@@ -1,7 +1,7 @@
 //! Graduation of one connected component, from several starts.
 
 use super::component::{Solved, aligned, is_settled, solve_component};
-use super::graduated::{set_landmark_kernels, set_prior_kernels};
+use super::graduated::{set_landmark_kernels, set_prior_kernels, with_kernels};
 use super::solution::Start;
 use crate::descent::outcome::Outcome;
 use crate::descent::phases::timed;
@@ -46,7 +46,8 @@ pub(super) fn graduated_component<G: PoseGroup<DOF>, const DOF: usize>(
     if is_settled(part, held) {
         return solve_component(part, held, options, memory);
     }
-    let (start, solved, mut report, system) = solve_component(&without_kernels(part), held, options, memory);
+    let (start, solved, mut report, system) =
+        solve_component(&with_kernels(part, None), held, options, memory);
     let memory = system.map(|system| system.factor.into_memory(None)).unwrap_or_default();
     let pattern = timed(&mut report.phases.analysis, || Pattern::of(part.poses().len(), held, edges));
     let magnitude = Magnitude::of(edges.iter());
@@ -88,15 +89,6 @@ pub(super) fn graduated_component<G: PoseGroup<DOF>, const DOF: usize>(
     (start, result, report, Some(System { pattern, equations, factor }))
 }
 
-/// The same graph without kernels on landmark edges and priors.
-fn without_kernels<G: PoseGroup<DOF>, const DOF: usize>(part: &Problem<G, DOF>) -> Problem<G, DOF> {
-    let mut edges = part.edges().to_vec();
-    set_landmark_kernels(&mut edges, None);
-    let mut priors = part.priors().to_vec();
-    set_prior_kernels(&mut priors, None);
-    Problem::from_checked(part.poses().to_vec(), edges, part.held().to_vec()).with_checked_priors(priors)
-}
-
 impl Way {
     /// Minimises the cost that `graduation` ends with, whose kernels `edges` have. The outcome counts all steps.
     fn minimise<G: LieGroup<DOF>, const DOF: usize>(
@@ -111,21 +103,18 @@ impl Way {
             Self::Graduated(own) if own == graduation => {
                 return own.minimise(workspace, edges, poses, options);
             }
-            Self::Graduated(other) => Some(other.minimise(workspace, edges, poses, options)),
+            Self::Graduated(other) => other.minimise(workspace, edges, poses, options),
             Self::Smooth(width) => {
                 let kernel = Some(Graduated::GemanMcClure(width).kernel());
                 let mut smooth = edges.to_vec();
                 set_landmark_kernels(&mut smooth, kernel);
                 set_prior_kernels(&mut workspace.priors, kernel);
-                Some(workspace.minimise(&smooth, poses, options))
+                workspace.minimise(&smooth, poses, options)
             }
-            Self::Direct => None,
+            Self::Direct => Outcome::new(f64::NAN),
         };
         set_prior_kernels(&mut workspace.priors, Some(graduation.kernel()));
         let outcome = workspace.minimise(edges, poses, options);
-        match before {
-            Some(before) => outcome.after(&before),
-            None => outcome,
-        }
+        outcome.after(&before)
     }
 }

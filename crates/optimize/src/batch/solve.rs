@@ -1,7 +1,7 @@
 //! From a checked graph to its solution.
 
 use super::component::solve_component;
-use super::graduated::{set_landmark_kernels, set_prior_kernels};
+use super::graduated::with_kernels;
 use super::graduated_component::graduated_component;
 use super::solution::{ComponentReport, Solution};
 use crate::descent::phases::timed;
@@ -39,12 +39,7 @@ pub(crate) fn optimize_and_keep<G: PoseGroup<DOF>, const DOF: usize>(
 ) -> Solution<G> {
     let graduated;
     let problem = if let Some(graduation) = options.graduated {
-        let mut edges = problem.edges().to_vec();
-        set_landmark_kernels(&mut edges, Some(graduation.kernel()));
-        let mut priors = problem.priors().to_vec();
-        set_prior_kernels(&mut priors, Some(graduation.kernel()));
-        graduated = Problem::from_checked(problem.poses().to_vec(), edges, problem.held().to_vec())
-            .with_checked_priors(priors);
+        graduated = with_kernels(problem, Some(graduation.kernel()));
         &graduated
     } else {
         problem
