@@ -21,7 +21,6 @@ REPORT     ?= $(BIN)/posecut-report
 
 SHELL := /bin/sh
 .DELETE_ON_ERROR:
-.SECONDARY:
 .DEFAULT_GOAL := help
 .PHONY: help trust documentation install table methods figures report regimes sweep run check-results accept-results stages test check properties bench data clean
 

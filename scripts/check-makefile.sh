@@ -1,5 +1,6 @@
 #!/bin/sh
-# Checks that the Makefile's variables never become commands, and that `make clean` deletes only what a run created. Needs no programs.
+# Checks that the Makefile's variables never become commands, that `make clean` deletes only what a run created, and that a missing
+# program is built. Needs no programs.
 set -eu
 cd "$(dirname "$0")/.."
 unset MAKEFLAGS MAKELEVEL MFLAGS NCLT RESULTS SIMULATED SESSIONS DATA PREFIX DOCUMENT SEEDS PIPELINES METHODS FAMILIES HALF \
@@ -74,5 +75,13 @@ ln -s "$work/linked" "$work/results"
 if clean >/dev/null 2>&1; then fail 'make clean deletes a link'; fi
 [ -d "$work/linked" ] || fail 'make clean followed a link'
 
+# A program that Cargo built by itself does not stand for all of them: Make builds the rest.
+mkdir -p "$work/target/release"
+touch "$work/target/release/posecut-experiment" "$work/target/release/posecut-report"
+case $(CARGO_TARGET_DIR="$work/target" make --no-print-directory -n trust-sample) in
+  *"cargo build"*) ;;
+  *) fail 'make trust-sample builds no programs where there are two already' ;;
+esac
+
 make --no-print-directory help RESULTS=../results SIMULATED=~/x_1.0 SESSIONS='2012-01-22 a+b' >/dev/null || fail 'make refuses plain names'
-echo 'the Makefile keeps to its folders'
+echo 'the Makefile keeps to its folders and builds all programs'
