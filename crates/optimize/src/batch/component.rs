@@ -61,8 +61,10 @@ pub(super) fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     });
     let mut starts = VecDeque::from(starts);
     let mut others_known = options.initialisation != Initialisation::Best || starts.len() > 1;
+    // Who allows no more steps than that does not pay for a detour.
     let detour = options.initialisation == Initialisation::Best
         && options.graduated.is_none()
+        && options.max_iterations > HARD
         && may_be_lifted(part, held);
     loop {
         if starts.is_empty() && !others_known {
@@ -77,7 +79,7 @@ pub(super) fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
             continue;
         }
         let may_halt = detour && candidate.start == Start::Chordal && candidate.halted.is_none();
-        let steps = if may_halt { options.max_iterations.min(HARD) } else { options.max_iterations };
+        let steps = if may_halt { HARD } else { options.max_iterations };
         let mut result = candidate.halted.take().map_or_else(|| candidate.poses.clone(), |(poses, _)| poses);
         let limited = Options { max_iterations: steps, ..*options };
         let outcome = workspace.minimise(edges, &mut result, &limited);

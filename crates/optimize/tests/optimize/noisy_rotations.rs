@@ -86,3 +86,14 @@ fn manhattan_worlds_with_noise_of_tenths_are_solved_from_more_dimensions() {
         assert!(relaxed.cost > minimum);
     }
 }
+
+/// A continuation takes hundreds of steps. Voting, which allows four in each of its optimisations, once paid for one in every other.
+#[test]
+fn who_allows_few_steps_gets_no_continuation() {
+    let (truth, mut edges) = sphere(150, &mut ChaCha8Rng::seed_from_u64(4));
+    add_rotation_noise(&mut edges, 0.4, &mut ChaCha8Rng::seed_from_u64(4));
+    let problem = Problem::new(truth, edges).unwrap();
+    let best = optimize(&problem, &Options { max_iterations: 4, ..Options::default() });
+    let starts = 3;
+    assert!(!best.converged && best.components[0].iterations <= 4 * starts, "{:?}", best.components[0]);
+}
