@@ -5,6 +5,7 @@ mod peers;
 mod phases;
 mod pinned;
 mod robust;
+mod sessions;
 mod whole;
 
 use std::path::PathBuf;
@@ -30,7 +31,7 @@ pub(crate) struct Optimize {
     #[arg(long, value_delimiter = ',')]
     only: Vec<String>,
     /// Measure these parts, separated by commas
-    #[arg(long, value_delimiter = ',', default_values = ["peers", "process", "growth", "robust", "phases"])]
+    #[arg(long, value_delimiter = ',', default_values = ["peers", "process", "growth", "sessions", "robust", "phases"])]
     parts: Vec<Part>,
     /// Measure only generated graphs with these numbers of poses, separated by commas [default: all]
     #[arg(long, value_delimiter = ',')]
@@ -48,6 +49,8 @@ enum Part {
     Process,
     /// Generated graphs of growing size
     Growth,
+    /// Maps of up to 27 simulated NCLT sessions at 5 Hz
+    Sessions,
     /// Robust kernels and GNC on graphs with false closures
     Robust,
     /// The limits of the processor, compared with the measurements of `process`
@@ -141,6 +144,9 @@ impl Optimize {
         if has(Part::Growth) {
             growth::measure(&self.sizes, results)?;
         }
+        if has(Part::Sessions) {
+            sessions::measure(results)?;
+        }
         if has(Part::Robust) {
             robust::measure(&self.only, results)?;
         }
@@ -163,6 +169,9 @@ fn tables(results: &Results, graphs: &[(String, f64)]) -> anyhow::Result<Vec<(&'
     }
     if let Some(found) = results.part("growth")? {
         all.push(("growth", growth::table(&found)?));
+    }
+    if let Some(found) = results.part("sessions")? {
+        all.push(("sessions", sessions::table(&found)));
     }
     if let Some(found) = results.part("robust")? {
         all.push(("robust", robust::table(&found)));
@@ -221,6 +230,9 @@ mod tests {
                     "factor_blocks": 1_234_567, "factor_megabytes": 99.95, "iterations": 4, "factorizations": 6,
                     "start": "chordal", "chi_square_per_freedom": 1.0},
                 "1000000": {"failed": "over 40 s"}}},
+            "sessions": {"3": {"poses": 76_315, "edges": 109_312, "seconds": [1.5, 1.25], "optimisation": [0.75, 0.5],
+                "megabytes": 271.6, "iterations": 4, "factorizations": 3, "start": "chordal", "converged": true,
+                "chi_square": 98_994.0}},
             "robust": {"csail_grouped_10": {"plain": 8.054_49, "Huber": null, "GNC": 2.5e-8}},
         });
         let Value::Object(parts) = parts else { panic!("parts") };
@@ -257,6 +269,10 @@ mod tests {
             "| sphere | 100,000 | 200,001 | 1.250 | 1.125 | 321 | 12.3 | 100.0 | 4 (6) | chordal | 1.000 |"
         );
         assert_eq!(row(&text, 3), "| sphere | 1,000,000 | | over 40 s | | | | | | | |");
+        assert_eq!(
+            row(&sessions::table(&results.part("sessions").unwrap().unwrap()), 2),
+            "| 3 | 76,315 | 109,312 | 0.75 | 0.50 | 1.50 | 1.25 | 272 | 4 (3) | chordal | yes | 1.000 |"
+        );
         let text = robust::table(&results.part("robust").unwrap().unwrap());
         assert_eq!(
             row(&text, 2),
