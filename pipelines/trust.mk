@@ -51,8 +51,10 @@ trust-sample: $(EXPERIMENTS) $(REPORT)
 	@scripts/check-trust.sh $(call quoted,$(trust_results)-sample)
 
 # What each ingredient of verification is worth: docs/results/verify-ablation.md. Shares its results with `make trust`.
-ingredients    = calibration coherent short-stretches heavy-tails shift far-partners multicut rounds local prior bridges breaks trials
-ablation_of    = $(trust_files) $(trust_places) --methods $(call listed,none verify $(addprefix verify-without-,$(ingredients)))
+ingredients    = calibration coherent short-stretches heavy-tails shift far-partners multicut rounds local prior bridges breaks trials \
+                 rivals
+ablation_files = $(trust_files) $(filter-out $(trust_files),pipelines/trust/drawn.toml)
+ablation_of    = $(ablation_files) $(trust_places) --methods $(call listed,none verify $(addprefix verify-without-,$(ingredients)))
 ablation: $(EXPERIMENTS)
 	@test -d $(call quoted,$(or $(DATA),missing)) || { echo 'Name the folder of graphs: make ablation DATA=DIR'; exit 2; }
 	$(marked)

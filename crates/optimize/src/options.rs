@@ -62,7 +62,8 @@ pub struct Options {
     pub initialisation: Initialisation,
     /// How steps are chosen.
     pub method: Method,
-    /// Maximum number of steps tried per connected component, rejected ones included.
+    /// Maximum number of steps tried per connected component and start, rejected ones included. The search for a lower minimum after a
+    /// hard descent is left out where it is 20 or less.
     pub max_iterations: usize,
     /// Converged when a full Gauss-Newton step promises to lower the cost by less than this share of it. With zero, and a
     /// method other than the dogleg, steps continue even where their gain is too small to be seen in the cost, until they no

@@ -373,7 +373,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
                 continue;
             }
             let is_preferred = self.preferred.is_some_and(|members| members == hypothesis.members);
-            if !is_preferred && self.has_rival(hypothesis) {
+            if !is_preferred && !self.model.without(Ingredient::Rivals) && self.has_rival(hypothesis) {
                 continue;
             }
             (busy[a], busy[b]) = (true, true);

@@ -254,6 +254,8 @@ fn of_two_short_groups_neither_is_accepted_unless_one_is_much_heavier() {
         let truth: Vec<_> = held.map(|finding| graph.edges[finding.edge].truth_correct()).collect();
         assert_eq!(truth, vec![Some(correct); rival.edges]);
     }
+    let without = verify_by::<SE2, 3>(&graph, 0, &[Ingredient::Rivals]).unwrap();
+    assert_eq!(accepted(&without), 8);
     let heavier = verify::<SE2, 3>(&two_short_groups(16, 4)).unwrap();
     assert_eq!((accepted(&heavier), heavier.rivals.len()), (16, 0));
 }
@@ -317,6 +319,7 @@ fn every_ingredient_can_be_left_out() {
             | Ingredient::Bridges
             | Ingredient::Breaks
             | Ingredient::Trials
+            | Ingredient::Rivals
             | Ingredient::Score => {}
         }
     }
