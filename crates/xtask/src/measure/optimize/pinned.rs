@@ -1,6 +1,8 @@
 //! Runs processes on one or two processors, and prepares their inputs.
 
 use std::ffi::OsStr;
+use std::fs::File;
+use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
@@ -88,4 +90,13 @@ pub(super) fn started(graph: &Path, initialisation: &str, output: &Path) -> anyh
         Pinned::posecut("optimize").words(&["--initialisation", initialisation, "--max-iterations", "0"]);
     optimize.path(graph).words(&["-o"]).path(output).must()?;
     Ok(())
+}
+
+/// The number of nodes of a graph.
+pub(super) fn nodes(graph: &Path) -> anyhow::Result<u64> {
+    let mut nodes = 0;
+    for line in BufReader::new(File::open(graph)?).lines() {
+        nodes += u64::from(line?.replace(' ', "").contains("\"kind\":\"node\""));
+    }
+    Ok(nodes)
 }

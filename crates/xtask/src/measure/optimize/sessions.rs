@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use xtask::workspace::program;
 
-use super::pinned::{Pinned, work};
+use super::pinned::{Pinned, nodes, work};
 use super::{Named, Results, named};
 use crate::markdown;
 use crate::numbers::thousands;
@@ -41,24 +41,19 @@ fn session(number: usize) -> anyhow::Result<PathBuf> {
     // No date of NCLT: these are no sessions of NCLT.
     let folder = work().join(format!("2100-01-{number:02}"));
     let graph = work().join(format!("session-{number}.jsonl"));
-    if !graph.exists() {
-        let seed = number.to_string();
-        let words = ["--seed", &seed, "--overwrite", "-o"];
-        Pinned::posecut("simulate").words(&words).path(&folder).must()?;
-        Pinned::posecut("ingest").path(&folder).words(&["--keep-every", "1", "-o"]).path(&graph).must()?;
-        std::fs::remove_dir_all(&folder)?;
-    }
+    let seed = number.to_string();
+    let words = ["--seed", &seed, "--overwrite", "-o"];
+    Pinned::posecut("simulate").words(&words).path(&folder).must()?;
+    Pinned::posecut("ingest").path(&folder).words(&["--keep-every", "1", "-o"]).path(&graph).must()?;
+    std::fs::remove_dir_all(&folder)?;
     Ok(graph)
 }
 
-/// The map of the first sessions, with correct landmark edges between near viewpoints.
-fn map(number: usize) -> anyhow::Result<PathBuf> {
+/// The map of these sessions, with correct landmark edges between near viewpoints.
+fn map(sessions: &[PathBuf]) -> anyhow::Result<PathBuf> {
     let graph = work().join("sessions.jsonl");
-    let mut construct = Pinned::posecut("construct");
-    for session in (1..=number).map(session) {
-        construct = construct.path(session?);
-    }
-    let edges = (EDGES * number).to_string();
+    let construct = sessions.iter().fold(Pinned::posecut("construct"), Pinned::path);
+    let edges = (EDGES * sessions.len()).to_string();
     let words = ["--split", "none", "--radius", "0.5", "--heading", "10", "--correct-edges", &edges, "-o"];
     construct.words(&words).path(&graph).must()?;
     Ok(graph)
@@ -66,8 +61,10 @@ fn map(number: usize) -> anyhow::Result<PathBuf> {
 
 pub(super) fn measure(results: &mut Results) -> anyhow::Result<()> {
     let (stats, output) = (work().join("stats.json"), work().join("out.jsonl"));
+    let most = NUMBERS.iter().max().copied().unwrap_or_default();
+    let sessions: Vec<PathBuf> = (1..=most).map(session).collect::<anyhow::Result<_>>()?;
     for number in NUMBERS {
-        let graph = map(number)?;
+        let graph = map(&sessions[..number])?;
         let run = |threads: usize| -> anyhow::Result<(Measured, Map<String, Value>)> {
             let optimize = Pinned::new(&program("optimize"), threads).words(&["-q"]).path(&graph);
             let run = optimize.words(&["-o"]).path(&output).words(&["--stats"]).path(&stats).must()?;
@@ -75,9 +72,8 @@ pub(super) fn measure(results: &mut Results) -> anyhow::Result<()> {
         };
         let ((one, said), (two, said_with_two)) = (run(1)?, run(2)?);
         let of = |key: &str| said.get(key).cloned().unwrap_or(Value::Null);
-        let nodes = std::fs::read_to_string(&graph)?.matches("\"kind\":\"node\"").count();
         let run = Run {
-            poses: nodes as u64,
+            poses: nodes(&graph)?,
             edges: serde_json::from_value(of("edges"))?,
             seconds: [one.wall, two.wall],
             optimisation: [of("optimize_seconds"), said_with_two["optimize_seconds"].clone()]

@@ -1,12 +1,10 @@
 //! Measures the whole process on benchmark graphs.
 
-use std::io::{BufRead as _, BufReader};
-
 use anyhow::Context as _;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
-use super::pinned::{Pinned, converted, started, work};
+use super::pinned::{Pinned, converted, nodes, started, work};
 use super::{Named, Results, best, named};
 use crate::markdown;
 use crate::numbers::{general, scientific};
@@ -54,12 +52,8 @@ pub(super) fn measure(name: &str, results: &mut Results) -> anyhow::Result<()> {
     let odometry = work().join(format!("{name}.odometry.jsonl"));
     started(&graph, "spanning-tree", &odometry)?;
     let (stats, output) = (work().join("stats.json"), work().join("out.jsonl"));
-    let mut poses = 0;
-    for line in BufReader::new(std::fs::File::open(&graph)?).lines() {
-        poses += usize::from(line?.replace(' ', "").contains("\"kind\":\"node\""));
-    }
     let mut entry = Map::new();
-    entry.insert("poses".to_owned(), poses.into());
+    entry.insert("poses".to_owned(), nodes(&graph)?.into());
     for (word, start, options) in [
         ("plain", &graph, &[][..]),
         ("odometry", &odometry, &[]),
