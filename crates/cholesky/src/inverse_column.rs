@@ -74,10 +74,10 @@ impl<const D: usize> WithSimd for Along<'_, D> {
     fn with_simd<S: Simd>(self, _: S) {
         let Self { symbolic, own, all, panels, values, local } = self;
         for &front in own {
-            forward::<D>(symbolic, &symbolic.fronts[front], panels, values, local);
+            forward::<D, f64>(symbolic, &symbolic.fronts[front], panels, values, local);
         }
         for &front in all.iter().rev() {
-            backward::<D>(symbolic, &symbolic.fronts[front], panels, values, local);
+            backward::<D, f64>(symbolic, &symbolic.fronts[front], panels, values, local);
         }
     }
 }

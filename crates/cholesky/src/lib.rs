@@ -15,6 +15,7 @@
 //!    A_11 = L L^T,   M = A_21 L^-T,   U = A_22 - M M^T
 //!    ```
 //! 3. [`Factor::solve`] solves `L y = P b` up the tree and `L^T x = y` down.
+//!    [`MixedFactor`] stores a very large factor in single precision and solves as exactly, by conjugate gradients.
 //! 4. [`SelectedInverse`] has the blocks of `A^-1` where `L` has blocks, front by front from the roots down (Takahashi, Fagan, Chen,
 //!    1973). With the rows `R` below a front's columns `J`, whose inverse the parent knows,
 //!
@@ -66,6 +67,8 @@
 mod adjacency;
 pub mod fronts;
 mod inverse_column;
+mod matrix;
+mod mixed;
 mod ordering;
 mod selected_inverse;
 mod symbolic;
@@ -74,5 +77,7 @@ pub use adjacency::Adjacency;
 pub use fronts::breakdown::Breakdown;
 pub use fronts::factor::{Factor, Memory, SINGULAR};
 pub use inverse_column::Workspace;
+pub use matrix::Matrix;
+pub use mixed::MixedFactor;
 pub use selected_inverse::SelectedInverse;
 pub use symbolic::Symbolic;

@@ -2,34 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
 
-use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+mod matrices;
+
+use matrices::{grid, matrix, unique_pairs};
+use nalgebra::{DVector, SMatrix, SVector};
 use posecut_cholesky::{Factor, Symbolic};
 use proptest::prelude::*;
-use rand::{Rng, RngExt, SeedableRng};
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-
-type Blocks<const D: usize> = (Vec<SMatrix<f64, D, D>>, Vec<SMatrix<f64, D, D>>, DMatrix<f64>);
-
-/// A positive definite matrix with this pattern, as blocks and dense.
-fn matrix<const D: usize>(variables: usize, pairs: &[(usize, usize)], random: &mut impl Rng) -> Blocks<D> {
-    let mut draw = || random.random_range(-1.0..1.0);
-    let mut dense = DMatrix::zeros(variables * D, variables * D);
-    let off_diagonal: Vec<_> = pairs.iter().map(|_| SMatrix::<f64, D, D>::from_fn(|_, _| draw())).collect();
-    for (&(a, b), block) in pairs.iter().zip(&off_diagonal) {
-        for row in 0..D {
-            for column in 0..D {
-                dense[(a * D + row, b * D + column)] = block[(row, column)];
-                dense[(b * D + column, a * D + row)] = block[(row, column)];
-            }
-        }
-    }
-    // Slightly diagonally dominant.
-    for index in 0..variables * D {
-        dense[(index, index)] = dense.row(index).iter().map(|entry| entry.abs()).sum::<f64>() + 0.5;
-    }
-    let diagonal = (0..variables).map(|v| dense.fixed_view::<D, D>(v * D, v * D).into_owned()).collect();
-    (diagonal, off_diagonal, dense)
-}
 
 fn check<const D: usize>(variables: usize, pairs: &[(usize, usize)], seed: u64) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -53,18 +33,6 @@ fn check<const D: usize>(variables: usize, pairs: &[(usize, usize)], seed: u64) 
     }
 }
 
-fn unique_pairs(variables: usize, raw: &[(usize, usize)]) -> Vec<(usize, usize)> {
-    let mut pairs: Vec<_> = raw
-        .iter()
-        .map(|&(a, b)| (a % variables, b % variables))
-        .filter(|(a, b)| a != b)
-        .map(|(a, b)| (a.min(b), a.max(b)))
-        .collect();
-    pairs.sort_unstable();
-    pairs.dedup();
-    pairs
-}
-
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
@@ -75,23 +43,6 @@ proptest! {
         check::<3>(variables, &pairs, seed);
         check::<6>(variables, &pairs, seed);
     }
-}
-
-/// Neighbours in a square grid, row by row.
-fn grid(side: usize) -> Vec<(usize, usize)> {
-    let node = |row: usize, column: usize| row * side + column;
-    let mut pairs = Vec::new();
-    for row in 0..side {
-        for column in 0..side {
-            if column + 1 < side {
-                pairs.push((node(row, column), node(row, column + 1)));
-            }
-            if row + 1 < side {
-                pairs.push((node(row, column), node(row + 1, column)));
-            }
-        }
-    }
-    pairs
 }
 
 #[test]

@@ -34,7 +34,7 @@ fn solve<const D: usize>(clique: &Clique, values: &[SVector<f64, D>], known: &mu
         let (own, later) = known[start..].split_at_mut(D);
         let sources: [&[f64]; D] =
             std::array::from_fn(|column| &block[column * height + start + D..][..later.len()]);
-        let sums = products::<D, LANES>(&sources, later);
+        let sums = products::<D, LANES, f64>(&sources, later);
         for column in (0..D).rev() {
             let entries = &block[column * height..][..height];
             let mut rest = entries[rows] - sums[column];

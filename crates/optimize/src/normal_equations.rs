@@ -12,7 +12,7 @@ use posecut_geometry::LieGroup;
 use crate::model::prior::Prior;
 use crate::model::problem::Edge;
 use crate::model::residual::{Linearised, Term};
-use posecut_cholesky::{Factor, Memory, Symbolic};
+use posecut_cholesky::{Memory, Symbolic};
 
 /// Positions of an edge's blocks.
 #[derive(Clone, Copy, Debug)]
@@ -258,19 +258,18 @@ fn add_to<const D: usize>(to: &mut SMatrix<f64, D, D>, block: &SMatrix<f64, D, D
     }
 }
 
-/// A pattern, and memory for its equations and their factor.
+/// A pattern, its equations, and memory for their factor.
 #[derive(Debug)]
 pub(crate) struct System<const D: usize> {
     pub(crate) pattern: Pattern,
     pub(crate) equations: NormalEquations<D>,
-    pub(crate) factor: Factor<D>,
+    pub(crate) memory: Memory,
 }
 
 impl<const D: usize> System<D> {
     pub(crate) fn new(pattern: Pattern, memory: Memory) -> Self {
         let equations = NormalEquations::new(&pattern);
-        let factor = Factor::with_memory(&pattern.symbolic, memory);
-        Self { pattern, equations, factor }
+        Self { pattern, equations, memory }
     }
 }
 

@@ -4,7 +4,7 @@
 //! covariances are methods of the group too: so they are compiled here once for each group, and not again in every crate that
 //! calls the generic functions. Depends on [`initialisation`](crate::initialisation), `certificate`, `lifted`, `batch` and `covariance`.
 
-use posecut_cholesky::{Factor, Memory};
+use posecut_cholesky::{Memory, MixedFactor};
 use posecut_geometry::{LieGroup, SE2, SE3};
 
 use crate::batch::solution::Solution;
@@ -102,7 +102,7 @@ macro_rules! compile_here {
 #[derive(Debug)]
 pub struct Relaxation<'a, const DOF: usize> {
     pub(crate) pattern: &'a Pattern,
-    pub(crate) factor: &'a mut Factor<DOF>,
+    pub(crate) factor: &'a mut MixedFactor<DOF>,
 }
 
 impl PoseGroup<3> for SE2 {
@@ -113,7 +113,9 @@ impl PoseGroup<3> for SE2 {
         anchor: &Self,
     ) -> Option<Vec<Self>> {
         let pattern = memory.pattern;
-        memory.factor.lend(|factor| chordal::poses::<Self, 3, 2>(pattern, edges, held, anchor, factor))
+        memory.factor.lend(&pattern.symbolic, |factor| {
+            chordal::poses::<Self, 3, 2>(pattern, edges, held, anchor, factor)
+        })
     }
 
     fn aligning(priors: &[Prior<Self, 3>], poses: &[Self]) -> Self {
@@ -139,7 +141,9 @@ impl PoseGroup<6> for SE3 {
         anchor: &Self,
     ) -> Option<Vec<Self>> {
         let pattern = memory.pattern;
-        memory.factor.lend(|factor| chordal::poses::<Self, 6, 3>(pattern, edges, held, anchor, factor))
+        memory.factor.lend(&pattern.symbolic, |factor| {
+            chordal::poses::<Self, 6, 3>(pattern, edges, held, anchor, factor)
+        })
     }
 
     fn aligning(priors: &[Prior<Self, 6>], poses: &[Self]) -> Self {

@@ -12,6 +12,7 @@ use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, MatMut, Par};
 
 use super::large_front;
+use super::stored::Stored;
 use super::view::FrontView;
 
 /// From this number of operations on, faer's kernels, which choose vector instructions at run time, are worth their entry
@@ -193,9 +194,9 @@ fn subtract_tile<const D: usize, const W: usize>(
 
 /// `target -= sum over c of factors[c] sources[c]`; all are of one length.
 #[inline(always)]
-pub(super) fn subtract_columns<const D: usize>(
+pub(super) fn subtract_columns<const D: usize, S: Stored>(
     target: &mut [f64],
-    sources: &[&[f64]; D],
+    sources: &[&[S]; D],
     factors: &[f64; D],
 ) {
     let (tiles, rest) = target.as_chunks_mut::<8>();
@@ -205,16 +206,16 @@ pub(super) fn subtract_columns<const D: usize>(
     let start = 8 * tiles.len();
     for (index, target) in rest.iter_mut().enumerate() {
         for (source, factor) in sources.iter().zip(factors) {
-            *target = factor.mul_add(-source[start + index], *target);
+            *target = factor.mul_add(-source[start + index].widened(), *target);
         }
     }
 }
 
 /// `W` rows of [`subtract_columns`].
 #[inline(always)]
-fn subtract_chunk<const D: usize, const W: usize>(
+fn subtract_chunk<const D: usize, const W: usize, S: Stored>(
     target: &mut [f64; W],
-    sources: &[&[f64]; D],
+    sources: &[&[S]; D],
     factors: &[f64; D],
     start: usize,
 ) {
@@ -222,7 +223,7 @@ fn subtract_chunk<const D: usize, const W: usize>(
     for (source, factor) in sources.iter().zip(factors) {
         let Some(source) = source[start..].first_chunk::<W>() else { return };
         for (sum, value) in sums.iter_mut().zip(source) {
-            *sum = factor.mul_add(-value, *sum);
+            *sum = factor.mul_add(-value.widened(), *sum);
         }
     }
     *target = sums;
@@ -230,7 +231,7 @@ fn subtract_chunk<const D: usize, const W: usize>(
 
 /// The product of every column with a vector, in `W` partial sums each: a single sum would wait for its own last addition.
 #[inline(always)]
-pub fn products<const D: usize, const W: usize>(columns: &[&[f64]; D], vector: &[f64]) -> [f64; D] {
+pub fn products<const D: usize, const W: usize, S: Stored>(columns: &[&[S]; D], vector: &[f64]) -> [f64; D] {
     let mut sums = [[0.0_f64; W]; D];
     let whole = vector.len() - vector.len() % W;
     for start in (0..whole).step_by(W) {
@@ -238,12 +239,12 @@ pub fn products<const D: usize, const W: usize>(columns: &[&[f64]; D], vector: &
         for (sums, column) in sums.iter_mut().zip(columns) {
             let Some(entries) = column[start..].first_chunk::<W>() else { break };
             for ((sum, entry), value) in sums.iter_mut().zip(entries).zip(values) {
-                *sum = entry.mul_add(*value, *sum);
+                *sum = entry.widened().mul_add(*value, *sum);
             }
         }
     }
     std::array::from_fn(|index| {
         let rest = columns[index][whole..].iter().zip(&vector[whole..]);
-        sums[index].iter().sum::<f64>() + rest.map(|(entry, value)| entry * value).sum::<f64>()
+        sums[index].iter().sum::<f64>() + rest.map(|(entry, value)| entry.widened() * value).sum::<f64>()
     })
 }

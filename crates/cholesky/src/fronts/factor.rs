@@ -4,7 +4,9 @@ use faer::traits::pulp::Arch;
 use nalgebra::SMatrix;
 
 use super::breakdown::Breakdown;
-use super::task::{Matrix, SmallestPivot, Task, Worker, side_by_side};
+use super::stored::Stored;
+use super::task::{SmallestPivot, Task, Worker, side_by_side};
+use crate::matrix::Matrix;
 use crate::selected_inverse::SelectedInverse;
 use crate::symbolic::{Front, Symbolic};
 
@@ -12,9 +14,9 @@ use crate::symbolic::{Front, Symbolic};
 /// is the error of sums of that many terms.
 pub const SINGULAR: f64 = 1e-14;
 
-/// Memory and values of a factor with blocks of order `D`: `P A P^T = L L^T`.
-pub struct Factor<const D: usize> {
-    pub(crate) panels: Vec<f64>,
+/// Memory and values of a factor with blocks of order `D`, stored in numbers `S`: `P A P^T = L L^T`.
+pub struct Factor<const D: usize, S = f64> {
+    pub(crate) panels: Vec<S>,
     /// Update matrices on their way to the parents; of no use after the factorisation.
     pub(crate) stacks: [Vec<f64>; 2],
     /// Memory for a selected inverse.
@@ -39,16 +41,16 @@ pub struct Memory {
 }
 
 /// Old values may remain: the numeric phase writes before it reads.
-pub(crate) fn resized(mut memory: Vec<f64>, length: usize) -> Vec<f64> {
+pub(crate) fn resized<S: Stored>(mut memory: Vec<S>, length: usize) -> Vec<S> {
     if memory.capacity() < length {
         // Pages that the system has zeroed, and that nothing touches before the numeric phase.
-        return vec![0.0; length];
+        return vec![S::default(); length];
     }
-    memory.resize(length, 0.0);
+    memory.resize(length, S::default());
     memory
 }
 
-impl<const D: usize> std::fmt::Debug for Factor<D> {
+impl<const D: usize, S> std::fmt::Debug for Factor<D, S> {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter.debug_struct("Factor").field("scalars", &self.panels.len()).finish_non_exhaustive()
     }
@@ -62,18 +64,9 @@ impl<const D: usize> Factor<D> {
 
     /// The same with the memory of another factor, of any pattern. No value of that factor matters.
     pub fn with_memory(symbolic: &Symbolic, memory: Memory) -> Self {
-        let height = symbolic.fronts.iter().map(Front::height).max().unwrap_or(0);
-        let Memory { panels, stacks: [even, odd], inverse } = memory;
-        let [even_blocks, odd_blocks] = symbolic.stack_blocks;
-        Self {
-            panels: resized(panels, symbolic.panel_blocks * D * D),
-            stacks: [resized(even, even_blocks * D * D), resized(odd, odd_blocks * D * D)],
-            inverse,
-            workers: symbolic.stretches.iter().map(|stretch| Worker::new::<D>(symbolic, stretch)).collect(),
-            permuted: vec![0.0; symbolic.variables() * D],
-            local: vec![0.0; height * D],
-            smallest_pivot: SmallestPivot::default(),
-        }
+        let Memory { panels, stacks, inverse } = memory;
+        let panels = resized(panels, symbolic.panel_blocks * D * D);
+        Self { inverse, ..Self::with_panels(symbolic, panels, stacks) }
     }
 
     /// Lends the memory to a factor with the same pattern and blocks that are no larger. The values of this factor are lost.
@@ -94,7 +87,38 @@ impl<const D: usize> Factor<D> {
         std::mem::swap(&mut self.local, &mut other.local);
     }
 
-    fn empty() -> Self {
+    /// The memory of this factor, and of an inverse computed from it.
+    pub fn into_memory(self, inverse: Option<SelectedInverse<D>>) -> Memory {
+        let inverse = inverse.map_or(self.inverse, |inverse| inverse.panels);
+        Memory { panels: self.panels, stacks: self.stacks, inverse }
+    }
+}
+
+impl<const D: usize> Factor<D, f32> {
+    /// Reserves all memory of a factor in single precision.
+    pub(crate) fn single(symbolic: &Symbolic) -> Self {
+        Self::with_panels(symbolic, vec![0.0; symbolic.panel_blocks * D * D], Default::default())
+    }
+}
+
+impl<const D: usize, S: Stored> Factor<D, S> {
+    /// Reserves all memory but that of the panels.
+    fn with_panels(symbolic: &Symbolic, panels: Vec<S>, [even, odd]: [Vec<f64>; 2]) -> Self {
+        let height = symbolic.fronts.iter().map(Front::height).max().unwrap_or(0);
+        let [even_blocks, odd_blocks] = symbolic.stack_blocks;
+        Self {
+            panels,
+            stacks: [resized(even, even_blocks * D * D), resized(odd, odd_blocks * D * D)],
+            inverse: Vec::new(),
+            workers: symbolic.stretches.iter().map(|stretch| Worker::new::<D>(symbolic, stretch)).collect(),
+            permuted: vec![0.0; symbolic.variables() * D],
+            local: vec![0.0; height * D],
+            smallest_pivot: SmallestPivot::default(),
+        }
+    }
+
+    /// A factor of no matrix.
+    pub(crate) fn empty() -> Self {
         Self {
             panels: Vec::new(),
             stacks: [Vec::new(), Vec::new()],
@@ -104,12 +128,6 @@ impl<const D: usize> Factor<D> {
             local: Vec::new(),
             smallest_pivot: SmallestPivot::default(),
         }
-    }
-
-    /// The memory of this factor, and of an inverse computed from it.
-    pub fn into_memory(self, inverse: Option<SelectedInverse<D>>) -> Memory {
-        let inverse = inverse.map_or(self.inverse, |inverse| inverse.panels);
-        Memory { panels: self.panels, stacks: self.stacks, inverse }
     }
 
     /// Factorises the matrix with these diagonal blocks and off-diagonal blocks (row: first of its pair).

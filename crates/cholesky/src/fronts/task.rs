@@ -15,17 +15,10 @@ use rayon::prelude::*;
 use super::breakdown::Breakdown;
 use super::dense;
 use super::extend_add::{Run, extend_add, push_rows, rows_before};
+use super::stored::Stored;
 use super::view::FrontView;
+use crate::matrix::Matrix;
 use crate::symbolic::{Front, Stretch, Symbolic};
-
-/// The values to factorise.
-#[derive(Clone, Copy)]
-pub(super) struct Matrix<'a, const D: usize> {
-    pub(super) diagonal: &'a [SMatrix<f64, D, D>],
-    pub(super) off_diagonal: &'a [SMatrix<f64, D, D>],
-    pub(super) damping: f64,
-    pub(super) floor: [f64; D],
-}
 
 /// The smallest remaining share of a diagonal entry after elimination, and its position.
 #[derive(Clone, Copy)]
@@ -62,6 +55,8 @@ impl SmallestPivot {
 /// Working memory of a thread.
 pub(super) struct Worker {
     memory: MemBuffer,
+    /// A front's panel, if it is not eliminated where it is stored.
+    panel: Vec<f64>,
     runs: Vec<Run>,
     pub(super) smallest_pivot: SmallestPivot,
 }
@@ -72,6 +67,7 @@ impl Worker {
         let columns = fronts().map(|front| front.columns).max().unwrap_or(0);
         Self {
             memory: dense::scratch(columns * D),
+            panel: Vec::new(),
             runs: Vec::with_capacity(fronts().map(Front::height).max().unwrap_or(0)),
             smallest_pivot: SmallestPivot::default(),
         }
@@ -79,17 +75,17 @@ impl Worker {
 }
 
 /// Factorises independent stretches, on all threads. If several fail, reports the first one in their order.
-pub(super) fn side_by_side<const D: usize>(
+pub(super) fn side_by_side<const D: usize, S: Stored>(
     symbolic: &Symbolic,
     stretches: &[Stretch],
     matrix: Matrix<'_, D>,
-    panels: &mut [f64],
+    panels: &mut [S],
     [even, odd]: &mut [Vec<f64>; 2],
     workers: &mut [Worker],
 ) -> Result<(), Breakdown> {
     let (mut panels, mut even, mut odd) = (Rest::new(panels), Rest::new(even), Rest::new(odd));
     let scalars = |blocks: &Range<usize>| blocks.start * D * D..blocks.end * D * D;
-    let tasks: Vec<Task<'_, D>> = stretches
+    let tasks: Vec<Task<'_, D, S>> = stretches
         .iter()
         .zip(workers)
         .map(|(stretch, worker)| {
@@ -112,17 +108,17 @@ pub(super) fn side_by_side<const D: usize>(
 }
 
 /// The rest of a vector after ranges of it were cut out in ascending order.
-struct Rest<'a> {
-    values: &'a mut [f64],
+struct Rest<'a, T> {
+    values: &'a mut [T],
     gone: usize,
 }
 
-impl<'a> Rest<'a> {
-    fn new(values: &'a mut [f64]) -> Self {
+impl<'a, T> Rest<'a, T> {
+    fn new(values: &'a mut [T]) -> Self {
         Self { values, gone: 0 }
     }
 
-    fn cut(&mut self, range: Range<usize>) -> &'a mut [f64] {
+    fn cut(&mut self, range: Range<usize>) -> &'a mut [T] {
         let (part, rest) = std::mem::take(&mut self.values).split_at_mut(range.end - self.gone);
         let part = &mut part[range.start - self.gone..];
         (self.values, self.gone) = (rest, range.end);
@@ -132,12 +128,12 @@ impl<'a> Rest<'a> {
 
 /// A stretch of fronts and its memory, for one set of vector instructions. Not a closure: a closure would not be inlined, and
 /// the functions it calls would be compiled for the baseline instruction set.
-pub(super) struct Task<'a, const D: usize> {
+pub(super) struct Task<'a, const D: usize, S> {
     pub(super) symbolic: &'a Symbolic,
     pub(super) matrix: Matrix<'a, D>,
     pub(super) fronts: &'a [usize],
     /// The factor from the scalar `panel_base` on.
-    pub(super) panels: &'a mut [f64],
+    pub(super) panels: &'a mut [S],
     pub(super) panel_base: usize,
     /// The stacks, each from a scalar on.
     pub(super) stacks: [&'a mut [f64]; 2],
@@ -145,20 +141,21 @@ pub(super) struct Task<'a, const D: usize> {
     pub(super) worker: &'a mut Worker,
 }
 
-impl<const D: usize> WithSimd for Task<'_, D> {
+impl<const D: usize, N: Stored> WithSimd for Task<'_, D, N> {
     type Output = Result<(), Breakdown>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
         let Self { symbolic, matrix, fronts, panels, panel_base, stacks, stack_bases, worker } = self;
         let Matrix { diagonal, off_diagonal, damping, floor } = matrix;
-        let Worker { memory, runs, smallest_pivot } = worker;
+        let Worker { memory, panel: workspace, runs, smallest_pivot } = worker;
         *smallest_pivot = SmallestPivot::default();
         let [even, odd] = stacks;
         for front in fronts.iter().map(|&front| &symbolic.fronts[front]) {
             let height = front.height() * D;
             let panel_start = front.panel * D * D - panel_base;
-            let panel = &mut panels[panel_start..panel_start + front.columns * D * height];
+            let stored = &mut panels[panel_start..panel_start + front.columns * D * height];
+            let (panel, stored) = N::places(stored, workspace);
             panel.fill(0.0);
             for local in 0..front.columns {
                 let mut block = diagonal[symbolic.order[front.first + local]];
@@ -211,6 +208,11 @@ impl<const D: usize> WithSimd for Task<'_, D> {
                 let pivot = view.panel[column * height + column];
                 let share = pivot * pivot / (entry + damping * entry.max(floor[component]));
                 smallest_pivot.note(SmallestPivot { share, variable, component });
+            }
+            if let Some(stored) = stored {
+                for (stored, value) in stored.iter_mut().zip(&*view.panel) {
+                    *stored = N::narrowed(*value);
+                }
             }
         }
         Ok(())

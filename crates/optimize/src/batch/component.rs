@@ -105,7 +105,7 @@ pub(super) fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     report.phases += phases;
     report.phases += workspace.phases;
     let Workspace { equations, factor, .. } = workspace;
-    (start, result, report, Some(System { pattern, equations, factor }))
+    (start, result, report, Some(System { pattern, equations, memory: factor.into_memory() }))
 }
 
 /// Whether a component has nothing to optimise.

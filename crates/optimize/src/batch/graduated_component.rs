@@ -48,7 +48,7 @@ pub(super) fn graduated_component<G: PoseGroup<DOF>, const DOF: usize>(
     }
     let (start, solved, mut report, system) =
         solve_component(&with_kernels(part, None), held, options, memory);
-    let memory = system.map(|system| system.factor.into_memory(None)).unwrap_or_default();
+    let memory = system.map(|system| system.memory).unwrap_or_default();
     let pattern = timed(&mut report.phases.analysis, || Pattern::of(part.poses().len(), held, edges));
     let magnitude = Magnitude::of(edges.iter());
     let mut workspace = Workspace::new(&pattern, magnitude, memory).with_priors(part.priors());
@@ -86,7 +86,7 @@ pub(super) fn graduated_component<G: PoseGroup<DOF>, const DOF: usize>(
     let (start, result) = best.unwrap_or_else(|| (part.poses().to_vec(), part.poses().to_vec()));
     report.phases += workspace.phases;
     let Workspace { equations, factor, .. } = workspace;
-    (start, result, report, Some(System { pattern, equations, factor }))
+    (start, result, report, Some(System { pattern, equations, memory: factor.into_memory() }))
 }
 
 impl Way {

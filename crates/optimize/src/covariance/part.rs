@@ -42,10 +42,11 @@ impl<const DOF: usize> Part<DOF> {
         priors: &[Prior<G, DOF>],
         system: System<DOF>,
     ) -> Self {
-        let System { pattern, mut equations, mut factor } = system;
+        let System { pattern, mut equations, memory } = system;
         let cost = equations.assemble(&pattern, edges, poses);
         equations.add_priors(pattern.held, priors, poses, cost);
         let Pattern { held, symbolic, .. } = pattern;
+        let mut factor = Factor::with_memory(&symbolic, memory);
         let outcome =
             factor.factorize(&symbolic, &equations.diagonal, &equations.off_diagonal, 0.0, [0.0; DOF]);
         let undetermined = match outcome {

@@ -81,7 +81,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
                 }
             }
         });
-        timed(&mut phases.substitution, || factor.solve(&pattern.symbolic, step));
+        timed(&mut phases.substitution, || factor.precondition(&pattern.symbolic, step));
         // Not <=: a length that is not a number is too long.
         if !(self.scaled_norm(&self.step) <= LONGEST * self.scaled_norm(linear)) {
             return false;

@@ -78,7 +78,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             add(&mut residual, -length, &product);
             self.step.copy_from_slice(&residual);
             let Self { factor, pattern, step, phases, .. } = self;
-            timed(&mut phases.substitution, || factor.solve(&pattern.symbolic, step));
+            timed(&mut phases.substitution, || factor.precondition(&pattern.symbolic, step));
             let next = dot(&residual, &self.step);
             if !(next > enough) {
                 break;

@@ -1,0 +1,140 @@
+//! Factors in single precision: solutions as exact as in double precision, and matrices that are too hard for them.
+
+#![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
+
+mod matrices;
+
+use matrices::{grid, matrix, unique_pairs};
+use nalgebra::{SMatrix, SVector};
+use posecut_cholesky::{Factor, Matrix, Memory, MixedFactor, Symbolic};
+use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// The largest entries of the difference of two vectors, and of the second one.
+fn apart<const D: usize>(found: &[SVector<f64, D>], expected: &[SVector<f64, D>]) -> (f64, f64) {
+    let difference = found.iter().zip(expected).map(|(found, expected)| (found - expected).amax());
+    (difference.fold(0.0, f64::max), expected.iter().map(SVector::amax).fold(0.0, f64::max))
+}
+
+/// Solves in single precision with refinement and in double precision; returns both, and whether single precision sufficed.
+fn both<const D: usize>(
+    symbolic: &Symbolic,
+    matrix: Matrix<'_, D>,
+    right: &[SVector<f64, D>],
+) -> (Vec<SVector<f64, D>>, Vec<SVector<f64, D>>, bool) {
+    let Matrix { diagonal, off_diagonal, damping, floor } = matrix;
+    let mut mixed = MixedFactor::single(symbolic);
+    let mut found = right.to_vec();
+    mixed.factorize(symbolic, matrix).unwrap();
+    mixed.solve(symbolic, matrix, &mut found).unwrap();
+    let mut double = Factor::new(symbolic);
+    let mut expected = right.to_vec();
+    double.factorize(symbolic, diagonal, off_diagonal, damping, floor).unwrap();
+    double.solve(symbolic, &mut expected);
+    (found, expected, mixed.is_single())
+}
+
+fn check<const D: usize>(variables: usize, pairs: &[(usize, usize)], seed: u64) {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let (diagonal, off_diagonal, _) = matrix::<D>(variables, pairs, &mut random);
+    let symbolic = Symbolic::new(variables, pairs, D);
+    for (damping, floor) in [(0.0, 0.0), (0.3, 2.0)] {
+        let matrix = Matrix { diagonal: &diagonal, off_diagonal: &off_diagonal, damping, floor: [floor; D] };
+        let right: Vec<SVector<f64, D>> =
+            (0..variables).map(|_| SVector::from_fn(|_, _| random.random_range(-1e3..1e3))).collect();
+        let (found, expected, is_single) = both(&symbolic, matrix, &right);
+        let (difference, largest) = apart(&found, &expected);
+        assert!(difference <= 1e-5 * largest, "{difference:e} of {largest:e}");
+        assert!(is_single);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn solutions_are_those_of_double_precision(variables in 1_usize..40, raw in proptest::collection::vec((0_usize..40, 0_usize..40), 0..120), seed: u64) {
+        let pairs = unique_pairs(variables, &raw);
+        check::<1>(variables, &pairs, seed);
+        check::<3>(variables, &pairs, seed);
+        check::<6>(variables, &pairs, seed);
+    }
+}
+
+#[test]
+fn solutions_of_grids_whose_fronts_are_large_are_those_of_double_precision() {
+    check::<6>(40 * 40, &grid(40), 1);
+}
+
+/// A chain of `count` springs of stiffness one whose first end is held by a spring of this stiffness.
+fn chain(count: usize, held_by: f64) -> (Vec<SMatrix<f64, 1, 1>>, Vec<SMatrix<f64, 1, 1>>, Symbolic) {
+    let pairs: Vec<_> = (1..count).map(|variable| (variable - 1, variable)).collect();
+    let mut diagonal = vec![SMatrix::<f64, 1, 1>::new(2.0); count];
+    diagonal[0] = SMatrix::<f64, 1, 1>::new(1.0 + held_by);
+    diagonal[count - 1] = SMatrix::<f64, 1, 1>::new(1.0);
+    let off_diagonal = vec![SMatrix::<f64, 1, 1>::new(-1.0); count - 1];
+    (diagonal, off_diagonal, Symbolic::new(count, &pairs, 1))
+}
+
+/// The weaker the hold, the nearer to singular; the softest direction is a trillionth of the stiffest one. The solution under a
+/// unit force at every node is known: the hold moves by `count / held_by`.
+#[test]
+fn soft_chains_are_solved() {
+    let count = 2000;
+    for held_by in [1.0, 1e-3, 1e-6, 1e-9] {
+        let (diagonal, off_diagonal, symbolic) = chain(count, held_by);
+        let matrix = Matrix { diagonal: &diagonal, off_diagonal: &off_diagonal, damping: 0.0, floor: [0.0] };
+        let right = vec![SVector::<f64, 1>::new(1.0); count];
+        let (found, _, is_single) = both(&symbolic, matrix, &right);
+        assert!(is_single);
+        let exact = count as f64 / held_by;
+        let error = (found[0].x / exact - 1.0).abs();
+        assert!(error < 1e-4, "held by {held_by:e}: {error:e}");
+    }
+}
+
+/// Single precision holds the factors of neither of these: they exceed its range at one end or the other.
+#[test]
+fn numbers_outside_the_range_of_single_precision_are_solved_in_double_precision() {
+    for scale in [1e-120, 1e120] {
+        let (mut diagonal, mut off_diagonal, symbolic) = chain(50, 1.0);
+        for block in diagonal.iter_mut().chain(&mut off_diagonal) {
+            *block *= scale;
+        }
+        let matrix = Matrix { diagonal: &diagonal, off_diagonal: &off_diagonal, damping: 0.0, floor: [0.0] };
+        let (found, expected, is_single) = both(&symbolic, matrix, &[SVector::<f64, 1>::new(scale); 50]);
+        assert!(!is_single);
+        assert_eq!(found, expected);
+    }
+    // Right-hand sides have no such limit.
+    let (diagonal, off_diagonal, symbolic) = chain(50, 1.0);
+    let matrix = Matrix { diagonal: &diagonal, off_diagonal: &off_diagonal, damping: 0.0, floor: [0.0] };
+    for scale in [0.0, 1e-60, 1e60] {
+        let (found, expected, is_single) = both(&symbolic, matrix, &[SVector::<f64, 1>::new(scale); 50]);
+        let (difference, largest) = apart(&found, &expected);
+        assert!(is_single && difference <= 1e-6 * largest);
+    }
+}
+
+/// Errors name the same variable as in double precision, and a matrix that is singular to working precision is seen.
+#[test]
+fn singular_and_indefinite_matrices_are_told_as_in_double_precision() {
+    let (mut diagonal, off_diagonal, symbolic) = chain(30, 0.0);
+    let mut mixed = MixedFactor::single(&symbolic);
+    let singular = Matrix { diagonal: &diagonal, off_diagonal: &off_diagonal, damping: 0.0, floor: [0.0] };
+    let outcome = mixed.factorize(&symbolic, singular);
+    assert!(outcome.is_err() || mixed.undetermined().is_some());
+    diagonal[17] = SMatrix::<f64, 1, 1>::new(-1.0);
+    let indefinite = Matrix { diagonal: &diagonal, off_diagonal: &off_diagonal, damping: 0.0, floor: [0.0] };
+    let mut mixed = MixedFactor::single(&symbolic);
+    let error = mixed.factorize(&symbolic, indefinite).unwrap_err();
+    let mut double = Factor::<1>::new(&symbolic);
+    assert_eq!(error, double.factorize(&symbolic, &diagonal, &off_diagonal, 0.0, [0.0]).unwrap_err());
+}
+
+#[test]
+fn a_small_factor_is_in_double_precision() {
+    let (_, _, symbolic) = chain(30, 1.0);
+    assert!(!MixedFactor::<1>::with_memory(&symbolic, Memory::default()).is_single());
+}
