@@ -6,7 +6,7 @@ mod matrices;
 
 use matrices::{grid, matrix, unique_pairs};
 use nalgebra::{DVector, SMatrix, SVector};
-use posecut_cholesky::{Factor, Symbolic};
+use posecut_cholesky::{Factor, SelectedInverse, Symbolic};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -88,8 +88,8 @@ fn indefinite_and_singular_matrices_are_told_by_variable() {
     factor.factorize(&symbolic, &[zero; 3], &[zero, zero], 1.0, [1.0; 2]).unwrap();
 }
 
-/// On a grid whose factorisation is divided among threads, the solution is right, and the same to the bit on any number of
-/// them.
+/// On a grid whose factorisation is divided among threads, the solution and the inverse are right, and the same to the bit on any number
+/// of them.
 #[test]
 fn threads_change_no_bit() {
     let side = 70;
@@ -112,9 +112,14 @@ fn threads_change_no_bit() {
         let mut factor = Factor::<6>::new(&symbolic);
         pool.install(|| factor.factorize(&symbolic, &diagonal, &off_diagonal, 0.0, [0.0; 6])).unwrap();
         factor.solve(&symbolic, &mut values);
-        (values, factor.smallest_pivot())
+        let (some, mut workspace) = (variables / 2, factor.workspace());
+        let column = factor.inverse_column(&symbolic, some, &[some], &mut workspace)[0];
+        let inverse = SelectedInverse::new(&symbolic, &mut factor);
+        let blocks: Vec<_> = pairs.iter().map(|&(a, b)| inverse.block(&symbolic, a, b).unwrap()).collect();
+        assert!((inverse.block(&symbolic, some, some).unwrap() - column).amax() < 1e-14);
+        (values, factor.smallest_pivot(), blocks)
     };
-    let (values, pivot) = solve(1);
+    let (values, pivot, blocks) = solve(1);
     let mut rest: Vec<SVector<f64, 6>> = values.iter().zip(&right).map(|(x, b)| x * 25.0 - b).collect();
     for (&(a, b), block) in pairs.iter().zip(&off_diagonal) {
         rest[a] += block * values[b];
@@ -122,8 +127,9 @@ fn threads_change_no_bit() {
     }
     let largest = rest.iter().map(SVector::amax).fold(0.0, f64::max);
     assert!(largest < 1e-12, "{largest}");
-    assert_eq!(solve(2), (values.clone(), pivot));
-    assert_eq!(solve(3), (values, pivot));
+    for threads in [2, 3] {
+        assert!(solve(threads) == (values.clone(), pivot, blocks.clone()), "{threads} threads");
+    }
     // If several blocks fail, in subtrees and above them, the error names the same one at any number of threads.
     for count in [1, 7, 300] {
         let mut indefinite = diagonal.clone();

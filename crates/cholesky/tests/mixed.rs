@@ -138,3 +138,29 @@ fn a_small_factor_is_in_double_precision() {
     let (_, _, symbolic) = chain(30, 1.0);
     assert!(!MixedFactor::<1>::with_memory(&symbolic, Memory::default()).is_single());
 }
+
+/// A factor whose stretches run on several threads: the solution is that of one thread to the bit.
+#[test]
+fn threads_change_no_bit() {
+    let side = 70;
+    let pairs = grid(side);
+    let variables = side * side;
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let off_diagonal: Vec<SMatrix<f64, 6, 6>> =
+        pairs.iter().map(|_| SMatrix::from_fn(|_, _| random.random_range(-1.0..1.0))).collect();
+    let diagonal = vec![SMatrix::<f64, 6, 6>::identity() * 25.0; variables];
+    let matrix = Matrix { diagonal: &diagonal, off_diagonal: &off_diagonal, damping: 0.0, floor: [0.0; 6] };
+    let right = vec![SVector::<f64, 6>::repeat(1.0); variables];
+    let solve = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let symbolic = pool.install(|| Symbolic::new(variables, &pairs, 6));
+        let (found, expected, is_single) = pool.install(|| both(&symbolic, matrix, &right));
+        let (difference, largest) = apart(&found, &expected);
+        assert!(is_single && difference <= 1e-5 * largest);
+        found
+    };
+    let one = solve(1);
+    for threads in [2, 3] {
+        assert!(solve(threads) == one, "{threads} threads");
+    }
+}
