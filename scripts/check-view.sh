@@ -14,7 +14,9 @@ if [ -z "$chromium" ] || [ ! -d "$environment/node_modules/playwright-core" ]; t
 fi
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-cargo run --quiet --release -p posecut-view --example pages -- "$folder"
+# Of the whole workspace: for one package, features differ, and its crates would be compiled again.
+cargo build --quiet --release --locked --workspace --example pages
+"${CARGO_TARGET_DIR:-target}/release/examples/pages" "$folder"
 status=0
 for page in "$folder"/*.html "$@"; do
   shots=
