@@ -15,7 +15,7 @@
 //!    A_11 = L L^T,   M = A_21 L^-T,   U = A_22 - M M^T
 //!    ```
 //! 3. [`Factor::solve`] solves `L y = P b` up the tree and `L^T x = y` down.
-//!    [`MixedFactor`] stores a very large factor in single precision and solves as exactly, by conjugate gradients.
+//!    [`MixedFactor`] stores a very large factor in single precision and solves by conjugate gradients.
 //! 4. [`SelectedInverse`] has the blocks of `A^-1` where `L` has blocks, front by front from the roots down (Takahashi, Fagan, Chen,
 //!    1973). With the rows `R` below a front's columns `J`, whose inverse the parent knows,
 //!
@@ -72,6 +72,7 @@ mod mixed;
 mod ordering;
 mod selected_inverse;
 mod symbolic;
+pub mod vectors;
 
 pub use adjacency::Adjacency;
 pub use fronts::breakdown::Breakdown;

@@ -2,8 +2,6 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::symbolic::Symbolic;
-
 /// A symmetric matrix of blocks of order `D`, with damping: `A + damping * max(diag A, floor)`.
 #[derive(Clone, Copy, Debug)]
 pub struct Matrix<'a, const D: usize> {
@@ -18,24 +16,22 @@ pub struct Matrix<'a, const D: usize> {
 }
 
 impl<const D: usize> Matrix<'_, D> {
-    /// `product = A vector`.
-    pub(crate) fn multiply(
-        &self,
-        symbolic: &Symbolic,
-        vector: &[SVector<f64, D>],
-        product: &mut [SVector<f64, D>],
-    ) {
-        for ((product, block), value) in product.iter_mut().zip(self.diagonal).zip(vector) {
-            *product = block * value;
-            for component in 0..D {
-                let entry = block[(component, component)].max(self.floor[component]);
-                product[component] += self.damping * entry * value[component];
+    /// The product with a vector. `pairs` are those of the off-diagonal blocks.
+    pub fn times(&self, pairs: &[(usize, usize)], vector: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
+        let Self { diagonal, off_diagonal, damping, floor } = *self;
+        let mut product: Vec<_> = diagonal.iter().zip(vector).map(|(block, value)| block * value).collect();
+        if damping != 0.0 {
+            for ((product, block), value) in product.iter_mut().zip(diagonal).zip(vector) {
+                for component in 0..D {
+                    let entry = block[(component, component)].max(floor[component]);
+                    product[component] += damping * entry * value[component];
+                }
             }
         }
-        for (pair, row, column) in symbolic.blocks() {
-            let block = &self.off_diagonal[pair];
-            product[row] += block * vector[column];
-            product[column] += block.tr_mul(&vector[row]);
+        for (block, &(a, b)) in off_diagonal.iter().zip(pairs) {
+            product[a] += block * vector[b];
+            product[b] += block.tr_mul(&vector[a]);
         }
+        product
     }
 }

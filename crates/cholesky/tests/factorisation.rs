@@ -4,7 +4,7 @@
 
 mod matrices;
 
-use matrices::{grid, matrix, unique_pairs};
+use matrices::{grid, large_grid, matrix, unique_pairs};
 use nalgebra::{DVector, SMatrix, SVector};
 use posecut_cholesky::{Factor, SelectedInverse, Symbolic};
 use proptest::prelude::*;
@@ -92,14 +92,9 @@ fn indefinite_and_singular_matrices_are_told_by_variable() {
 /// of them.
 #[test]
 fn threads_change_no_bit() {
-    let side = 70;
-    let pairs = grid(side);
-    let variables = side * side;
     let mut random = ChaCha8Rng::seed_from_u64(5);
-    let off_diagonal: Vec<SMatrix<f64, 6, 6>> =
-        pairs.iter().map(|_| SMatrix::from_fn(|_, _| random.random_range(-1.0..1.0))).collect();
-    // Each of the four neighbours contributes six entries of at most one to a row.
-    let diagonal = vec![SMatrix::<f64, 6, 6>::identity() * 25.0; variables];
+    let (pairs, diagonal, off_diagonal) = large_grid(&mut random);
+    let variables = diagonal.len();
     let right: Vec<SVector<f64, 6>> =
         (0..variables).map(|_| SVector::from_fn(|_, _| random.random_range(-1.0..1.0))).collect();
     let symbolic = Symbolic::new(variables, &pairs, 6);

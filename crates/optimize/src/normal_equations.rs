@@ -12,7 +12,7 @@ use posecut_geometry::LieGroup;
 use crate::model::prior::Prior;
 use crate::model::problem::Edge;
 use crate::model::residual::{Linearised, Term};
-use posecut_cholesky::{Memory, Symbolic};
+use posecut_cholesky::{Matrix, Memory, Symbolic};
 
 /// Positions of an edge's blocks.
 #[derive(Clone, Copy, Debug)]
@@ -184,12 +184,13 @@ impl<const D: usize> NormalEquations<D> {
 
     /// `H d`.
     pub(crate) fn times(&self, pattern: &Pattern, d: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
-        let mut product: Vec<_> = self.diagonal.iter().zip(d).map(|(block, d)| block * d).collect();
-        for (block, &(a, b)) in self.off_diagonal.iter().zip(&pattern.pairs) {
-            product[a] += block * d[b];
-            product[b] += block.tr_mul(&d[a]);
-        }
-        product
+        self.damped((0.0, [0.0; D])).times(&pattern.pairs, d)
+    }
+
+    /// The matrix with this damping and floor.
+    pub(crate) fn damped(&self, (damping, floor): (f64, [f64; D])) -> Matrix<'_, D> {
+        let Self { diagonal, off_diagonal, .. } = self;
+        Matrix { diagonal, off_diagonal, damping, floor }
     }
 
     /// Adds priors to the equations, of which the first `held` nodes have no variables, and returns the cost with theirs.

@@ -118,7 +118,7 @@ impl<const D: usize, S: Stored> Factor<D, S> {
     }
 
     /// A factor of no matrix.
-    pub(crate) fn empty() -> Self {
+    fn empty() -> Self {
         Self {
             panels: Vec::new(),
             stacks: [Vec::new(), Vec::new()],
@@ -142,7 +142,15 @@ impl<const D: usize, S: Stored> Factor<D, S> {
         damping: f64,
         floor: [f64; D],
     ) -> Result<(), Breakdown> {
-        let matrix = Matrix { diagonal, off_diagonal, damping, floor };
+        self.factorize_matrix(symbolic, Matrix { diagonal, off_diagonal, damping, floor })
+    }
+
+    /// The same with the parts of the matrix in one.
+    pub(crate) fn factorize_matrix(
+        &mut self,
+        symbolic: &Symbolic,
+        matrix: Matrix<'_, D>,
+    ) -> Result<(), Breakdown> {
         let Self { panels, stacks, workers, smallest_pivot, .. } = self;
         *smallest_pivot = SmallestPivot::default();
         let Some((rest, others)) = symbolic.stretches.split_last() else { return Ok(()) };

@@ -1,7 +1,7 @@
 //! Positions of the matrix's blocks in the fronts.
 
 use super::Symbolic;
-use super::front::{Entry, Front};
+use super::front::Entry;
 use crate::Adjacency;
 
 impl Symbolic {
@@ -29,19 +29,5 @@ impl Symbolic {
             }
             self.fronts[index].entries = start..self.entries.len();
         }
-    }
-
-    /// The off-diagonal blocks in the order of elimination: their numbers among the pairs, and the variables of their rows and columns.
-    pub(crate) fn blocks(&self) -> impl Iterator<Item = (usize, usize, usize)> {
-        let variable = |front: &Front, local: usize| {
-            let below = local.checked_sub(front.columns);
-            self.order[below.map_or(front.first + local, |below| self.rows[front.rows.start + below])]
-        };
-        self.fronts.iter().flat_map(move |front| {
-            self.entries[front.entries.clone()].iter().map(move |entry| {
-                let (row, column) = (variable(front, entry.row), variable(front, entry.column));
-                if entry.transposed { (entry.pair, column, row) } else { (entry.pair, row, column) }
-            })
-        })
     }
 }

@@ -59,3 +59,17 @@ pub(crate) fn grid(side: usize) -> Vec<(usize, usize)> {
     }
     pairs
 }
+
+/// Pairs, diagonal and off-diagonal blocks of a grid that is large enough for threads.
+type Large = (Vec<(usize, usize)>, Vec<SMatrix<f64, 6, 6>>, Vec<SMatrix<f64, 6, 6>>);
+
+/// A diagonally dominant matrix on a square grid whose factorisation is divided among threads.
+pub(crate) fn large_grid(random: &mut impl Rng) -> Large {
+    let side = 70;
+    let pairs = grid(side);
+    let off_diagonal =
+        pairs.iter().map(|_| SMatrix::from_fn(|_, _| random.random_range(-1.0..1.0))).collect();
+    // Each of the four neighbours contributes six entries of at most one to a row.
+    let diagonal = vec![SMatrix::identity() * 25.0; side * side];
+    (pairs, diagonal, off_diagonal)
+}

@@ -6,6 +6,7 @@
 //! definite where the exact matrix is not, and no matrix is factorised for it.
 
 use nalgebra::SVector;
+use posecut_cholesky::vectors::{add, dot};
 use posecut_geometry::{LieGroup, translations};
 
 use super::outcome::Step;
@@ -90,12 +91,4 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         }
         Some(solution)
     }
-}
-
-fn dot<const DOF: usize>(a: &[SVector<f64, DOF>], b: &[SVector<f64, DOF>]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
-}
-
-fn add<const DOF: usize>(to: &mut [SVector<f64, DOF>], factor: f64, what: &[SVector<f64, DOF>]) {
-    to.iter_mut().zip(what).for_each(|(to, what)| *to += what * factor);
 }

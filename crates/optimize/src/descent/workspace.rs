@@ -1,7 +1,7 @@
 //! Memory of the iteration, and the operations that all step methods share: equations, steps, and trials.
 
 use nalgebra::{SMatrix, SVector};
-use posecut_cholesky::{Matrix, Memory, MixedFactor};
+use posecut_cholesky::{Memory, MixedFactor};
 use posecut_geometry::{LieGroup, translations};
 
 use super::outcome::Step;
@@ -115,7 +115,7 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         self.damping = (damping, self.damping_floor());
         self.is_factorised = true;
         let Self { factor, equations, pattern, phases, .. } = self;
-        let matrix = matrix(equations, self.damping);
+        let matrix = equations.damped(self.damping);
         if let Err(breakdown) =
             timed(&mut phases.factorisation, || factor.factorize(&pattern.symbolic, matrix))
         {
@@ -142,13 +142,13 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
             *step = -gradient;
         }
         let Self { factor, equations, pattern, step, phases, .. } = self;
-        let matrix = self.is_factorised.then(|| matrix(equations, self.damping));
+        let matrix = self.is_factorised.then(|| equations.damped(self.damping));
         timed(&mut phases.substitution, || {
             let Some(matrix) = matrix else {
                 factor.precondition(&pattern.symbolic, step);
                 return Ok(());
             };
-            factor.solve(&pattern.symbolic, matrix, step)
+            factor.solve(&pattern.symbolic, &pattern.pairs, matrix, step)
         })
         .ok()?;
         self.full_step()
@@ -227,15 +227,6 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         let of_edges: f64 = edges.iter().map(|edge| edge.rounding(poses)).sum();
         self.priors.iter().fold(of_edges, |sum, prior| sum + prior.rounding(&poses[prior.node]))
     }
-}
-
-/// The matrix of the equations with damping.
-fn matrix<const DOF: usize>(
-    equations: &NormalEquations<DOF>,
-    (damping, floor): (f64, [f64; DOF]),
-) -> Matrix<'_, DOF> {
-    let NormalEquations { diagonal, off_diagonal, .. } = equations;
-    Matrix { diagonal, off_diagonal, damping, floor }
 }
 
 #[cfg(test)]
