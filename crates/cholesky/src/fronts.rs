@@ -12,12 +12,13 @@ mod dense;
 mod extend_add;
 pub(crate) mod factor;
 mod large_front;
+mod product;
 pub(crate) mod stored;
 pub(crate) mod substitution;
 mod task;
 mod view;
 
-pub use dense::{eliminate, products, scratch};
+pub use dense::{Scratch, eliminate, products, scratch};
 pub use extend_add::{Run, extend_add, push_rows};
 pub use stored::Stored;
 pub use view::FrontView;

@@ -5,11 +5,11 @@
     reason = "loops take the vector instructions of the caller they are inlined into"
 )]
 
-use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::SMatrix;
+use pulp::{Arch, Simd, WithSimd};
 
 use crate::fronts::factor::Factor;
-use crate::fronts::substitution::{backward, forward};
+use crate::fronts::substitution::{Places, backward, forward};
 use crate::symbolic::Symbolic;
 
 /// The working memory of solves along the elimination tree: a right-hand side, and the rows of one front.
@@ -73,11 +73,12 @@ impl<const D: usize> WithSimd for Along<'_, D> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { symbolic, own, all, panels, values, local } = self;
+        let mut places = Places { symbolic, first: 0, own: values, top: &mut [] };
         for &front in own {
-            forward::<D, f64>(symbolic, &symbolic.fronts[front], panels, values, local);
+            forward::<D, f64>(&symbolic.fronts[front], panels, &mut places, local);
         }
         for &front in all.iter().rev() {
-            backward::<D, f64>(symbolic, &symbolic.fronts[front], panels, values, local);
+            backward::<D, f64>(&symbolic.fronts[front], panels, &mut places, local);
         }
     }
 }

@@ -79,6 +79,6 @@ pub use fronts::breakdown::Breakdown;
 pub use fronts::factor::{Factor, Memory, SINGULAR};
 pub use inverse_column::Workspace;
 pub use matrix::Matrix;
-pub use mixed::MixedFactor;
+pub use mixed::{End, MixedFactor};
 pub use selected_inverse::SelectedInverse;
 pub use symbolic::Symbolic;

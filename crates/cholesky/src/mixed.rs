@@ -9,6 +9,7 @@ use nalgebra::SVector;
 
 use crate::fronts::breakdown::Breakdown;
 use crate::fronts::factor::{Factor, Memory};
+use crate::fronts::stored::Stored;
 use crate::matrix::Matrix;
 use crate::symbolic::Symbolic;
 use crate::vectors::{add, dot};
@@ -17,7 +18,7 @@ use crate::vectors::{add, dot};
 /// solve is faster than the two or three of a solution by conjugate gradients.
 const LARGE: u64 = 4 << 30;
 
-/// The iteration ends when the residual's square, in the norm of the preconditioner, is below this share of the right-hand side's: a
+/// The iteration ends when the residual's square, in the norm of the preconditioner, is below this share of the solution's: a
 /// ten-thousandth of a Gauss-Newton step is far below what its linear model knows.
 const REDUCTION: f64 = 1e-8;
 
@@ -109,7 +110,9 @@ impl<const D: usize> MixedFactor<D> {
         values: &mut [SVector<f64, D>],
     ) -> Result<(), Breakdown> {
         if let Self::Single(factor) = self {
-            if conjugate_gradients(factor, symbolic, pairs, matrix, values) {
+            let end = End { iterations: ITERATIONS, left: REDUCTION, enough: 0.0 };
+            let iteration = Iteration { symbolic, pairs, matrix, end };
+            if iteration.solve(factor, values).is_some() {
                 return Ok(());
             }
             *self = Self::Double(Factor::new(symbolic));
@@ -118,43 +121,92 @@ impl<const D: usize> MixedFactor<D> {
         self.precondition(symbolic, values);
         Ok(())
     }
+
+    /// Solves `A x = b` approximately for another matrix with the same pattern, by conjugate gradients with this factor as the
+    /// preconditioner; `values` holds `b` and becomes `x`.
+    ///
+    /// Returns the residual's square in the norm of the preconditioner, an estimate of how much `b^T x` would still grow, or `None`, with
+    /// `values` as they were, if more iterations than allowed would be needed.
+    pub fn iterate(
+        &mut self,
+        symbolic: &Symbolic,
+        pairs: &[(usize, usize)],
+        matrix: Matrix<'_, D>,
+        values: &mut [SVector<f64, D>],
+        end: End,
+    ) -> Option<f64> {
+        let iteration = Iteration { symbolic, pairs, matrix, end };
+        match self {
+            Self::Double(factor) => iteration.solve(factor, values),
+            Self::Single(factor) => iteration.solve(factor, values),
+        }
+    }
 }
 
-/// Solves `A x = b`; `values` holds `b` and becomes `x`. Returns false, and leaves `values` as it is, if that takes too many iterations.
-fn conjugate_gradients<const D: usize>(
-    factor: &mut Factor<D, f32>,
-    symbolic: &Symbolic,
-    pairs: &[(usize, usize)],
-    matrix: Matrix<'_, D>,
-    values: &mut [SVector<f64, D>],
-) -> bool {
-    let mut residual = values.to_vec();
-    let mut direction = residual.clone();
-    factor.solve(symbolic, &mut direction);
-    let mut square = dot(&residual, &direction);
-    let mut solution = vec![SVector::zeros(); values.len()];
-    let enough = REDUCTION * square;
-    let mut preconditioned = Vec::new();
-    for _ in 0..ITERATIONS {
-        if square <= enough {
-            values.copy_from_slice(&solution);
-            return true;
-        }
-        let product = matrix.times(pairs, &direction);
-        let length = square / dot(&direction, &product);
-        if !(length > 0.0 && length.is_finite()) {
-            return false;
-        }
-        add(&mut solution, length, &direction);
-        add(&mut residual, -length, &product);
-        preconditioned.clone_from(&residual);
-        factor.solve(symbolic, &mut preconditioned);
-        let next = dot(&residual, &preconditioned);
-        let share = next / square;
-        for (direction, preconditioned) in direction.iter_mut().zip(&preconditioned) {
-            *direction = preconditioned + *direction * share;
-        }
-        square = next;
+/// When conjugate gradients end. `b^T x` grows from iteration to iteration; for the normal equations of a step it is the decrease of the
+/// cost that their model promises.
+#[derive(Clone, Copy, Debug)]
+pub struct End {
+    /// The most iterations.
+    pub iterations: usize,
+    /// The share of `b^T x` that the residual's square in the norm of the preconditioner may be.
+    pub left: f64,
+    /// The value that `b^T x` and this square together need not reach.
+    pub enough: f64,
+}
+
+impl End {
+    fn is_reached(&self, decrease: f64, square: f64) -> bool {
+        square == 0.0
+            || square <= self.left * decrease
+            || (decrease > 0.0 && decrease + square <= self.enough)
     }
-    false
+}
+
+/// Conjugate gradients on a matrix with a factor of it, or of one like it, as the preconditioner.
+struct Iteration<'a, const D: usize> {
+    symbolic: &'a Symbolic,
+    pairs: &'a [(usize, usize)],
+    matrix: Matrix<'a, D>,
+    end: End,
+}
+
+impl<const D: usize> Iteration<'_, D> {
+    /// As [`MixedFactor::iterate`].
+    fn solve<S: Stored>(&self, factor: &mut Factor<D, S>, values: &mut [SVector<f64, D>]) -> Option<f64> {
+        let Self { symbolic, pairs, matrix, end } = *self;
+        let mut residual = values.to_vec();
+        let mut direction = residual.clone();
+        factor.solve(symbolic, &mut direction);
+        let mut square = dot(&residual, &direction);
+        let mut solution = vec![SVector::zeros(); values.len()];
+        let mut decrease = 0.0;
+        let mut preconditioned = Vec::new();
+        for _ in 0..end.iterations {
+            if end.is_reached(decrease, square) {
+                break;
+            }
+            let product = matrix.times(pairs, &direction);
+            let length = square / dot(&direction, &product);
+            if !(length > 0.0 && length.is_finite()) {
+                return None;
+            }
+            decrease += length * square;
+            add(&mut solution, length, &direction);
+            add(&mut residual, -length, &product);
+            preconditioned.clone_from(&residual);
+            factor.solve(symbolic, &mut preconditioned);
+            let next = dot(&residual, &preconditioned);
+            let share = next / square;
+            for (direction, preconditioned) in direction.iter_mut().zip(&preconditioned) {
+                *direction = preconditioned + *direction * share;
+            }
+            square = next;
+        }
+        if !end.is_reached(decrease, square) {
+            return None;
+        }
+        values.copy_from_slice(&solution);
+        Some(square)
+    }
 }

@@ -23,6 +23,7 @@ use front::{Entry, front_flops};
 use supernodes::{Supernode, amalgamate, maximal};
 
 pub(crate) use front::{Front, NO_PARENT, Stretch};
+pub(crate) use subtrees::Subtree;
 
 /// If minimum degree needs more operations than this, nested dissection is tried too. Its analysis takes several times as
 /// long, which a cheap factorisation would not pay back.
@@ -46,6 +47,9 @@ pub struct Symbolic {
     pub(crate) stack_blocks: [usize; 2],
     /// Stretches that threads may factorise in parallel; the last one is the rest, which comes after all others.
     pub(crate) stretches: Vec<Stretch>,
+    pub(crate) subtrees: Vec<Subtree>,
+    /// The fronts above all subtrees, children before parents.
+    pub(crate) top: Vec<usize>,
     flops: f64,
 }
 
@@ -75,7 +79,10 @@ impl Symbolic {
         symbolic.link_parents();
         let work: Vec<f64> = symbolic.fronts.iter().map(|front| front_flops(front, block)).collect();
         symbolic.flops = work.iter().sum();
-        symbolic.place_updates(&subtrees::independent(&symbolic.fronts, &work));
+        let subtrees = subtrees::independent(&symbolic.fronts, &work);
+        symbolic.divide(&subtrees);
+        // A single thread reuses the memory of one subtree for the next. The numbers in a front are the same in both cases.
+        symbolic.place_updates(if rayon::current_num_threads() < 2 { &[] } else { &subtrees });
         symbolic.place_entries(pairs, &position);
         symbolic.position = position;
         symbolic
@@ -95,6 +102,8 @@ impl Symbolic {
             panel_blocks: 0,
             stack_blocks: [0, 0],
             stretches: Vec::new(),
+            subtrees: Vec::new(),
+            top: Vec::new(),
             flops: 0.0,
             order,
         };

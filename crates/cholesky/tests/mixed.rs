@@ -6,7 +6,7 @@ mod matrices;
 
 use matrices::{grid, large_grid, matrix, unique_pairs};
 use nalgebra::{SMatrix, SVector};
-use posecut_cholesky::{Factor, Matrix, Memory, MixedFactor, Symbolic};
+use posecut_cholesky::{End, Factor, Matrix, Memory, MixedFactor, Symbolic};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -164,5 +164,50 @@ fn threads_change_no_bit() {
     let one = solve(1);
     for threads in [2, 3] {
         assert!(solve(threads) == one, "{threads} threads");
+    }
+}
+
+/// A factor solves with a matrix that differs from its own, and says how much is left; with too few iterations it changes nothing.
+#[test]
+fn a_factor_solves_with_another_matrix() {
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let pairs = grid(9);
+    let variables = 81;
+    let (diagonal, off_diagonal, _) = matrix::<3>(variables, &pairs, &mut random);
+    let stiffer: Vec<_> = diagonal
+        .iter()
+        .map(|block| {
+            block + SMatrix::from_diagonal(&SVector::from([0.5, 0.0, 2.0]).component_mul(&block.diagonal()))
+        })
+        .collect();
+    let symbolic = Symbolic::new(variables, &pairs, 3);
+    let other = Matrix { diagonal: &diagonal, off_diagonal: &off_diagonal, damping: 0.0, floor: [0.0; 3] };
+    let own = Matrix { diagonal: &stiffer, ..other };
+    let right = vec![SVector::<f64, 3>::repeat(1.0); variables];
+    for mut factor in [MixedFactor::single(&symbolic), MixedFactor::with_memory(&symbolic, Memory::default())]
+    {
+        factor.factorize(&symbolic, own).unwrap();
+        let mut values = right.clone();
+        let few = End { iterations: 1, left: 1e-12, enough: 0.0 };
+        assert!(factor.iterate(&symbolic, &pairs, other, &mut values, few).is_none() && values == right);
+        let mut expected = right.clone();
+        let mut exact = Factor::<3>::new(&symbolic);
+        exact.factorize(&symbolic, &diagonal, &off_diagonal, 0.0, [0.0; 3]).unwrap();
+        exact.solve(&symbolic, &mut expected);
+        let decrease = |values: &[SVector<f64, 3>]| -> f64 { values.iter().map(SVector::sum).sum() };
+        for left in [1e-2, 1e-6, 1e-12] {
+            let mut values = right.clone();
+            let end = End { iterations: 100, left, enough: 0.0 };
+            let rest = factor.iterate(&symbolic, &pairs, other, &mut values, end).unwrap();
+            let missing = decrease(&expected) - decrease(&values);
+            assert!(
+                rest <= left * decrease(&values) && missing < 10.0 * left * decrease(&expected),
+                "{left}"
+            );
+        }
+        // Enough is enough.
+        let mut values = right.clone();
+        let end = End { iterations: 2, left: 0.0, enough: 10.0 * decrease(&expected) };
+        assert!(factor.iterate(&symbolic, &pairs, other, &mut values, end).is_some());
     }
 }

@@ -7,11 +7,10 @@
 
 use std::collections::HashMap;
 
-use faer::dyn_stack::MemBuffer;
 use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::{SMatrix, SVector};
 use posecut_cholesky::SINGULAR;
-use posecut_cholesky::fronts::{FrontView, Run, eliminate, extend_add, push_rows, scratch};
+use posecut_cholesky::fronts::{FrontView, Run, Scratch, eliminate, extend_add, push_rows, scratch};
 use posecut_geometry::translations;
 use posecut_optimize::model::Linearised;
 
@@ -67,7 +66,7 @@ pub(crate) struct Elimination<const D: usize> {
     /// Stamp of the clique for which a node's `place` was set.
     clique: Vec<usize>,
     stamp: usize,
-    scratch: MemBuffer,
+    scratch: Scratch,
     scratch_columns: usize,
     diagonal: Vec<f64>,
     held: Vec<bool>,

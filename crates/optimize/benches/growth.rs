@@ -33,7 +33,7 @@ fn measure<G: PoseGroup<DOF>, const DOF: usize>(kind: &str, (truth, edges): Grap
     println!(
         "{{\"kind\":\"{kind}\",\"poses\":{poses},\"edges\":{count},\"seconds\":{seconds:.4},\"iterations\":{},\
          \"factorizations\":{},\"factor_blocks\":{},\"factor_megabytes\":{:.1},\"peak_megabytes\":{:.0},\"start\":\"{}\",\
-         \"chi_square_per_freedom\":{:.4},\"error_metres\":{error:.3},\"converged\":{}}}",
+         \"chi_square_per_freedom\":{:.14},\"error_metres\":{error:.3},\"converged\":{}}}",
         solution.iterations,
         report.factorizations,
         report.factor_blocks,

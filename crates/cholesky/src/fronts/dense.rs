@@ -7,32 +7,61 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Accum, MatMut, Par};
+use faer::{MatMut, Par};
 
 use super::large_front;
+use super::product::{self, Rows, Target};
 use super::stored::Stored;
 use super::view::FrontView;
 
-/// From this number of operations on, faer's kernels, which choose vector instructions at run time, are worth their entry
-/// cost.
+/// From this number of operations on, kernels that copy their operands to panels are worth that, and their calls.
 const LARGE_FRONT: usize = 60_000;
 
 /// From this number of operations on, a front is divided among threads. Only the front decides, not the number of threads,
 /// since the two methods round differently.
 const LARGEST_FRONT: usize = 40_000_000;
 
+/// Working memory of the dense kernels.
+pub struct Scratch {
+    pub(super) cholesky: MemBuffer,
+    pub(super) panels: Vec<f64>,
+}
+
+impl Scratch {
+    /// Reserves memory for the panels of products.
+    pub(super) fn with_panels(mut self, size: usize) -> Self {
+        self.panels.reserve(size);
+        self
+    }
+}
+
+/// How much memory for panels elimination of a front takes: none for a small one.
+pub(super) fn panel_size(height: usize, columns: usize) -> usize {
+    if operations(columns, height - columns) < LARGE_FRONT { 0 } else { product::panel_size(height, columns) }
+}
+
+fn operations(columns: usize, below: usize) -> usize {
+    columns * (columns * columns / 3 + columns * below + below * below)
+}
+
+impl std::fmt::Debug for Scratch {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.debug_struct("Scratch").finish_non_exhaustive()
+    }
+}
+
 /// Working memory of the dense kernels for fronts of up to `columns` eliminated columns.
-pub fn scratch(columns: usize) -> MemBuffer {
-    MemBuffer::new(cholesky_in_place_scratch::<f64>(columns, Par::Seq, faer::prelude::default()))
+pub fn scratch(columns: usize) -> Scratch {
+    let cholesky =
+        MemBuffer::new(cholesky_in_place_scratch::<f64>(columns, Par::Seq, faer::prelude::default()));
+    Scratch { cholesky, panels: Vec::new() }
 }
 
 /// Eliminates the columns of a front. On failure returns the column whose pivot was not positive.
 #[inline(always)]
-pub fn eliminate<const D: usize>(front: FrontView<'_>, memory: &mut MemBuffer) -> Result<(), usize> {
-    let (columns, below) = (front.columns, front.below());
-    let operations = columns * (columns * columns / 3 + columns * below + below * below);
+pub fn eliminate<const D: usize>(front: FrontView<'_>, memory: &mut Scratch) -> Result<(), usize> {
+    let operations = operations(front.columns, front.below());
     if operations < LARGE_FRONT {
         eliminate_small::<D>(front)
     } else if operations < LARGEST_FRONT {
@@ -42,28 +71,20 @@ pub fn eliminate<const D: usize>(front: FrontView<'_>, memory: &mut MemBuffer) -
     }
 }
 
-/// Eliminates the columns of a front by faer's dense kernels.
-pub(super) fn eliminate_large(front: FrontView<'_>, memory: &mut MemBuffer) -> Result<(), usize> {
+/// Eliminates the columns of a front: faer factorises the diagonal block and solves for the rows below it, [`product`] does the rest.
+pub(super) fn eliminate_large(front: FrontView<'_>, memory: &mut Scratch) -> Result<(), usize> {
     let below = front.below();
     let FrontView { panel, height, columns, update, fresh } = front;
-    let (mut diagonal, mut rest) =
-        MatMut::from_column_major_slice_mut(panel, height, columns).split_at_row_mut(columns);
-    let stack = MemStack::new(memory);
+    let (mut diagonal, rest) =
+        MatMut::from_column_major_slice_mut(&mut *panel, height, columns).split_at_row_mut(columns);
+    let stack = MemStack::new(&mut memory.cholesky);
     cholesky_in_place(diagonal.as_mut(), faer::prelude::default(), Par::Seq, stack, faer::prelude::default())
         .map_err(|faer::linalg::cholesky::llt::factor::LltError::NonPositivePivot { index }| index)?;
     if below > 0 {
-        solve_lower_triangular_in_place(diagonal.as_ref(), rest.as_mut().transpose_mut(), Par::Seq);
-        matmul(
-            MatMut::from_column_major_slice_mut(update, below, below),
-            BlockStructure::TriangularLower,
-            if fresh { Accum::Replace } else { Accum::Add },
-            rest.as_ref(),
-            BlockStructure::Rectangular,
-            rest.as_ref().transpose(),
-            BlockStructure::Rectangular,
-            -1.0,
-            Par::Seq,
-        );
+        solve_lower_triangular_in_place(diagonal.as_ref(), rest.transpose_mut(), Par::Seq);
+        let mut target = Target { values: update, height: below, first: 0, fresh };
+        let rows = Rows { values: panel, height, first: columns };
+        product::subtract(&mut target, rows, &mut memory.panels, false);
     }
     Ok(())
 }

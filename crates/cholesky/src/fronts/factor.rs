@@ -1,10 +1,11 @@
 //! The numeric phase: multifrontal factorisation and triangular solves.
 
-use faer::traits::pulp::Arch;
 use nalgebra::SMatrix;
+use pulp::Arch;
 
 use super::breakdown::Breakdown;
 use super::stored::Stored;
+use super::substitution::Solver;
 use super::task::{SmallestPivot, Task, Worker, side_by_side};
 use crate::matrix::Matrix;
 use crate::selected_inverse::SelectedInverse;
@@ -26,6 +27,8 @@ pub struct Factor<const D: usize, S = f64> {
     pub(crate) permuted: Vec<f64>,
     /// A front's rows of a vector.
     pub(crate) local: Vec<f64>,
+    /// One for each subtree.
+    pub(super) solvers: Vec<Solver>,
     smallest_pivot: SmallestPivot,
 }
 
@@ -85,6 +88,7 @@ impl<const D: usize> Factor<D> {
         std::mem::swap(&mut self.workers, &mut other.workers);
         std::mem::swap(&mut self.permuted, &mut other.permuted);
         std::mem::swap(&mut self.local, &mut other.local);
+        std::mem::swap(&mut self.solvers, &mut other.solvers);
     }
 
     /// The memory of this factor, and of an inverse computed from it.
@@ -113,6 +117,7 @@ impl<const D: usize, S: Stored> Factor<D, S> {
             workers: symbolic.stretches.iter().map(|stretch| Worker::new::<D>(symbolic, stretch)).collect(),
             permuted: vec![0.0; symbolic.variables() * D],
             local: vec![0.0; height * D],
+            solvers: symbolic.subtrees.iter().map(|subtree| Solver::new::<D>(symbolic, subtree)).collect(),
             smallest_pivot: SmallestPivot::default(),
         }
     }
@@ -126,6 +131,7 @@ impl<const D: usize, S: Stored> Factor<D, S> {
             workers: Vec::new(),
             permuted: Vec::new(),
             local: Vec::new(),
+            solvers: Vec::new(),
             smallest_pivot: SmallestPivot::default(),
         }
     }

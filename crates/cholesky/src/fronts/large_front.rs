@@ -3,14 +3,13 @@
 //! Right-looking by blocks of columns. A thread takes strips of fixed size, so that every number is the same sum in the same
 //! order at any number of threads.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::dyn_stack::MemStack;
 use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place};
-use faer::linalg::matmul::matmul;
-use faer::linalg::matmul::triangular::{BlockStructure, matmul as triangular_matmul};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Accum, MatMut, MatRef, Par};
-use rayon::prelude::*;
+use faer::{MatMut, MatRef, Par};
 
+use super::dense::Scratch;
+use super::product::{self, Rows, Target};
 use super::view::FrontView;
 
 /// Columns eliminated at a time. One thread factorises the diagonal block, so wider blocks leave the other threads idle;
@@ -21,7 +20,7 @@ const BLOCK: usize = 128;
 const STRIP: usize = 192;
 
 /// As `dense::eliminate`, up to rounding.
-pub(super) fn eliminate(front: FrontView<'_>, memory: &mut MemBuffer) -> Result<(), usize> {
+pub(super) fn eliminate(front: FrontView<'_>, memory: &mut Scratch) -> Result<(), usize> {
     let below = front.below();
     let FrontView { panel, height, columns, update, fresh } = front;
     for start in (0..columns).step_by(BLOCK) {
@@ -29,7 +28,7 @@ pub(super) fn eliminate(front: FrontView<'_>, memory: &mut MemBuffer) -> Result<
         let (done, later) = panel.split_at_mut((start + width) * height);
         let block = MatMut::from_column_major_slice_mut(&mut done[start * height..], height, width);
         let (mut diagonal, rest) = block.split_at_row_mut(start).1.split_at_row_mut(width);
-        let stack = MemStack::new(memory);
+        let stack = MemStack::new(&mut memory.cholesky);
         cholesky_in_place(
             diagonal.as_mut(),
             faer::prelude::default(),
@@ -39,12 +38,13 @@ pub(super) fn eliminate(front: FrontView<'_>, memory: &mut MemBuffer) -> Result<
         )
         .map_err(|LltError::NonPositivePivot { index }| start + index)?;
         solve_by_strips(diagonal.as_ref(), rest);
-        let block = MatRef::from_column_major_slice(&done[start * height..], height, width);
-        subtract_products(later, height, start + width, block, Accum::Add);
+        let rows = Rows { values: &done[start * height..], height, first: start + width };
+        let mut target = Target { values: later, height, first: start + width, fresh: false };
+        product::subtract(&mut target, rows, &mut memory.panels, true);
     }
-    let panel = MatRef::from_column_major_slice(panel, height, columns);
-    let accumulate = if fresh { Accum::Replace } else { Accum::Add };
-    subtract_products(update, below, 0, panel.split_at_row(columns).1, accumulate);
+    let rows = Rows { values: panel, height, first: columns };
+    let mut target = Target { values: update, height: below, first: 0, fresh };
+    product::subtract(&mut target, rows, &mut memory.panels, true);
     Ok(())
 }
 
@@ -60,39 +60,6 @@ fn solve_by_strips(diagonal: MatRef<'_, f64>, rest: MatMut<'_, f64>) {
     let half = (rows / STRIP).div_ceil(2) * STRIP;
     let (first, second) = rest.split_at_row_mut(half);
     rayon::join(|| solve_by_strips(diagonal, first), || solve_by_strips(diagonal, second));
-}
-
-/// `target[i, j] -= sum over columns k of source[i, k] source[j, k]` on and below the diagonal: the target's first column is
-/// column `first` of a matrix whose rows are those of the source. Values above the diagonal are undefined.
-fn subtract_products(
-    target: &mut [f64],
-    height: usize,
-    first: usize,
-    source: MatRef<'_, f64>,
-    accumulate: Accum,
-) {
-    if height == 0 {
-        return;
-    }
-    target.par_chunks_mut(STRIP * height).enumerate().for_each(|(index, strip)| {
-        let start = first + index * STRIP;
-        let width = strip.len() / height;
-        let strip = MatMut::from_column_major_slice_mut(strip, height, width).split_at_row_mut(start).1;
-        let (corner, rest) = strip.split_at_row_mut(width);
-        let (own, others) = source.split_at_row(start).1.split_at_row(width);
-        triangular_matmul(
-            corner,
-            BlockStructure::TriangularLower,
-            accumulate,
-            own,
-            BlockStructure::Rectangular,
-            own.transpose(),
-            BlockStructure::Rectangular,
-            -1.0,
-            Par::Seq,
-        );
-        matmul(rest, accumulate, others, own.transpose(), -1.0, Par::Seq);
-    });
 }
 
 #[cfg(test)]

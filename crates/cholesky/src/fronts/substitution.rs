@@ -5,31 +5,118 @@
     reason = "loops take the vector instructions of the caller they are inlined into"
 )]
 
-use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::SVector;
+use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
 
 use super::dense::{products, subtract_columns};
 use super::factor::Factor;
 use super::stored::Stored;
-use crate::symbolic::{Front, Symbolic};
+use super::task::Rest;
+use crate::symbolic::{Front, Subtree, Symbolic};
+
+/// The working memory of one subtree's solves.
+pub(super) struct Solver {
+    /// Values of the top's variables: in the forward solve, what the subtree adds to them; in the backward solve, a copy.
+    top: Vec<f64>,
+    local: Vec<f64>,
+}
+
+impl Solver {
+    pub(super) fn new<const D: usize>(symbolic: &Symbolic, subtree: &Subtree) -> Self {
+        let height = symbolic.fronts[subtree.fronts.clone()].iter().map(Front::height).max().unwrap_or(0);
+        Self { top: vec![0.0; symbolic.top_variables() * D], local: vec![0.0; height * D] }
+    }
+}
 
 impl<const D: usize, S: Stored> Factor<D, S> {
-    /// Solves `A x = b`; `values` holds `b` and becomes `x`.
+    /// Solves `A x = b`; `values` holds `b` and becomes `x`. Subtrees run in parallel, whatever the number of threads.
     pub fn solve(&mut self, symbolic: &Symbolic, values: &mut [SVector<f64, D>]) {
         for (value, &variable) in self.permuted.chunks_exact_mut(D).zip(&symbolic.order) {
             value.copy_from_slice(values[variable].as_slice());
         }
-        Arch::new().dispatch(Substitute { factor: self, symbolic });
+        let Self { panels, permuted, local, solvers, .. } = self;
+        for solver in solvers.iter_mut() {
+            solver.top.fill(0.0);
+        }
+        by_subtrees::<D, S>(symbolic, panels, permuted, solvers, Direction::Forward);
+        let top_values = |front: &Front| front.first * D..(front.first + front.columns) * D;
+        let own_top = |front: &Front| {
+            let start = symbolic.top_index(front.first) * D;
+            start..start + front.columns * D
+        };
+        for solver in &*solvers {
+            for front in symbolic.top.iter().map(|&front| &symbolic.fronts[front]) {
+                let sums = &mut permuted[top_values(front)];
+                for (sum, value) in sums.iter_mut().zip(&solver.top[own_top(front)]) {
+                    *sum += value;
+                }
+            }
+        }
+        for direction in [Direction::Forward, Direction::Backward] {
+            let places = Places { symbolic, first: 0, own: permuted, top: &mut [] };
+            Arch::new().dispatch(Substitute::<D, S> {
+                fronts: &symbolic.top,
+                direction,
+                panels,
+                places,
+                local,
+            });
+        }
+        for solver in solvers.iter_mut() {
+            for front in symbolic.top.iter().map(|&front| &symbolic.fronts[front]) {
+                solver.top[own_top(front)].copy_from_slice(&permuted[top_values(front)]);
+            }
+        }
+        by_subtrees::<D, S>(symbolic, panels, permuted, solvers, Direction::Backward);
         for (value, &variable) in self.permuted.chunks_exact(D).zip(&symbolic.order) {
             values[variable].as_mut_slice().copy_from_slice(value);
         }
     }
 }
 
-/// Both triangular solves for one set of vector instructions. Not a closure: a closure would not be inlined.
+/// One of the triangular solves in all subtrees.
+fn by_subtrees<const D: usize, S: Stored>(
+    symbolic: &Symbolic,
+    panels: &[S],
+    values: &mut [f64],
+    solvers: &mut [Solver],
+    direction: Direction,
+) {
+    if solvers.is_empty() {
+        // The thread pool is not entered for nothing.
+        return;
+    }
+    let mut values = Rest::new(values);
+    let tasks: Vec<_> = symbolic
+        .subtrees
+        .iter()
+        .zip(solvers)
+        .map(|(subtree, Solver { top, local })| {
+            let first = subtree.positions.start;
+            let own = values.cut(first * D..subtree.positions.end * D);
+            let places = Places { symbolic, first, own, top };
+            Substitute::<D, S> { fronts: &subtree.order, direction, panels, places, local }
+        })
+        .collect();
+    tasks.into_par_iter().for_each(|task| Arch::new().dispatch(task));
+}
+
+/// The first or the second triangular solve.
+#[derive(Clone, Copy)]
+enum Direction {
+    Forward,
+    Backward,
+}
+
+/// A triangular solve of some fronts for one set of vector instructions. Not a closure: a closure would not be inlined.
 struct Substitute<'a, const D: usize, S> {
-    factor: &'a mut Factor<D, S>,
-    symbolic: &'a Symbolic,
+    /// Children before parents.
+    fronts: &'a [usize],
+    direction: Direction,
+    panels: &'a [S],
+    places: Places<'a>,
+    local: &'a mut [f64],
 }
 
 impl<const D: usize, N: Stored> WithSimd for Substitute<'_, D, N> {
@@ -37,13 +124,49 @@ impl<const D: usize, N: Stored> WithSimd for Substitute<'_, D, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Factor { panels, permuted, local, .. } = self.factor;
-        for front in &self.symbolic.fronts {
-            forward::<D, N>(self.symbolic, front, panels, permuted, local);
+        let Self { fronts, direction, panels, mut places, local } = self;
+        let symbolic = places.symbolic;
+        match direction {
+            Direction::Forward => {
+                for &front in fronts {
+                    forward::<D, N>(&symbolic.fronts[front], panels, &mut places, local);
+                }
+            }
+            Direction::Backward => {
+                for &front in fronts.iter().rev() {
+                    backward::<D, N>(&symbolic.fronts[front], panels, &mut places, local);
+                }
+            }
         }
-        for front in self.symbolic.fronts.iter().rev() {
-            backward::<D, N>(self.symbolic, front, panels, permuted, local);
+    }
+}
+
+/// The values that fronts read and write: a vector's part from the variable at `first` on, and those of the tree's top where
+/// that part does not reach it.
+pub(crate) struct Places<'a> {
+    pub(crate) symbolic: &'a Symbolic,
+    pub(crate) first: usize,
+    pub(crate) own: &'a mut [f64],
+    pub(crate) top: &'a mut [f64],
+}
+
+impl Places<'_> {
+    /// The values of the variable at this position.
+    #[inline(always)]
+    fn at<const D: usize>(&mut self, position: usize) -> &mut [f64] {
+        let start = (position - self.first) * D;
+        if start < self.own.len() {
+            &mut self.own[start..start + D]
+        } else {
+            let start = self.symbolic.top_index(position) * D;
+            &mut self.top[start..start + D]
         }
+    }
+
+    /// The values of a front's own variables.
+    #[inline(always)]
+    fn of<const D: usize>(&mut self, front: &Front) -> &mut [f64] {
+        &mut self.own[(front.first - self.first) * D..][..front.columns * D]
     }
 }
 
@@ -52,13 +175,13 @@ impl<const D: usize, N: Stored> WithSimd for Substitute<'_, D, N> {
 fn open<'a, const D: usize, S: Stored>(
     front: &Front,
     panels: &'a [S],
-    x: &[f64],
+    places: &mut Places<'_>,
     local: &'a mut [f64],
 ) -> (&'a [S], &'a mut [f64]) {
     let height = front.height() * D;
     let columns = front.columns * D;
     let local = &mut local[..height];
-    local[..columns].copy_from_slice(&x[front.first * D..][..columns]);
+    local[..columns].copy_from_slice(places.of::<D>(front));
     (&panels[front.panel * D * D..][..columns * height], local)
 }
 
@@ -71,13 +194,12 @@ fn reciprocals<const D: usize, S: Stored>(block: &[S], height: usize, start: usi
 /// `x_1 = L^-1 x_1`, then `x_2 -= M x_1`, for the columns of one front. `local` is working memory.
 #[inline(always)]
 pub(crate) fn forward<const D: usize, S: Stored>(
-    symbolic: &Symbolic,
     front: &Front,
     panels: &[S],
-    x: &mut [f64],
+    places: &mut Places<'_>,
     local: &mut [f64],
 ) {
-    let (panel, local) = open::<D, S>(front, panels, x, local);
+    let (panel, local) = open::<D, S>(front, panels, places, local);
     let (height, columns) = (local.len(), front.columns * D);
     local[columns..].fill(0.0);
     for (block_index, block) in panel.chunks_exact(D * height).enumerate() {
@@ -98,9 +220,10 @@ pub(crate) fn forward<const D: usize, S: Stored>(
             std::array::from_fn(|column| &block[column * height + start + D..][..target.len()]);
         subtract_columns(target, &sources, &solved);
     }
-    x[front.first * D..][..columns].copy_from_slice(&local[..columns]);
-    for (&row, values) in symbolic.rows[front.rows.clone()].iter().zip(local[columns..].chunks_exact(D)) {
-        for (target, value) in x[row * D..][..D].iter_mut().zip(values) {
+    places.of::<D>(front).copy_from_slice(&local[..columns]);
+    let rows = &places.symbolic.rows[front.rows.clone()];
+    for (&row, values) in rows.iter().zip(local[columns..].chunks_exact(D)) {
+        for (target, value) in places.at::<D>(row).iter_mut().zip(values) {
             *target += value;
         }
     }
@@ -109,16 +232,16 @@ pub(crate) fn forward<const D: usize, S: Stored>(
 /// `x_1 = L^-T (x_1 - M^T x_2)` for the columns of one front. `local` is working memory.
 #[inline(always)]
 pub(crate) fn backward<const D: usize, S: Stored>(
-    symbolic: &Symbolic,
     front: &Front,
     panels: &[S],
-    x: &mut [f64],
+    places: &mut Places<'_>,
     local: &mut [f64],
 ) {
-    let (panel, local) = open::<D, S>(front, panels, x, local);
+    let (panel, local) = open::<D, S>(front, panels, places, local);
     let (height, columns) = (local.len(), front.columns * D);
-    for (&row, values) in symbolic.rows[front.rows.clone()].iter().zip(local[columns..].chunks_exact_mut(D)) {
-        values.copy_from_slice(&x[row * D..][..D]);
+    let rows = &places.symbolic.rows[front.rows.clone()];
+    for (&row, values) in rows.iter().zip(local[columns..].chunks_exact_mut(D)) {
+        values.copy_from_slice(places.at::<D>(row));
     }
     for (block_index, block) in panel.chunks_exact(D * height).enumerate().rev() {
         let start = block_index * D;
@@ -138,5 +261,5 @@ pub(crate) fn backward<const D: usize, S: Stored>(
             local[start + column] = sum * reciprocals[column];
         }
     }
-    x[front.first * D..][..columns].copy_from_slice(&local[..columns]);
+    places.of::<D>(front).copy_from_slice(&local[..columns]);
 }

@@ -7,13 +7,12 @@
 
 use std::ops::Range;
 
-use faer::dyn_stack::MemBuffer;
-use faer::traits::pulp::{Arch, Simd, WithSimd};
 use nalgebra::SMatrix;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::breakdown::Breakdown;
-use super::dense;
+use super::dense::{self, Scratch};
 use super::extend_add::{Run, extend_add, push_rows, rows_before};
 use super::stored::Stored;
 use super::view::FrontView;
@@ -54,7 +53,7 @@ impl SmallestPivot {
 
 /// Working memory of a thread.
 pub(super) struct Worker {
-    memory: MemBuffer,
+    memory: Scratch,
     /// A front's panel, if it is not eliminated where it is stored.
     panel: Vec<f64>,
     runs: Vec<Run>,
@@ -65,8 +64,10 @@ impl Worker {
     pub(super) fn new<const D: usize>(symbolic: &Symbolic, stretch: &Stretch) -> Self {
         let fronts = || stretch.fronts.iter().map(|&front| &symbolic.fronts[front]);
         let columns = fronts().map(|front| front.columns).max().unwrap_or(0);
+        let panels =
+            fronts().map(|front| dense::panel_size(front.height() * D, front.columns * D)).max().unwrap_or(0);
         Self {
-            memory: dense::scratch(columns * D),
+            memory: dense::scratch(columns * D).with_panels(panels),
             panel: Vec::new(),
             runs: Vec::with_capacity(fronts().map(Front::height).max().unwrap_or(0)),
             smallest_pivot: SmallestPivot::default(),
@@ -108,17 +109,17 @@ pub(super) fn side_by_side<const D: usize, S: Stored>(
 }
 
 /// The rest of a vector after ranges of it were cut out in ascending order.
-struct Rest<'a, T> {
+pub(super) struct Rest<'a, T> {
     values: &'a mut [T],
     gone: usize,
 }
 
 impl<'a, T> Rest<'a, T> {
-    fn new(values: &'a mut [T]) -> Self {
+    pub(super) fn new(values: &'a mut [T]) -> Self {
         Self { values, gone: 0 }
     }
 
-    fn cut(&mut self, range: Range<usize>) -> &'a mut [T] {
+    pub(super) fn cut(&mut self, range: Range<usize>) -> &'a mut [T] {
         let (part, rest) = std::mem::take(&mut self.values).split_at_mut(range.end - self.gone);
         let part = &mut part[range.start - self.gone..];
         (self.values, self.gone) = (rest, range.end);

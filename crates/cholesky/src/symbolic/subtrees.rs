@@ -1,7 +1,8 @@
-//! Subtrees of the elimination tree that threads factorise in parallel.
+//! Subtrees of the elimination tree, which threads factorise and solve in parallel.
 
 use std::ops::Range;
 
+use super::Symbolic;
 use super::front::{Front, NO_PARENT};
 
 /// Number of operations from which threads are worth their cost: each stretch needs stacks of its own, which cost memory.
@@ -10,13 +11,57 @@ const WORTH_THREADS: f64 = 1e8;
 /// whatever their sizes. With many more pieces, the top, which one thread eliminates, would become larger.
 const LARGEST_SHARE: f64 = 0.1;
 
-/// Independent stretches of fronts, each made of whole subtrees. The rest, the top of the tree, comes after all of them.
+/// Fronts of one or more whole subtrees that stand side by side.
+#[derive(Debug)]
+pub(crate) struct Subtree {
+    pub(crate) fronts: Range<usize>,
+    /// The fronts one by one, children before parents.
+    pub(crate) order: Vec<usize>,
+    /// The positions of their columns in elimination order.
+    pub(crate) positions: Range<usize>,
+    /// Number of positions of this and all earlier subtrees.
+    covered: usize,
+}
+
+impl Symbolic {
+    /// Notes the subtrees, and the fronts above them.
+    pub(super) fn divide(&mut self, ranges: &[Range<usize>]) {
+        let mut covered = 0;
+        let mut is_top = vec![true; self.fronts.len()];
+        for range in ranges {
+            is_top[range.clone()].fill(false);
+            let (first, last) = (&self.fronts[range.start], &self.fronts[range.end - 1]);
+            let positions = first.first..last.first + last.columns;
+            covered += positions.len();
+            self.subtrees.push(Subtree {
+                fronts: range.clone(),
+                order: range.clone().collect(),
+                positions,
+                covered,
+            });
+        }
+        self.top = (0..self.fronts.len()).filter(|&front| is_top[front]).collect();
+    }
+
+    /// Number of variables above all subtrees.
+    pub(crate) fn top_variables(&self) -> usize {
+        self.order.len() - self.subtrees.last().map_or(0, |last| last.covered)
+    }
+
+    /// The number of a position above the subtrees among all those above them. O(log subtrees).
+    #[inline]
+    pub(crate) fn top_index(&self, position: usize) -> usize {
+        let before = self.subtrees.partition_point(|subtree| subtree.positions.end <= position);
+        position - before.checked_sub(1).map_or(0, |last| self.subtrees[last].covered)
+    }
+}
+
+/// Independent ranges of fronts, each made of whole subtrees. The rest, the top of the tree, comes after all of them.
 ///
-/// There are none for a single thread, which reuses the memory of one subtree for the next. The numbers in a front are the
-/// same in both cases. `work` holds the operations of each front; fronts are in postorder. O(fronts).
+/// The number of threads does not matter. `work` holds the operations of each front; fronts are in postorder. O(fronts).
 pub(super) fn independent(fronts: &[Front], work: &[f64]) -> Vec<Range<usize>> {
     let total: f64 = work.iter().sum();
-    if total < WORTH_THREADS || rayon::current_num_threads() < 2 {
+    if total < WORTH_THREADS {
         return Vec::new();
     }
     let mut sums = work.to_vec();

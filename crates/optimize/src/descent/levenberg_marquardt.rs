@@ -56,6 +56,8 @@ struct Tried {
     met: Option<Termination>,
     /// Whether it is a full step.
     undamped: bool,
+    /// Whether it was found by conjugate gradients.
+    conjugate: bool,
     /// What the equations have of the trial.
     equations: Assembled,
 }
@@ -69,6 +71,8 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         options: &Options,
         largest_damping: f64,
     ) -> Outcome {
+        // The factor is that of an earlier descent, if any.
+        self.is_near = false;
         let mut iteration = Iteration {
             damping: Damping::up_to(largest_damping),
             undamped_before: f64::INFINITY,
@@ -101,12 +105,18 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
     ) -> Option<Termination> {
         let Iteration { damping, undamped_before, hard, outcome } = iteration;
         outcome.iterations += 1;
-        outcome.factorizations += 1;
-        let Some(step) = self.solve(damping.value, &mut outcome.undetermined) else {
+        let undamped = damping.value == 0.0;
+        let enough = options.promise_tolerance(self.at_least(outcome.cost));
+        let conjugate = if undamped && !*hard { self.conjugate_step(enough) } else { None };
+        self.is_near = false;
+        let step = conjugate.or_else(|| {
+            outcome.factorizations += 1;
+            self.solve(damping.value, &mut outcome.undetermined)
+        });
+        let Some(step) = step else {
             outcome.rejected += 1;
             return (!damping.raise(FIRST_DAMPING)).then_some(Termination::Stalled);
         };
-        let undamped = damping.value == 0.0;
         let shrinks = undamped && step.largest < *undamped_before;
         if undamped {
             *undamped_before = step.largest;
@@ -121,7 +131,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         // With the gradient at the trial, the next step can reuse the factor. After a damped step none does.
         let equations = match undamped && met.is_none() && !*hard {
             false => Assembled::Nothing,
-            true if step.largest < LONG => Assembled::Gradient,
+            true if step.largest < LONG && conjugate.is_none() => Assembled::Gradient,
             true => Assembled::Whole,
         };
         let final_or_hidden = met.is_some() || options.is_hidden(step.promised, self.at_least(outcome.cost));
@@ -136,7 +146,13 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             cost < outcome.cost || (shrinks && options.is_hidden(step.promised, self.at_least(outcome.cost)));
         // The last step may leave the cost unchanged: its poses are still nearer to the minimum.
         if lower || (met.is_some() && cost <= outcome.cost) {
-            return self.take(edges, poses, options, iteration, &Tried { attempt, met, undamped, equations });
+            return self.take(
+                edges,
+                poses,
+                options,
+                iteration,
+                &Tried { attempt, met, undamped, conjugate: conjugate.is_some(), equations },
+            );
         }
         if met.is_some() {
             return met;
@@ -146,9 +162,19 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             return Some(Termination::Cost);
         }
         outcome.rejected += 1;
-        *hard = true;
-        // Those of the trial have overwritten those at these poses.
-        match equations {
+        *hard |= conjugate.is_none();
+        self.restore(edges, poses, equations);
+        if conjugate.is_some() {
+            // The same step follows, with a new factor.
+            return None;
+        }
+        let first = first_damping(self.stiffness(&step, damping.value), attempt.gain(outcome.cost));
+        (!damping.raise(first)).then_some(Termination::Stalled)
+    }
+
+    /// Computes again what the trial has overwritten of the equations at these poses.
+    fn restore<T: Term<G, DOF>>(&mut self, edges: &[T], poses: &[G], overwritten: Assembled) {
+        match overwritten {
             Assembled::Nothing => {}
             Assembled::Gradient => {
                 self.assemble_gradient(edges, poses);
@@ -157,8 +183,6 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
                 self.assemble(edges, poses);
             }
         }
-        let first = first_damping(self.stiffness(&step, damping.value), attempt.gain(outcome.cost));
-        (!damping.raise(first)).then_some(Termination::Stalled)
     }
 
     /// Evaluates the trial. If a cost `before` is given and the step keeps too little of its promise, also evaluates the step with
@@ -221,7 +245,9 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
                 self.trial_gradient(edges);
             }
             let before = outcome.iterations;
-            if let Some(termination) = self.reuse(edges, poses, options, &step, outcome) {
+            if tried.conjugate {
+                self.is_near = gain >= POOR;
+            } else if let Some(termination) = self.reuse(edges, poses, options, &step, outcome) {
                 return Some(termination);
             }
             *undamped_before = outcome.last.largest;

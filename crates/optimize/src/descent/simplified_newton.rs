@@ -36,6 +36,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         // product of the last two errors instead of the square of the last one, and the derivative of a square doubles it.
         let mut slowdown = 4.0;
         let mut first = true;
+        self.is_near = false;
         while outcome.iterations < options.max_iterations {
             outcome.gradient = self.cosine(outcome.cost);
             if outcome.gradient <= options.gradient_tolerance {
@@ -43,6 +44,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             }
             let step = self.substitute()?;
             let ratio = step.promised / before;
+            self.is_near = ratio < SLOW;
             // A first step with the old factor that is longer than the step before fails more often than not.
             if !(ratio < SLOW) || (first && !(step.largest < last.largest)) {
                 return None;
@@ -67,6 +69,7 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             } else if met.is_none() {
                 outcome.rejected += 1;
             }
+            self.is_near &= kept;
             if met.is_some() || !kept {
                 return met;
             }

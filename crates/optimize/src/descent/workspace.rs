@@ -4,6 +4,7 @@ use nalgebra::{SMatrix, SVector};
 use posecut_cholesky::{Memory, MixedFactor};
 use posecut_geometry::{LieGroup, translations};
 
+use super::conjugate_step::iterations;
 use super::outcome::Step;
 use super::phases::{Phases, timed};
 use super::stiff_tree::StiffTree;
@@ -29,9 +30,13 @@ pub(crate) struct Workspace<'a, G, const DOF: usize> {
     pub(crate) equations: NormalEquations<DOF>,
     pub(crate) factor: MixedFactor<DOF>,
     /// The damping of the matrix that was factorised last, and its floor.
-    damping: (f64, [f64; DOF]),
+    pub(super) damping: (f64, [f64; DOF]),
     /// Whether the equations still have the matrix that was factorised last.
     is_factorised: bool,
+    /// Whether the last step with an old factor promised little: the poses are near the minimum.
+    pub(super) is_near: bool,
+    /// Iterations that a step by conjugate gradients may take.
+    pub(super) conjugate_iterations: usize,
     pub(crate) step: Vec<SVector<f64, DOF>>,
     pub(crate) trial: Vec<G>,
     /// The tree of the stiffest edges, once it was needed; empty if they span no tree.
@@ -52,6 +57,8 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
             factor: MixedFactor::with_memory(&pattern.symbolic, memory),
             damping: (0.0, [0.0; DOF]),
             is_factorised: false,
+            is_near: false,
+            conjugate_iterations: iterations::<DOF>(&pattern.symbolic),
             step: vec![SVector::zeros(); pattern.variables],
             trial: Vec::new(),
             tree: None,
@@ -155,7 +162,7 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
     }
 
     /// What the model says about the full step in `self.step`; `None` if it is not finite.
-    fn full_step(&self) -> Option<Step> {
+    pub(super) fn full_step(&self) -> Option<Step> {
         let mut promised = 0.0;
         let mut largest = 0.0_f64;
         for (step, gradient) in self.step.iter().zip(&self.equations.gradient) {
@@ -236,14 +243,14 @@ mod tests {
     use crate::options::{Method, Options};
     use posecut_geometry::SE3;
 
-    /// A helix of 200 poses with an edge to the turn before, and errors of a few centimetres and hundredths of a radian.
-    fn helix() -> (Vec<SE3>, Vec<Edge<SE3, 6>>) {
+    /// A helix of 200 poses with an edge to the turn before, and errors of up to so many metres and radians.
+    fn helix(largest: f64) -> (Vec<SE3>, Vec<Edge<SE3, 6>>) {
         let step = SE3::exp(&SVector::from([1.0, 0.0, 0.05, 0.0, 0.0, 0.3]));
         let mut truth = vec![SE3::identity()];
         for node in 1..200 {
             truth.push(truth[node - 1].compose(&step));
         }
-        let error = |seed: usize| SVector::from_fn(|axis, _| 0.03 * ((seed * 7 + axis * 13) as f64).sin());
+        let error = |seed: usize| SVector::from_fn(|axis, _| largest * ((seed * 7 + axis * 13) as f64).sin());
         let information = SMatrix::from_diagonal(&SVector::from([400.0, 400.0, 100.0, 1e4, 1e4, 1e4]));
         let edge = |from: usize, to: usize, kind| {
             let measured =
@@ -262,7 +269,7 @@ mod tests {
     /// Very large factors are stored in single precision; here a small one is, so that the descent goes through every use of it.
     #[test]
     fn a_factor_stored_in_single_precision_leads_to_the_same_minimum() {
-        let (start, edges) = helix();
+        let (start, edges) = helix(0.03);
         let pattern = Pattern::of(start.len(), 1, &edges);
         for method in [Method::LevenbergMarquardt, Method::Dogleg, Method::GaussNewton] {
             let options = Options { method, ..Options::default() };
@@ -281,5 +288,25 @@ mod tests {
             assert!((single / double - 1.0).abs() < 1e-9, "{method:?}: {single} {double}");
             assert_eq!(count, other, "{method:?}");
         }
+    }
+
+    /// Steps by conjugate gradients are for very large graphs; here a small one takes them, too. Every one saves a factorisation.
+    #[test]
+    fn steps_by_conjugate_gradients_lead_to_the_same_minimum() {
+        let (start, edges) = helix(0.2);
+        let pattern = Pattern::of(start.len(), 1, &edges);
+        let descend = |iterations: usize| {
+            let mut workspace = Workspace::new(&pattern, Magnitude::of(edges.iter()), Memory::default());
+            workspace.conjugate_iterations = iterations;
+            let mut poses = start.clone();
+            let outcome = workspace.minimise(&edges, &mut poses, &Options::default());
+            assert!(outcome.termination.converged());
+            (outcome.cost, outcome.factorizations)
+        };
+        let ((cost, count), (expected, most)) = (descend(20), descend(0));
+        println!("{cost} by {count} factorisations, {expected} by {most}");
+        assert!((cost / expected - 1.0).abs() < 1e-9 && count < most);
+        // Steps that give up change nothing.
+        assert_eq!(descend(1), (expected, most));
     }
 }

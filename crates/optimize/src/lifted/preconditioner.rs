@@ -9,7 +9,7 @@ use crate::certificate::chordal_matrix::ChordalMatrix;
 /// The cheap one first, the close one where that does not suffice.
 pub(super) enum Preconditioner<const P: usize, const M: usize, const T: usize> {
     /// `M` on all blocks, one factor for the whole iteration. It serves where the information of all edges has about one size.
-    Blocks(Factor<M>),
+    Blocks(Box<Factor<M>>),
     /// `M` on the tangents at the point, with larger blocks and a factor for each point.
     Tangents(Box<Tangents<P, M, T>>),
 }
@@ -17,7 +17,7 @@ pub(super) enum Preconditioner<const P: usize, const M: usize, const T: usize> {
 impl<const P: usize, const M: usize, const T: usize> Preconditioner<P, M, T> {
     /// `None` if `M` is singular.
     pub(super) fn new(matrix: &ChordalMatrix<M>) -> Option<Self> {
-        matrix.factor().map(Self::Blocks)
+        matrix.factor().map(|factor| Self::Blocks(Box::new(factor)))
     }
 
     /// Takes the close one from now on; returns whether that is a change.
