@@ -10,6 +10,11 @@ use crate::Adjacency;
 
 /// Minimum degree orders subgraphs with at most this many vertices.
 const SMALL: usize = 120;
+/// From this number of vertices on, two threads order the two sides.
+const WORTH_THREADS: usize = 5000;
+/// Vertices with more neighbours than this, times the square root of the number of vertices, come last: no small level of a search
+/// leaves out a hub's neighbours. The limit is that of minimum degree for dense rows.
+const HUB: f64 = 10.0;
 /// Largest share of the vertices on one side.
 const BALANCE: f64 = 0.6;
 /// Number of improvement passes, and number of moves without gain after which a pass ends.
@@ -20,36 +25,107 @@ const SEPARATOR: u8 = 2;
 
 /// The order of elimination, `order[position] = variable`. Every pair is given once. Depends on the pattern alone.
 pub(crate) fn nested_dissection(variables: usize, pairs: &[(usize, usize)]) -> Vec<usize> {
-    let mut order = Vec::with_capacity(variables);
-    dissect(&(0..variables).collect::<Vec<_>>(), pairs, &mut order);
+    let all = Part { names: (0..variables).collect(), pairs: pairs.to_vec() };
+    let most = (HUB * (variables as f64).sqrt()) as usize;
+    let hubs: Vec<usize> = all.degrees().into_iter().map(|degree| usize::from(degree > most)).collect();
+    if !hubs.contains(&1) {
+        return dissect(&all);
+    }
+    let mut parts = all.split(&hubs, 2);
+    let mut order = dissect(&parts.swap_remove(0));
+    order.extend((0..variables).filter(|&variable| hubs[variable] == 1));
     order
 }
 
-/// Orders a subgraph: `names` are the variables of its vertices, `pairs` its edges by index in `names`.
-fn dissect(names: &[usize], pairs: &[(usize, usize)], order: &mut Vec<usize>) {
-    if names.len() <= SMALL {
-        order.extend(approximate_minimum_degree(names.len(), pairs).into_iter().map(|vertex| names[vertex]));
-        return;
+/// A subgraph: the variables of its vertices in ascending order, and its edges by index in them, the smaller one first.
+#[derive(Default)]
+struct Part {
+    names: Vec<usize>,
+    pairs: Vec<(usize, usize)>,
+}
+
+impl Part {
+    fn degrees(&self) -> Vec<usize> {
+        let mut degrees = vec![0; self.names.len()];
+        for &(a, b) in &self.pairs {
+            degrees[a] += 1;
+            degrees[b] += 1;
+        }
+        degrees
     }
-    let arcs = pairs.iter().flat_map(|&(a, b)| [(a, b), (b, a)]);
-    let graph = Adjacency::new(names.len(), arcs);
+
+    /// The subgraphs of the vertices with equal labels below `count`.
+    fn split(&self, labels: &[usize], count: usize) -> Vec<Self> {
+        let mut parts: Vec<Self> = (0..count).map(|_| Self::default()).collect();
+        let mut place = vec![0; self.names.len()];
+        for (vertex, &name) in self.names.iter().enumerate() {
+            if let Some(part) = parts.get_mut(labels[vertex]) {
+                place[vertex] = part.names.len();
+                part.names.push(name);
+            }
+        }
+        for &(a, b) in &self.pairs {
+            if labels[a] == labels[b]
+                && let Some(part) = parts.get_mut(labels[a])
+            {
+                part.pairs.push((place[a], place[b]));
+            }
+        }
+        parts
+    }
+}
+
+/// The order of a subgraph.
+fn dissect(part: &Part) -> Vec<usize> {
+    let (names, pairs) = (&part.names, &part.pairs);
+    if names.len() <= SMALL {
+        let order = approximate_minimum_degree(names.len(), pairs);
+        return order.into_iter().map(|vertex| names[vertex]).collect();
+    }
+    let graph = Adjacency::new(names.len(), pairs.iter().flat_map(|&(a, b)| [(a, b), (b, a)]));
+    let (components, count) = components(&graph, names.len());
+    if count > 1 {
+        drop(graph);
+        return part.split(&components, count).iter().flat_map(dissect).collect();
+    }
     let mut cut = Cut::by_levels(&graph, names.len());
     cut.improve(&graph);
-    let side = cut.side;
     drop(graph);
-    let mut place = vec![0; names.len()];
-    for wanted in [0, 1] {
-        let mut part = Vec::new();
-        for vertex in (0..names.len()).filter(|&vertex| side[vertex] == wanted) {
-            place[vertex] = part.len();
-            part.push(names[vertex]);
+    let sides: Vec<usize> = cut.side.into_iter().map(usize::from).collect();
+    let parts = part.split(&sides, 2);
+    let (mut order, second) = if names.len() < WORTH_THREADS {
+        (dissect(&parts[0]), dissect(&parts[1]))
+    } else {
+        rayon::join(|| dissect(&parts[0]), || dissect(&parts[1]))
+    };
+    order.extend(second);
+    order.extend(
+        names.iter().zip(&sides).filter(|(_, side)| **side == usize::from(SEPARATOR)).map(|(&name, _)| name),
+    );
+    order
+}
+
+/// The number of every vertex's connected component, and how many there are.
+fn components(graph: &Adjacency, vertices: usize) -> (Vec<usize>, usize) {
+    let mut component = vec![usize::MAX; vertices];
+    let (mut count, mut waiting) = (0, Vec::new());
+    for start in 0..vertices {
+        if component[start] != usize::MAX {
+            continue;
         }
-        let inside = |&&(a, b): &&(usize, usize)| side[a] == wanted && side[b] == wanted;
-        // The new indices keep the order of the vertices, so that the smaller one still comes first in each pair.
-        let own: Vec<_> = pairs.iter().filter(inside).map(|&(a, b)| (place[a], place[b])).collect();
-        dissect(&part, &own, order);
+        component[start] = count;
+        waiting.push(start);
+        while let Some(vertex) = waiting.pop() {
+            for &neighbour in graph.of(vertex) {
+                if component[neighbour] == usize::MAX {
+                    component[neighbour] = count;
+                    waiting.push(neighbour);
+                }
+            }
+        }
+        count += 1;
     }
-    order.extend((0..names.len()).filter(|&vertex| side[vertex] == SEPARATOR).map(|vertex| names[vertex]));
+    (component, count)
 }
 
 /// A side for every vertex; no edge joins side 0 to side 1.
@@ -60,7 +136,7 @@ struct Cut {
 }
 
 impl Cut {
-    /// The smallest level near the middle of a breadth-first search; a disconnected graph needs no separator.
+    /// The smallest level near the middle of a breadth-first search of a connected graph.
     fn by_levels(graph: &Adjacency, vertices: usize) -> Self {
         let mut order = search(graph, vertices, 0).0;
         // Twice from the last vertex found: this vertex is at an end of the graph, or near it.
@@ -69,12 +145,6 @@ impl Cut {
         }
         let (order, levels) = search(graph, vertices, order[order.len() - 1]);
         let mut side = vec![1; vertices];
-        if order.len() < vertices {
-            for &vertex in &order {
-                side[vertex] = 0;
-            }
-            return Self { side, sizes: [order.len(), vertices - order.len(), 0] };
-        }
         let balanced = |level: &&std::ops::Range<usize>| {
             level.start.max(vertices - level.end) as f64 <= BALANCE * vertices as f64
         };
@@ -219,6 +289,9 @@ mod tests {
             let mut order = nested_dissection(variables, &pairs);
             order.sort_unstable();
             assert_eq!(order, (0..variables).collect::<Vec<_>>());
+            if pairs.is_empty() {
+                continue;
+            }
             let graph = Adjacency::new(variables, pairs.iter().flat_map(|&(a, b)| [(a, b), (b, a)]));
             let mut cut = Cut::by_levels(&graph, variables);
             cut.improve(&graph);
@@ -240,5 +313,17 @@ mod tests {
         let degree = flops(&approximate_minimum_degree(variables, &pairs));
         let dissected = flops(&nested_dissection(variables, &pairs));
         assert!(dissected < 0.8 * degree, "{dissected:e} {degree:e}");
+    }
+
+    /// Every component that a separator leaves was a level of recursion, and each level kept a list of all that remain.
+    #[test]
+    fn a_hundred_thousand_leaves_of_one_hub_took_quadratic_memory() {
+        let leaves = 100_000;
+        let mut pairs = grid(10);
+        pairs.extend((0..leaves).map(|leaf| (0, 1000 + leaf)));
+        pairs.sort_unstable();
+        let mut order = nested_dissection(1000 + leaves, &pairs);
+        order.sort_unstable();
+        assert!(order.into_iter().eq(0..1000 + leaves));
     }
 }
