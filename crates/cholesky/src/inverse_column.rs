@@ -6,11 +6,12 @@
 )]
 
 use nalgebra::SMatrix;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 use crate::fronts::factor::Factor;
 use crate::fronts::substitution::{Places, backward, forward};
 use crate::symbolic::Symbolic;
+use crate::vectors::for_small_blocks;
 
 /// The working memory of solves along the elimination tree: a right-hand side, and the rows of one front.
 #[derive(Clone)]
@@ -39,7 +40,7 @@ impl<const D: usize> Factor<D> {
         let all = symbolic.path_to_root(rows.iter().copied().chain([column]));
         let mut blocks = vec![SMatrix::<f64, D, D>::zeros(); rows.len()];
         let (panels, values, local) = (&self.panels[..], &mut workspace.values[..], &mut workspace.local[..]);
-        let arch = Arch::new();
+        let arch = for_small_blocks();
         for component in 0..D {
             for &front in &all {
                 let front = &symbolic.fronts[front];

@@ -7,7 +7,7 @@
 
 use std::collections::HashMap;
 
-use faer::traits::pulp::{Arch, Simd, WithSimd};
+use faer::traits::pulp::{Simd, WithSimd};
 use nalgebra::{SMatrix, SVector};
 use posecut_cholesky::SINGULAR;
 use posecut_cholesky::fronts::{FrontView, Run, Scratch, eliminate, extend_add, push_rows, scratch};
@@ -15,6 +15,7 @@ use posecut_geometry::translations;
 use posecut_optimize::model::Linearised;
 
 use crate::tree::{Clique, Tree};
+use posecut_cholesky::vectors::for_small_blocks;
 
 /// Number of rounds that hold only one more direction each.
 const SINGLE_ROUNDS: usize = 8;
@@ -107,7 +108,7 @@ impl<const D: usize> Elimination<D> {
         deltas: &[SVector<f64, D>],
     ) {
         // The widest vector instructions of the machine, chosen here once for all loops that are inlined below.
-        Arch::new().dispatch(Eliminate { elimination: self, tree, cliques, edges, deltas });
+        for_small_blocks().dispatch(Eliminate { elimination: self, tree, cliques, edges, deltas });
     }
 
     /// Assembles a clique's front from edges and children, and eliminates its frontal variables.

@@ -5,7 +5,7 @@
     reason = "loops take the vector instructions of the caller they are inlined into"
 )]
 
-use faer::traits::pulp::{Arch, Simd, WithSimd};
+use faer::traits::pulp::{Simd, WithSimd};
 use nalgebra::SVector;
 use posecut_cholesky::fronts::products;
 use posecut_geometry::LieGroup;
@@ -14,6 +14,7 @@ use crate::UpdateReport;
 use crate::estimate::Estimate;
 use crate::movement::Movement;
 use crate::tree::{Clique, Tree};
+use posecut_cholesky::vectors::for_small_blocks;
 
 /// Number of partial sums: the lanes of one vector register.
 const LANES: usize = 4;
@@ -89,7 +90,7 @@ impl<const DOF: usize> Substitution<DOF> {
         report: &mut UpdateReport,
     ) {
         self.solutions += 1;
-        Arch::new().dispatch(Solve { substitution: self, below, tree, estimate, movement, report });
+        for_small_blocks().dispatch(Solve { substitution: self, below, tree, estimate, movement, report });
     }
 }
 

@@ -33,7 +33,8 @@ fn measure<G: PoseGroup<DOF>, const DOF: usize>(kind: &str, (truth, edges): Grap
     println!(
         "{{\"kind\":\"{kind}\",\"poses\":{poses},\"edges\":{count},\"seconds\":{seconds:.4},\"iterations\":{},\
          \"factorizations\":{},\"factor_blocks\":{},\"factor_megabytes\":{:.1},\"peak_megabytes\":{:.0},\"start\":\"{}\",\
-         \"chi_square_per_freedom\":{:.14},\"error_metres\":{error:.3},\"converged\":{}}}",
+         \"chi_square_per_freedom\":{:.14},\"error_metres\":{error:.3},\"converged\":{},\
+         \"analysis\":{:.2},\"starting\":{:.2},\"linearisation\":{:.2},\"factorisation\":{:.2},\"substitution\":{:.2}}}",
         solution.iterations,
         report.factorizations,
         report.factor_blocks,
@@ -42,6 +43,11 @@ fn measure<G: PoseGroup<DOF>, const DOF: usize>(kind: &str, (truth, edges): Grap
         report.start.name(),
         solution.chi_square / (DOF * (count + 1 - poses)) as f64,
         solution.converged,
+        report.phases.analysis,
+        report.phases.start,
+        report.phases.linearisation,
+        report.phases.factorisation,
+        report.phases.substitution,
     );
 }
 

@@ -5,13 +5,14 @@
     reason = "loops take the vector instructions of the caller they are inlined into"
 )]
 
-use faer::traits::pulp::{Arch, Simd, WithSimd};
+use faer::traits::pulp::{Simd, WithSimd};
 use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
 use crate::model::prior::Prior;
 use crate::model::problem::Edge;
 use crate::model::residual::{Linearised, Term};
+use posecut_cholesky::vectors::for_small_blocks;
 use posecut_cholesky::{Matrix, Memory, Symbolic};
 
 /// Positions of an edge's blocks.
@@ -137,7 +138,7 @@ impl<const D: usize> NormalEquations<D> {
     ) -> f64 {
         self.clear();
         // Uses the widest vector instructions of the machine for everything that is inlined below.
-        Arch::new().dispatch(Assemble { equations: self, pattern, edges, poses })
+        for_small_blocks().dispatch(Assemble { equations: self, pattern, edges, poses })
     }
 
     /// [`assemble`](Self::assemble) with the exact second derivative.
@@ -179,7 +180,7 @@ impl<const D: usize> NormalEquations<D> {
         poses: &[G],
     ) -> f64 {
         self.gradient.fill(SVector::zeros());
-        Arch::new().dispatch(AssembleGradient { gradient: &mut self.gradient, pattern, edges, poses })
+        for_small_blocks().dispatch(AssembleGradient { gradient: &mut self.gradient, pattern, edges, poses })
     }
 
     /// `H d`.

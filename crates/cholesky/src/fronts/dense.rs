@@ -7,8 +7,9 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{MatMut, Par};
+use faer::{Accum, MatMut, Par};
 
 use super::large_front;
 use super::product::{self, Rows, Target};
@@ -17,6 +18,9 @@ use super::view::FrontView;
 
 /// From this number of operations on, kernels that copy their operands to panels are worth that, and their calls.
 const LARGE_FRONT: usize = 60_000;
+
+/// From this number of operations on, posecut's own products are faster than faer's.
+const OWN_PRODUCTS: usize = 1_000_000;
 
 /// From this number of operations on, a front is divided among threads. Only the front decides, not the number of threads,
 /// since the two methods round differently.
@@ -30,15 +34,19 @@ pub struct Scratch {
 
 impl Scratch {
     /// Reserves memory for the panels of products.
-    pub(super) fn with_panels(mut self, size: usize) -> Self {
-        self.panels.reserve(size);
-        self
+    pub(super) fn with_panels(self, size: usize) -> Self {
+        // Pages that the system has zeroed, and that nothing touches before the first product.
+        Self { panels: vec![0.0; size], ..self }
     }
 }
 
 /// How much memory for panels elimination of a front takes: none for a small one.
 pub(super) fn panel_size(height: usize, columns: usize) -> usize {
-    if operations(columns, height - columns) < LARGE_FRONT { 0 } else { product::panel_size(height, columns) }
+    if operations(columns, height - columns) < OWN_PRODUCTS {
+        0
+    } else {
+        product::panel_size(height, columns)
+    }
 }
 
 fn operations(columns: usize, below: usize) -> usize {
@@ -75,13 +83,27 @@ pub fn eliminate<const D: usize>(front: FrontView<'_>, memory: &mut Scratch) -> 
 pub(super) fn eliminate_large(front: FrontView<'_>, memory: &mut Scratch) -> Result<(), usize> {
     let below = front.below();
     let FrontView { panel, height, columns, update, fresh } = front;
-    let (mut diagonal, rest) =
+    let (mut diagonal, mut rest) =
         MatMut::from_column_major_slice_mut(&mut *panel, height, columns).split_at_row_mut(columns);
     let stack = MemStack::new(&mut memory.cholesky);
     cholesky_in_place(diagonal.as_mut(), faer::prelude::default(), Par::Seq, stack, faer::prelude::default())
         .map_err(|faer::linalg::cholesky::llt::factor::LltError::NonPositivePivot { index }| index)?;
     if below > 0 {
-        solve_lower_triangular_in_place(diagonal.as_ref(), rest.transpose_mut(), Par::Seq);
+        solve_lower_triangular_in_place(diagonal.as_ref(), rest.as_mut().transpose_mut(), Par::Seq);
+        if operations(columns, below) < OWN_PRODUCTS {
+            matmul(
+                MatMut::from_column_major_slice_mut(update, below, below),
+                BlockStructure::TriangularLower,
+                if fresh { Accum::Replace } else { Accum::Add },
+                rest.as_ref(),
+                BlockStructure::Rectangular,
+                rest.as_ref().transpose(),
+                BlockStructure::Rectangular,
+                -1.0,
+                Par::Seq,
+            );
+            return Ok(());
+        }
         let mut target = Target { values: update, height: below, first: 0, fresh };
         let rows = Rows { values: panel, height, first: columns };
         product::subtract(&mut target, rows, &mut memory.panels, false);

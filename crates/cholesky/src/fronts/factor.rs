@@ -1,7 +1,6 @@
 //! The numeric phase: multifrontal factorisation and triangular solves.
 
 use nalgebra::SMatrix;
-use pulp::Arch;
 
 use super::breakdown::Breakdown;
 use super::stored::Stored;
@@ -10,6 +9,7 @@ use super::task::{SmallestPivot, Task, Worker, side_by_side};
 use crate::matrix::Matrix;
 use crate::selected_inverse::SelectedInverse;
 use crate::symbolic::{Front, Symbolic};
+use crate::vectors::for_small_blocks;
 
 /// A pivot below this share of its diagonal entry is rounding error: some fifty units in the last place of the entry, which
 /// is the error of sums of that many terms.
@@ -177,7 +177,7 @@ impl<const D: usize, S: Stored> Factor<D, S> {
             let stacks = [even.as_mut_slice(), odd.as_mut_slice()];
             let task =
                 Task { symbolic, matrix, fronts, panels, panel_base: 0, stacks, stack_bases: [0; 2], worker };
-            Arch::new().dispatch(task)?;
+            for_small_blocks().dispatch(task)?;
         }
         if let Some(failed) = failed {
             return Err(failed);

@@ -6,7 +6,7 @@
 )]
 
 use nalgebra::SVector;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::dense::{products, subtract_columns};
@@ -14,6 +14,7 @@ use super::factor::Factor;
 use super::stored::Stored;
 use super::task::Rest;
 use crate::symbolic::{Front, Subtree, Symbolic};
+use crate::vectors::for_small_blocks;
 
 /// The working memory of one subtree's solves.
 pub(super) struct Solver {
@@ -55,7 +56,7 @@ impl<const D: usize, S: Stored> Factor<D, S> {
         }
         for direction in [Direction::Forward, Direction::Backward] {
             let places = Places { symbolic, first: 0, own: permuted, top: &mut [] };
-            Arch::new().dispatch(Substitute::<D, S> {
+            for_small_blocks().dispatch(Substitute::<D, S> {
                 fronts: &symbolic.top,
                 direction,
                 panels,
@@ -99,7 +100,7 @@ fn by_subtrees<const D: usize, S: Stored>(
             Substitute::<D, S> { fronts: &subtree.order, direction, panels, places, local }
         })
         .collect();
-    tasks.into_par_iter().for_each(|task| Arch::new().dispatch(task));
+    tasks.into_par_iter().for_each(|task| for_small_blocks().dispatch(task));
 }
 
 /// The first or the second triangular solve.
@@ -151,22 +152,32 @@ pub(crate) struct Places<'a> {
 }
 
 impl Places<'_> {
-    /// The values of the variable at this position.
+    /// The same with a shorter lifetime. Passed by value, so that its fields stay in registers in loops.
     #[inline(always)]
-    fn at<const D: usize>(&mut self, position: usize) -> &mut [f64] {
-        let start = (position - self.first) * D;
-        if start < self.own.len() {
-            &mut self.own[start..start + D]
-        } else {
-            let start = self.symbolic.top_index(position) * D;
-            &mut self.top[start..start + D]
-        }
+    fn reborrow(&mut self) -> Places<'_> {
+        let Self { symbolic, first, own, top } = self;
+        Places { symbolic, first: *first, own, top }
     }
 
     /// The values of a front's own variables.
     #[inline(always)]
     fn of<const D: usize>(&mut self, front: &Front) -> &mut [f64] {
         &mut self.own[(front.first - self.first) * D..][..front.columns * D]
+    }
+
+    /// Calls `visit` with every row below a front's columns in `local` and its values.
+    #[inline(always)]
+    fn below<const D: usize>(self, front: &Front, local: &mut [f64], visit: impl Fn(&mut [f64], &mut [f64])) {
+        let Self { symbolic, first, own, top } = self;
+        let rows = &symbolic.rows[front.rows.clone()];
+        for (&row, local) in rows.iter().zip(local.chunks_exact_mut(D)) {
+            let start = (row - first) * D;
+            if start < own.len() {
+                visit(local, &mut own[start..start + D]);
+            } else {
+                visit(local, &mut top[symbolic.top_index(row) * D..][..D]);
+            }
+        }
     }
 }
 
@@ -221,12 +232,11 @@ pub(crate) fn forward<const D: usize, S: Stored>(
         subtract_columns(target, &sources, &solved);
     }
     places.of::<D>(front).copy_from_slice(&local[..columns]);
-    let rows = &places.symbolic.rows[front.rows.clone()];
-    for (&row, values) in rows.iter().zip(local[columns..].chunks_exact(D)) {
-        for (target, value) in places.at::<D>(row).iter_mut().zip(values) {
-            *target += value;
+    places.reborrow().below::<D>(front, &mut local[columns..], |values, targets| {
+        for (target, value) in targets.iter_mut().zip(values) {
+            *target += *value;
         }
-    }
+    });
 }
 
 /// `x_1 = L^-T (x_1 - M^T x_2)` for the columns of one front. `local` is working memory.
@@ -239,10 +249,7 @@ pub(crate) fn backward<const D: usize, S: Stored>(
 ) {
     let (panel, local) = open::<D, S>(front, panels, places, local);
     let (height, columns) = (local.len(), front.columns * D);
-    let rows = &places.symbolic.rows[front.rows.clone()];
-    for (&row, values) in rows.iter().zip(local[columns..].chunks_exact_mut(D)) {
-        values.copy_from_slice(places.at::<D>(row));
-    }
+    places.reborrow().below::<D>(front, &mut local[columns..], |values, known| values.copy_from_slice(known));
     for (block_index, block) in panel.chunks_exact(D * height).enumerate().rev() {
         let start = block_index * D;
         let known = &local[start + D..];

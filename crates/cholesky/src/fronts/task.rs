@@ -8,7 +8,7 @@
 use std::ops::Range;
 
 use nalgebra::SMatrix;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::breakdown::Breakdown;
@@ -18,6 +18,7 @@ use super::stored::Stored;
 use super::view::FrontView;
 use crate::matrix::Matrix;
 use crate::symbolic::{Front, Stretch, Symbolic};
+use crate::vectors::for_small_blocks;
 
 /// The smallest remaining share of a diagonal entry after elimination, and its position.
 #[derive(Clone, Copy)]
@@ -104,7 +105,7 @@ pub(super) fn side_by_side<const D: usize, S: Stored>(
             }
         })
         .collect();
-    let outcomes: Vec<_> = tasks.into_par_iter().map(|task| Arch::new().dispatch(task)).collect();
+    let outcomes: Vec<_> = tasks.into_par_iter().map(|task| for_small_blocks().dispatch(task)).collect();
     outcomes.into_iter().collect()
 }
 

@@ -5,7 +5,7 @@
     reason = "loops take the vector instructions of the caller they are inlined into"
 )]
 
-use faer::traits::pulp::{Arch, Simd, WithSimd};
+use faer::traits::pulp::{Simd, WithSimd};
 use nalgebra::{Matrix3, SMatrix, SVector};
 use posecut_geometry::{LieGroup, translations};
 
@@ -13,6 +13,7 @@ use super::curvature::curve;
 use super::kernel::charge;
 use super::prior;
 use super::problem::{Edge, Problem};
+use posecut_cholesky::vectors::for_small_blocks;
 
 /// `e = Log(Z^-1 X_from^-1 X_to)`.
 #[inline(always)]
@@ -51,7 +52,7 @@ pub(crate) fn exceeds<G: LieGroup<DOF>, const DOF: usize>(
 /// The sum of the costs of terms.
 pub(crate) fn total<G: LieGroup<DOF>, T: Term<G, DOF>, const DOF: usize>(terms: &[T], poses: &[G]) -> f64 {
     // Uses the widest vector instructions of the machine for everything that is inlined below.
-    Arch::new().dispatch(Total { terms, poses })
+    for_small_blocks().dispatch(Total { terms, poses })
 }
 
 /// [`total`] for one set of vector instructions. Not a closure: a closure would not be inlined.
