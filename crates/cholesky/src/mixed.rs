@@ -109,10 +109,9 @@ impl<const D: usize> MixedFactor<D> {
         matrix: Matrix<'_, D>,
         values: &mut [SVector<f64, D>],
     ) -> Result<(), Breakdown> {
-        if let Self::Single(factor) = self {
+        if self.is_single() {
             let end = End { iterations: ITERATIONS, left: REDUCTION, enough: 0.0 };
-            let iteration = Iteration { symbolic, pairs, matrix, end };
-            if iteration.solve(factor, values).is_some() {
+            if self.iterate(symbolic, pairs, matrix, values, end).is_some() {
                 return Ok(());
             }
             *self = Self::Double(Factor::new(symbolic));
@@ -157,9 +156,7 @@ pub struct End {
 
 impl End {
     fn is_reached(&self, decrease: f64, square: f64) -> bool {
-        square == 0.0
-            || square <= self.left * decrease
-            || (decrease > 0.0 && decrease + square <= self.enough)
+        square <= self.left * decrease || (decrease > 0.0 && decrease + square <= self.enough)
     }
 }
 

@@ -7,12 +7,12 @@
 
 use std::collections::HashMap;
 
-use faer::traits::pulp::{Simd, WithSimd};
 use nalgebra::{SMatrix, SVector};
 use posecut_cholesky::SINGULAR;
 use posecut_cholesky::fronts::{FrontView, Run, Scratch, eliminate, extend_add, push_rows, scratch};
 use posecut_geometry::translations;
 use posecut_optimize::model::Linearised;
+use pulp::{Simd, WithSimd};
 
 use crate::tree::{Clique, Tree};
 use posecut_cholesky::vectors::for_small_blocks;

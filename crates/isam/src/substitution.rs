@@ -5,10 +5,10 @@
     reason = "loops take the vector instructions of the caller they are inlined into"
 )]
 
-use faer::traits::pulp::{Simd, WithSimd};
 use nalgebra::SVector;
 use posecut_cholesky::fronts::products;
 use posecut_geometry::LieGroup;
+use pulp::{Simd, WithSimd};
 
 use crate::UpdateReport;
 use crate::estimate::Estimate;

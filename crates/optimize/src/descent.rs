@@ -3,8 +3,8 @@
 //! [`levenberg_marquardt`] takes Gauss-Newton steps, damped after one fails (Madsen, Nielsen, Tingleff, "Methods for
 //! non-linear least squares problems", 2004, section 3.2), with [`damping`] by Nielsen's rule. [`dogleg`] is Powell's (ibid.,
 //! section 3.3). [`simplified_newton`] takes steps with an older factor (Deuflhard, "Newton methods for nonlinear problems",
-//! 2004, section 2.1.2), [`conjugate_step`] others with it by conjugate gradients. [`acceleration`] corrects a step that fails to second order (Transtrum, Sethna, 2012). All use the
-//! operations of [`workspace`] and end with an [`outcome`].
+//! 2004, section 2.1.2), [`conjugate_step`] others with it by conjugate gradients. [`acceleration`] corrects a step that fails
+//! to second order (Transtrum, Sethna, 2012). All use the operations of [`workspace`] and end with an [`outcome`].
 //!
 //! Depends on [`model`](crate::model) and `normal_equations`.
 

@@ -137,7 +137,7 @@ impl<const D: usize> NormalEquations<D> {
         poses: &[G],
     ) -> f64 {
         self.clear();
-        // Uses the widest vector instructions of the machine for everything that is inlined below.
+        // Uses vector instructions of the machine for everything that is inlined below.
         for_small_blocks().dispatch(Assemble { equations: self, pattern, edges, poses })
     }
 

@@ -53,12 +53,6 @@ fn operations(columns: usize, below: usize) -> usize {
     columns * (columns * columns / 3 + columns * below + below * below)
 }
 
-impl std::fmt::Debug for Scratch {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter.debug_struct("Scratch").finish_non_exhaustive()
-    }
-}
-
 /// Working memory of the dense kernels for fronts of up to `columns` eliminated columns.
 pub fn scratch(columns: usize) -> Scratch {
     let cholesky =
@@ -79,7 +73,7 @@ pub fn eliminate<const D: usize>(front: FrontView<'_>, memory: &mut Scratch) -> 
     }
 }
 
-/// Eliminates the columns of a front: faer factorises the diagonal block and solves for the rows below it, [`product`] does the rest.
+/// Eliminates the columns of a front by faer's dense kernels, and by [`product`] if that is faster.
 pub(super) fn eliminate_large(front: FrontView<'_>, memory: &mut Scratch) -> Result<(), usize> {
     let below = front.below();
     let FrontView { panel, height, columns, update, fresh } = front;
@@ -102,11 +96,11 @@ pub(super) fn eliminate_large(front: FrontView<'_>, memory: &mut Scratch) -> Res
                 -1.0,
                 Par::Seq,
             );
-            return Ok(());
+        } else {
+            let mut target = Target { values: update, height: below, first: 0, fresh };
+            let rows = Rows { values: panel, height, first: columns };
+            product::subtract(&mut target, rows, &mut memory.panels, false);
         }
-        let mut target = Target { values: update, height: below, first: 0, fresh };
-        let rows = Rows { values: panel, height, first: columns };
-        product::subtract(&mut target, rows, &mut memory.panels, false);
     }
     Ok(())
 }

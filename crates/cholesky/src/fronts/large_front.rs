@@ -15,7 +15,7 @@ use super::view::FrontView;
 /// Columns eliminated at a time. One thread factorises the diagonal block, so wider blocks leave the other threads idle;
 /// narrower ones need more passes over the rest of the front.
 const BLOCK: usize = 128;
-/// Rows or columns of a thread's strip: one of this many rows and [`BLOCK`] columns, 200 kB, stays in a processor's cache.
+/// Rows of a thread's strip: one of this many rows and [`BLOCK`] columns, 200 kB, stays in a processor's cache.
 /// The size is fixed, independent of the number of threads, so that the strips give the same sums.
 const STRIP: usize = 192;
 

@@ -64,7 +64,7 @@ pub(super) fn subtract(target: &mut Target<'_>, rows: Rows<'_>, panels: &mut Vec
     for (pass, columns) in rows.values.chunks(DEPTH * rows.height).enumerate() {
         let depth = columns.len() / rows.height;
         let rows = Rows { values: columns, ..rows };
-        let size = count.next_multiple_of(COPIED) * depth;
+        let size = panel_size(count, depth);
         if panels.len() < size {
             panels.resize(size, 0.0);
         }

@@ -25,7 +25,7 @@ pub(super) struct Solver {
 
 impl Solver {
     pub(super) fn new<const D: usize>(symbolic: &Symbolic, subtree: &Subtree) -> Self {
-        let height = symbolic.fronts[subtree.fronts.clone()].iter().map(Front::height).max().unwrap_or(0);
+        let height = subtree.fronts.iter().map(|&front| symbolic.fronts[front].height()).max().unwrap_or(0);
         Self { top: vec![0.0; symbolic.top_variables() * D], local: vec![0.0; height * D] }
     }
 }
@@ -41,15 +41,14 @@ impl<const D: usize, S: Stored> Factor<D, S> {
             solver.top.fill(0.0);
         }
         by_subtrees::<D, S>(symbolic, panels, permuted, solvers, Direction::Forward);
-        let top_values = |front: &Front| front.first * D..(front.first + front.columns) * D;
-        let own_top = |front: &Front| {
-            let start = symbolic.top_index(front.first) * D;
-            start..start + front.columns * D
-        };
+        // Where the values of a front above the subtrees are: in the vector, and in a solver's part of it.
+        let range = |first: usize, front: &Front| first * D..(first + front.columns) * D;
+        let top = symbolic.top.iter().map(|&front| &symbolic.fronts[front]);
+        let tops =
+            top.map(|front| (range(front.first, front), range(symbolic.top_index(front.first), front)));
         for solver in &*solvers {
-            for front in symbolic.top.iter().map(|&front| &symbolic.fronts[front]) {
-                let sums = &mut permuted[top_values(front)];
-                for (sum, value) in sums.iter_mut().zip(&solver.top[own_top(front)]) {
+            for (all, own) in tops.clone() {
+                for (sum, value) in permuted[all].iter_mut().zip(&solver.top[own]) {
                     *sum += value;
                 }
             }
@@ -65,8 +64,8 @@ impl<const D: usize, S: Stored> Factor<D, S> {
             });
         }
         for solver in solvers.iter_mut() {
-            for front in symbolic.top.iter().map(|&front| &symbolic.fronts[front]) {
-                solver.top[own_top(front)].copy_from_slice(&permuted[top_values(front)]);
+            for (all, own) in tops.clone() {
+                solver.top[own].copy_from_slice(&permuted[all]);
             }
         }
         by_subtrees::<D, S>(symbolic, panels, permuted, solvers, Direction::Backward);
@@ -97,7 +96,7 @@ fn by_subtrees<const D: usize, S: Stored>(
             let first = subtree.positions.start;
             let own = values.cut(first * D..subtree.positions.end * D);
             let places = Places { symbolic, first, own, top };
-            Substitute::<D, S> { fronts: &subtree.order, direction, panels, places, local }
+            Substitute::<D, S> { fronts: &subtree.fronts, direction, panels, places, local }
         })
         .collect();
     tasks.into_par_iter().for_each(|task| for_small_blocks().dispatch(task));

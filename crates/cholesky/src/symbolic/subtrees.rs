@@ -14,9 +14,8 @@ const LARGEST_SHARE: f64 = 0.1;
 /// Fronts of one or more whole subtrees that stand side by side.
 #[derive(Debug)]
 pub(crate) struct Subtree {
-    pub(crate) fronts: Range<usize>,
-    /// The fronts one by one, children before parents.
-    pub(crate) order: Vec<usize>,
+    /// Children before parents.
+    pub(crate) fronts: Vec<usize>,
     /// The positions of their columns in elimination order.
     pub(crate) positions: Range<usize>,
     /// Number of positions of this and all earlier subtrees.
@@ -33,12 +32,7 @@ impl Symbolic {
             let (first, last) = (&self.fronts[range.start], &self.fronts[range.end - 1]);
             let positions = first.first..last.first + last.columns;
             covered += positions.len();
-            self.subtrees.push(Subtree {
-                fronts: range.clone(),
-                order: range.clone().collect(),
-                positions,
-                covered,
-            });
+            self.subtrees.push(Subtree { fronts: range.clone().collect(), positions, covered });
         }
         self.top = (0..self.fronts.len()).filter(|&front| is_top[front]).collect();
     }

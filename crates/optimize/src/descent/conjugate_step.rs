@@ -36,12 +36,10 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
     /// The undamped step for the equations' matrix with the factor of an earlier one; `None`, with no step, if it would take too many
     /// iterations. A decrease of `enough` ends them.
     pub(super) fn conjugate_step(&mut self, enough: f64) -> Option<Step> {
-        if !self.is_near || self.conjugate_iterations == 0 || self.damping.0 != 0.0 {
+        if !std::mem::take(&mut self.is_near) || self.conjugate_iterations == 0 {
             return None;
         }
-        for (step, gradient) in self.step.iter_mut().zip(&self.equations.gradient) {
-            *step = -gradient;
-        }
+        self.oppose_gradient();
         let end = End { iterations: self.conjugate_iterations, left: LEFT, enough: SAFETY * enough };
         let Self { factor, equations, pattern, step, phases, .. } = self;
         let matrix = equations.damped((0.0, [0.0; DOF]));

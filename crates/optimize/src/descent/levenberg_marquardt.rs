@@ -108,7 +108,6 @@ impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         let undamped = damping.value == 0.0;
         let enough = options.promise_tolerance(self.at_least(outcome.cost));
         let conjugate = if undamped && !*hard { self.conjugate_step(enough) } else { None };
-        self.is_near = false;
         let step = conjugate.or_else(|| {
             outcome.factorizations += 1;
             self.solve(damping.value, &mut outcome.undetermined)

@@ -30,10 +30,10 @@ pub(crate) struct Workspace<'a, G, const DOF: usize> {
     pub(crate) equations: NormalEquations<DOF>,
     pub(crate) factor: MixedFactor<DOF>,
     /// The damping of the matrix that was factorised last, and its floor.
-    pub(super) damping: (f64, [f64; DOF]),
+    damping: (f64, [f64; DOF]),
     /// Whether the equations still have the matrix that was factorised last.
     is_factorised: bool,
-    /// Whether the last step with an old factor promised little: the poses are near the minimum.
+    /// Whether the last step with an old factor, which is that of an undamped matrix, promised little: the poses are near the minimum.
     pub(super) is_near: bool,
     /// Iterations that a step by conjugate gradients may take.
     pub(super) conjugate_iterations: usize,
@@ -145,9 +145,7 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
     /// The step `d = -A^-1 g` for the matrix that was factorised last; `None` if it is not finite. It is as exact as the factor's stored
     /// numbers where the equations have another matrix since: such steps only tell whether the old factor still serves.
     pub(crate) fn substitute(&mut self) -> Option<Step> {
-        for (step, gradient) in self.step.iter_mut().zip(&self.equations.gradient) {
-            *step = -gradient;
-        }
+        self.oppose_gradient();
         let Self { factor, equations, pattern, step, phases, .. } = self;
         let matrix = self.is_factorised.then(|| equations.damped(self.damping));
         timed(&mut phases.substitution, || {
@@ -159,6 +157,13 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         })
         .ok()?;
         self.full_step()
+    }
+
+    /// Makes the step the negative gradient.
+    pub(super) fn oppose_gradient(&mut self) {
+        for (step, gradient) in self.step.iter_mut().zip(&self.equations.gradient) {
+            *step = -gradient;
+        }
     }
 
     /// What the model says about the full step in `self.step`; `None` if it is not finite.
