@@ -44,8 +44,8 @@ pub(crate) struct Multicut {
     part: Part,
     /// Also measure GAEC and GAEC + KL of bioimage-cpp, with this Python that has the package; without a value, its newest release is
     /// installed in target/python
-    #[arg(long, value_name = "PYTHON", num_args = 0..=1, default_missing_value = "")]
-    peer: Option<PathBuf>,
+    #[arg(long, value_name = "PYTHON")]
+    peer: Option<Option<PathBuf>>,
     /// Stop after this many seconds on each published instance
     #[arg(long, default_value_t = 60)]
     time_limit: u64,
@@ -111,7 +111,7 @@ impl Multicut {
     /// Everything but small and hard instances.
     fn measure_all(&self, document: &Path, folder: &Path) -> anyhow::Result<()> {
         let instances = self.chosen(instances(self.largest, folder)?);
-        let python = self.peer.as_deref().map(peer_python).transpose()?;
+        let python = self.peer.as_ref().map(|given| peer_python(given.as_deref())).transpose()?;
         let found = self.found(&instances, python.as_deref(), folder)?;
         replace(document, "heuristics-summary", &tables::summary_of_heuristics(&found))?;
         replace(document, "heuristics", &tables::heuristics(&found, self.peer_limit))?;
@@ -230,8 +230,8 @@ fn missing<'a>(instances: &'a [Instance], found: &[Found]) -> Vec<&'a str> {
 }
 
 /// The Python of the peer: the given one, or that of target/python with the newest release.
-fn peer_python(given: &Path) -> anyhow::Result<PathBuf> {
-    if !given.as_os_str().is_empty() {
+fn peer_python(given: Option<&Path>) -> anyhow::Result<PathBuf> {
+    if let Some(given) = given {
         return Ok(given.to_owned());
     }
     let python = python(&["bioimage_cpp", "numpy"])?;
