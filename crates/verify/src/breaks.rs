@@ -14,6 +14,7 @@ use crate::evidence::compare;
 use crate::islands::Hypothesis;
 use crate::model::Motion;
 use crate::rounds::Rounds;
+use crate::slips::slips;
 use crate::usual::usual_motion;
 
 /// Members of a group that are examined next to a break.
@@ -21,8 +22,8 @@ const WITNESSES: usize = 9;
 /// Most steps of a break. Over more steps, chance is as close as the usual motion.
 const LONGEST: usize = 10;
 
-/// Indices, among the graph's edges, of the broken odometry before and after groups that the map does not support. Such a
-/// group lies on a stretch of a chain without accepted closures, and the robot reaches it by a motion that chance does not
+/// Indices, among the graph's edges, of broken odometry: steps that no accepted loop spans ([`slips`]) or else the steps before
+/// and after groups that the map does not support. Such a group lies on a stretch of a chain without accepted closures, and the robot reaches it by a motion that chance does not
 /// explain. If this holds on one side only, the other side may be part of the same error.
 pub(crate) fn breaks<G: Motion<DOF>, const DOF: usize>(
     graph: &PoseGraph,
@@ -33,10 +34,10 @@ pub(crate) fn breaks<G: Motion<DOF>, const DOF: usize>(
     let strong = || rounds.hypotheses.iter().filter(|hypothesis| hypothesis.is_strong());
     let enough = (COST * 2.0 * strong().count() as f64).ln();
     let search = Search { rounds, poses, held: held(rounds), enough };
-    let mut steps: Vec<Step> = Vec::new();
-    for hypothesis in strong() {
-        let found = [0, 1].into_iter().find_map(|side| search.around(hypothesis, side));
-        steps.extend(found.into_iter().flatten());
+    let mut steps = slips(rounds, poses);
+    if steps.is_empty() {
+        let around = |group| [0, 1].into_iter().find_map(|side| search.around(group, side));
+        steps = strong().filter_map(around).flatten().collect();
     }
     let step = |edge: &Edge| {
         let place = |id| graph.node_index(id).map(|node| rounds.model.chains.places[node]);
@@ -52,9 +53,9 @@ pub(crate) fn breaks<G: Motion<DOF>, const DOF: usize>(
 
 /// A step of a chain, named by its later position.
 #[derive(Clone, Copy, PartialEq)]
-struct Step {
-    chain: usize,
-    later: usize,
+pub(crate) struct Step {
+    pub(crate) chain: usize,
+    pub(crate) later: usize,
 }
 
 /// The positions of each chain where accepted closures end, in order.

@@ -11,7 +11,7 @@
 //! - `prior`: the share of correct candidates where the map is uncertain.
 //! - `scores`: scores of a front end, with weights learnt from the graph.
 //! - `usual`, `bridges`: the usual motion of a robot, where odometry is missing.
-//! - `breaks`: broken odometry, which correct edges contradict.
+//! - `breaks`: broken odometry, which correct edges contradict; `slips`, `spans`: the same where no accepted loop spans it.
 //! - `ingredients`: the ingredients that can be left out, to measure their worth.
 //! - `rivals`: other ways to join two chains.
 //! - [`verdict`], [`stage`]: the verdict on every edge, and the stage on a pose graph.
@@ -43,6 +43,8 @@ mod renumber;
 mod rivals;
 mod rounds;
 mod scores;
+mod slips;
+mod spans;
 #[cfg(feature = "cli")]
 pub mod stage;
 mod translation;

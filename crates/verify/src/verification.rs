@@ -6,15 +6,22 @@ use anyhow::{Context as _, ensure};
 use posecut_graph::{EdgeKind, PoseGraph};
 
 use crate::calibration::Calibration;
+use crate::factors::Factors;
 use crate::ingredients::Ingredient;
 use crate::judge::{Judged, Known, judge};
 use crate::model::{Model, Motion};
+use crate::partners::Partners;
 use crate::renumber::renumbered;
 use crate::rivals::{Rival, rivals};
 use crate::verdict::{Finding, Verdict, findings};
 
 /// Most searches for broken odometry: behind one break there may be another.
 const PASSES: usize = 8;
+
+/// How many times the evidence of the whole chains' loops those of their pieces must have for factors of their own. Where correct edges span a
+/// broken step, most loops contradicted each other before, and the factors explained a minority. Elsewhere, pieces have fewer loops than the
+/// whole, and factors of their own are worse.
+const CLEARER: f64 = 2.0;
 
 /// What verification found.
 #[derive(Clone, Debug, PartialEq)]
@@ -172,10 +179,16 @@ impl<'a, G: Motion<DOF>, const DOF: usize> Parts<'a, G, DOF> {
                 whole[part] = chain;
             }
             model = parts;
-            let factors = judged.factors.of_parts(&whole);
+            let factors = calibrated_again(&model, judged.factors.of_parts(&whole));
             judged = judge(&graph, &model, None, Some(Known { factors, accepted }))?;
         }
         broken.sort_unstable();
         Ok(Self { graph, model, judged, broken })
     }
+}
+
+/// The factors of these chains, or the given ones, which the chains had before they were split, unless their own explain much more.
+fn calibrated_again<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, before: Factors) -> Factors {
+    let own = Factors::of(model, &Partners::of(model));
+    if own.loops.evidence > CLEARER * before.loops.evidence.max(0.0) { own } else { before }
 }

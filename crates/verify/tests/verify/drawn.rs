@@ -30,3 +30,14 @@ fn wide_local_errors_are_found_where_they_explain_much_more() {
         assert!(lost <= 26, "seed {seed}: {lost} correct edges lost");
     }
 }
+
+/// Regressions: the robot slips far from the groups of edges that span the slip, and 89, 42, 12 and 190 correct edges were lost. On the graph of
+/// seed 1022, whose calibration explained slips as noise, 116.
+#[test]
+fn edges_that_span_a_slip_are_accepted_wherever_it_is() {
+    for (seed, most) in [(12, 1), (39, 4), (1022, 20), (1088, 1), (1101, 1)] {
+        let Mistakes { kept, lost, .. } = mistakes_of(seed);
+        assert!(kept <= 15, "seed {seed}: {kept} incorrect edges kept");
+        assert!(lost <= most, "seed {seed}: {lost} correct edges lost");
+    }
+}
