@@ -6,6 +6,7 @@ mod running;
 mod tables;
 
 use std::collections::HashMap;
+use std::ffi::{OsStr, OsString};
 use std::fs::OpenOptions;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -44,8 +45,9 @@ pub(crate) struct Multicut {
     part: Part,
     /// Also measure GAEC and GAEC + KL of bioimage-cpp, with this Python that has the package; without a value, its newest release is
     /// installed in target/python
-    #[arg(long, value_name = "PYTHON")]
-    peer: Option<Option<PathBuf>>,
+    #[arg(long, value_name = "PYTHON", num_args = 0..=1, default_missing_value = "")]
+    // Not a path, which must not be empty.
+    peer: Option<OsString>,
     /// Stop after this many seconds on each published instance
     #[arg(long, default_value_t = 60)]
     time_limit: u64,
@@ -111,7 +113,7 @@ impl Multicut {
     /// Everything but small and hard instances.
     fn measure_all(&self, document: &Path, folder: &Path) -> anyhow::Result<()> {
         let instances = self.chosen(instances(self.largest, folder)?);
-        let python = self.peer.as_ref().map(|given| peer_python(given.as_deref())).transpose()?;
+        let python = self.peer.as_deref().map(peer_python).transpose()?;
         let found = self.found(&instances, python.as_deref(), folder)?;
         replace(document, "heuristics-summary", &tables::summary_of_heuristics(&found))?;
         replace(document, "heuristics", &tables::heuristics(&found, self.peer_limit))?;
@@ -230,9 +232,9 @@ fn missing<'a>(instances: &'a [Instance], found: &[Found]) -> Vec<&'a str> {
 }
 
 /// The Python of the peer: the given one, or that of target/python with the newest release.
-fn peer_python(given: Option<&Path>) -> anyhow::Result<PathBuf> {
-    if let Some(given) = given {
-        return Ok(given.to_owned());
+fn peer_python(given: &OsStr) -> anyhow::Result<PathBuf> {
+    if !given.is_empty() {
+        return Ok(given.into());
     }
     let python = python(&["bioimage_cpp", "numpy"])?;
     visibly(Command::new(&python).args(["-m", "pip", "install", "--quiet", "--upgrade", "bioimage-cpp"]))?;
