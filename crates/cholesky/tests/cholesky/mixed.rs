@@ -1,15 +1,12 @@
 //! Factors in single precision: solutions near those in double precision, and matrices that are too hard for them.
 
-#![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
-
-mod matrices;
-
-use matrices::{grid, large_grid, matrix, unique_pairs};
 use nalgebra::{SMatrix, SVector};
 use posecut_cholesky::{End, Factor, Matrix, Memory, MixedFactor, Symbolic};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+
+use crate::matrices::{grid, large_grid, matrix, unique_pairs};
 
 /// The largest entries of the difference of two vectors, and of the second one.
 fn apart<const D: usize>(found: &[SVector<f64, D>], expected: &[SVector<f64, D>]) -> (f64, f64) {

@@ -1,15 +1,12 @@
 //! The block factorisation against dense algebra, over random patterns.
 
-#![allow(clippy::unwrap_used, reason = "functions of tests may panic")]
-
-mod matrices;
-
-use matrices::{grid, large_grid, matrix, unique_pairs};
 use nalgebra::{DVector, SMatrix, SVector};
 use posecut_cholesky::{Factor, SelectedInverse, Symbolic};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+
+use crate::matrices::{grid, large_grid, matrix, unique_pairs};
 
 fn check<const D: usize>(variables: usize, pairs: &[(usize, usize)], seed: u64) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
