@@ -52,7 +52,7 @@ pub(crate) fn breaks<G: Motion<DOF>, const DOF: usize>(
 }
 
 /// A step of a chain, named by its later position.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Step {
     pub(crate) chain: usize,
     pub(crate) later: usize,

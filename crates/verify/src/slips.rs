@@ -4,11 +4,15 @@
 //! together. A group of rejected edges says which motion each open step between its ends has if that step alone is broken. For the step where
 //! the robot slipped, this is a step such as the robot takes elsewhere; for other steps, and for groups of false edges, it is a jump.
 
+use std::collections::BTreeMap;
+
 use nalgebra::SMatrix;
 use posecut_geometry::covariance::to_body;
+use rayon::prelude::*;
 
 use crate::breaks::Step;
 use crate::cut::COST;
+use crate::evidence::CLIP;
 use crate::islands::Hypothesis;
 use crate::model::Motion;
 use crate::rounds::Rounds;
@@ -20,12 +24,13 @@ const WITNESSES: usize = 9;
 /// Groups that are examined, the heaviest first.
 const GROUPS: usize = 50;
 
-/// The steps that groups of rejected edges show to be broken. Takes O([`GROUPS`] [`WITNESSES`] open steps).
+/// The steps that groups of rejected edges show to be broken. Takes O([`GROUPS`] x [`WITNESSES`] x open steps).
 pub(crate) fn slips<G: Motion<DOF>, const DOF: usize>(rounds: &Rounds<'_, G, DOF>, poses: &[G]) -> Vec<Step> {
     let search = Search { rounds, poses, spans: Spans::of(rounds) };
-    let groups = rounds.hypotheses.iter().filter(|hypothesis| hypothesis.is_strong()).take(GROUPS);
+    let groups: Vec<&Hypothesis> =
+        rounds.hypotheses.iter().filter(|hypothesis| hypothesis.is_strong()).take(GROUPS).collect();
     let mut suspects: Vec<Vec<Suspect>> =
-        groups.enumerate().map(|(rank, group)| search.suspects(group, rank)).collect();
+        groups.par_iter().enumerate().map(|(rank, group)| search.suspects(group, rank)).collect();
     let mut found = Vec::new();
     while let Some(step) = most_suspected(&suspects) {
         found.push(step);
@@ -45,16 +50,13 @@ struct Suspect {
 
 /// The step with the most evidence, summed over groups, if it is enough.
 fn most_suspected(suspects: &[Vec<Suspect>]) -> Option<Step> {
-    let mut sums: Vec<Suspect> = Vec::new();
-    for &suspect in suspects.iter().flatten() {
-        match sums.iter_mut().find(|sum| sum.step == suspect.step) {
-            Some(sum) => sum.evidence += suspect.evidence,
-            None => sums.push(suspect),
-        }
+    let mut sums: BTreeMap<Step, f64> = BTreeMap::new();
+    for &Suspect { step, evidence } in suspects.iter().flatten() {
+        *sums.entry(step).or_default() += evidence;
     }
-    let most = sums.into_iter().max_by(|a, b| a.evidence.total_cmp(&b.evidence))?;
+    let (step, evidence) = sums.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
     // Less than a third of a step without a slip is expected to have that much by chance, with equal odds of a slip and of a false group.
-    (most.evidence > (2.0 * COST).ln()).then_some(most.step)
+    (evidence > (2.0 * COST).ln()).then_some(step)
 }
 
 struct Search<'a, G, const DOF: usize> {
@@ -99,28 +101,38 @@ impl<G: Motion<DOF>, const DOF: usize> Search<'_, G, DOF> {
         suspects
     }
 
-    /// The evidence of most witnesses that a step is broken; `None` if most do not span it.
+    /// The evidence of most witnesses that a step is broken, or any negative one if theirs is negative; `None` if most do not span the step.
     fn evidence(&self, witnesses: &[usize], step: Step, usual: &UsualStep<G, DOF>) -> Option<f64> {
         let model = self.rounds.model;
-        let mut evidence: Vec<f64> = witnesses
+        let spanning: Vec<_> = witnesses
             .iter()
-            .filter_map(|&witness| {
-                let (motion, own) = self.needed(witness, step)?;
-                Some(usual.evidence(&motion, &own, &model.apart_local(witness), self.rounds.random.tail))
-            })
+            .filter_map(|&witness| self.sides(witness, step).map(|sides| (witness, sides)))
             .collect();
-        if 2 * evidence.len() <= witnesses.len() {
+        if 2 * spanning.len() <= witnesses.len() {
             return None;
+        }
+        let (mut evidence, mut against) = (Vec::with_capacity(spanning.len()), 0);
+        for &(witness, sides) in &spanning {
+            let (motion, own) = self.needed(witness, step, sides);
+            let apart = model.apart_local(witness);
+            evidence.push(usual.evidence(&motion, &own, &apart, self.rounds.random.tail));
+            against += usize::from(evidence[evidence.len() - 1] < 0.0);
+            if 2 * against > spanning.len() {
+                return Some(-CLIP);
+            }
         }
         evidence.sort_by(f64::total_cmp);
         Some(evidence[(evidence.len() - 1) / 2])
     }
 
-    /// The motion over a step if this closure is correct and the step alone is broken, and its covariance in the frame of the step's end;
-    /// `None` if the closure does not span the step.
-    fn needed(&self, closure: usize, step: Step) -> Option<(G, SMatrix<f64, DOF, DOF>)> {
+    /// The motion over a step if this closure is correct and the step alone is broken, and its covariance in the frame of the step's end.
+    fn needed(
+        &self,
+        closure: usize,
+        step: Step,
+        [before, after]: [(usize, usize); 2],
+    ) -> (G, SMatrix<f64, DOF, DOF>) {
         let (model, factors) = (self.rounds.model, &self.rounds.random);
-        let [before, after] = self.sides(closure, step)?;
         let node = |(chain, place): (usize, usize)| model.node(chain, place);
         let pose = |place: usize| self.poses[model.node(step.chain, place)];
         let edge = self.rounds.drawing.landmark(closure);
@@ -143,7 +155,7 @@ impl<G: Motion<DOF>, const DOF: usize> Search<'_, G, DOF> {
             let along = spans.covariance_between(before.1, step.later - 1);
             own += to_body(&motion, &to_body(&odometry.poses[step.later - 1], &along));
         }
-        Some((motion, own))
+        (motion, own)
     }
 
     /// A closure's ends, that before the step first; `None` if it does not span the step. In another chain, an end is on the side of the
