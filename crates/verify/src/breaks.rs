@@ -15,27 +15,28 @@ use crate::islands::Hypothesis;
 use crate::model::Motion;
 use crate::rounds::Rounds;
 use crate::slips::slips;
-use crate::usual::usual_motion;
+use crate::usual::{stretches, usual_motion};
 
 /// Members of a group that are examined next to a break.
 const WITNESSES: usize = 9;
 /// Most steps of a break. Over more steps, chance is as close as the usual motion.
 const LONGEST: usize = 10;
 
-/// Indices, among the graph's edges, of broken odometry: steps that no accepted loop spans ([`slips`]) or else the steps before
-/// and after groups that the map does not support. Such a group lies on a stretch of a chain without accepted closures, and the robot reaches it by a motion that chance does not
-/// explain. If this holds on one side only, the other side may be part of the same error.
+/// Indices, among the graph's edges, of broken odometry: steps that no accepted loop spans ([`slips`]), or else the steps
+/// before and after groups that the map does not support. Such a group lies on a stretch of a chain without accepted closures,
+/// and the robot reaches it by a motion that chance does not explain. If this holds on one side only, the other side may be
+/// part of the same error.
 pub(crate) fn breaks<G: Motion<DOF>, const DOF: usize>(
     graph: &PoseGraph,
     rounds: &Rounds<'_, G, DOF>,
 ) -> Vec<usize> {
     let Some(poses) = &rounds.poses else { return Vec::new() };
-    // Each group is examined from both sides.
-    let strong = || rounds.hypotheses.iter().filter(|hypothesis| hypothesis.is_strong());
-    let enough = (COST * 2.0 * strong().count() as f64).ln();
-    let search = Search { rounds, poses, held: held(rounds), enough };
     let mut steps = slips(rounds, poses);
     if steps.is_empty() {
+        // Each group is examined from both sides.
+        let strong = || rounds.hypotheses.iter().filter(|hypothesis| hypothesis.is_strong());
+        let enough = (COST * 2.0 * strong().count() as f64).ln();
+        let search = Search { rounds, poses, held: held(rounds), enough };
         let around = |group| [0, 1].into_iter().find_map(|side| search.around(group, side));
         steps = strong().filter_map(around).flatten().collect();
     }
@@ -84,19 +85,10 @@ struct Search<'a, G, const DOF: usize> {
 impl<G: Motion<DOF>, const DOF: usize> Search<'_, G, DOF> {
     /// The broken steps around a group's ends in chain A (`side` 0) or B (1), if there are any.
     fn around(&self, hypothesis: &Hypothesis, side: usize) -> Option<Vec<Step>> {
-        // Members that the map judged and did not accept.
-        let left_out =
-            |member: &usize| !self.rounds.accepted[*member] && self.rounds.ratio[*member].is_some();
         let end = |closure: usize| self.rounds.model.ends(closure)[side];
-        let mut members: Vec<(usize, usize)> = hypothesis
-            .members
-            .iter()
-            .filter(|member| left_out(member))
-            .map(|&member| (end(member).1, member))
-            .collect();
-        if 2 * members.len() <= hypothesis.members.len() {
-            return None;
-        }
+        let left_out = self.rounds.left_out(hypothesis)?;
+        let mut members: Vec<(usize, usize)> =
+            left_out.into_iter().map(|member| (end(member).1, member)).collect();
         members.sort_unstable();
         let (chain, _) = end(hypothesis.members[0]);
         // The stretch without accepted closures around most members. A few members may lie outside it.
@@ -187,9 +179,7 @@ fn motion_over<G: Motion<DOF>, const DOF: usize>(
         return None;
     }
     let over = |chains: &[Chain<G, DOF>]| {
-        let motions: Vec<SVector<f64, DOF>> = chains
-            .iter()
-            .flat_map(|chain| chain.poses.iter().zip(chain.poses.iter().skip(length)))
+        let motions: Vec<SVector<f64, DOF>> = stretches(chains, length)
             .map(|(one, other)| if from < to { one.between(other).log() } else { other.between(one).log() })
             .collect();
         usual_motion(&motions)

@@ -29,8 +29,7 @@ impl Hypothesis {
 
     /// A sample of the members, spread evenly.
     pub(crate) fn witnesses(&self) -> Vec<usize> {
-        let step = self.members.len().div_ceil(WITNESSES).max(1);
-        self.members.iter().copied().step_by(step).collect()
+        spread(&self.members, WITNESSES)
     }
 
     /// Whether a condition holds for most members, by a sample.
@@ -43,6 +42,12 @@ impl Hypothesis {
     pub(crate) fn contradicted(&self, evidence: &[Option<Evidence>]) -> bool {
         self.is_mostly(|member| evidence[member].is_some_and(|found| found.weight() <= CONTRADICTED))
     }
+}
+
+/// At most so many of these closures, spread evenly.
+pub(crate) fn spread(closures: &[usize], most: usize) -> Vec<usize> {
+    let step = closures.len().div_ceil(most).max(1);
+    closures.iter().copied().step_by(step).collect()
 }
 
 /// For each closure, the sum of its evidence within its cluster.

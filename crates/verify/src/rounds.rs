@@ -361,6 +361,13 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         self.most.iter().zip(scores).map(|(most, score)| prior.odds(*most) * score.exp()).collect()
     }
 
+    /// The members of a hypothesis that the map judged and did not accept; `None` unless these are most of them.
+    pub(crate) fn left_out(&self, hypothesis: &Hypothesis) -> Option<Vec<usize>> {
+        let is_left_out = |member: &usize| !self.accepted[*member] && self.ratio[*member].is_some();
+        let members: Vec<usize> = hypothesis.members.iter().copied().filter(is_left_out).collect();
+        (2 * members.len() > hypothesis.members.len()).then_some(members)
+    }
+
     /// Joins components by the hypotheses of most evidence, each component at most once a round, so that the next round
     /// judges the other hypotheses by the larger map. Between rivals only a user can choose. Returns whether it joined any.
     fn join(&mut self, next: &mut [bool]) -> bool {

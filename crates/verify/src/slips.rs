@@ -5,6 +5,7 @@
 //! the robot slipped, this is a step such as the robot takes elsewhere; for other steps, and for groups of false edges, it is a jump.
 
 use std::collections::BTreeMap;
+use std::slice;
 
 use nalgebra::SMatrix;
 use posecut_geometry::covariance::to_body;
@@ -13,7 +14,7 @@ use rayon::prelude::*;
 use crate::breaks::Step;
 use crate::cut::COST;
 use crate::evidence::CLIP;
-use crate::islands::Hypothesis;
+use crate::islands::spread;
 use crate::model::Motion;
 use crate::rounds::Rounds;
 use crate::spans::Spans;
@@ -26,11 +27,23 @@ const GROUPS: usize = 50;
 
 /// The steps that groups of rejected edges show to be broken. Takes O([`GROUPS`] x [`WITNESSES`] x open steps).
 pub(crate) fn slips<G: Motion<DOF>, const DOF: usize>(rounds: &Rounds<'_, G, DOF>, poses: &[G]) -> Vec<Step> {
-    let search = Search { rounds, poses, spans: Spans::of(rounds) };
-    let groups: Vec<&Hypothesis> =
-        rounds.hypotheses.iter().filter(|hypothesis| hypothesis.is_strong()).take(GROUPS).collect();
-    let mut suspects: Vec<Vec<Suspect>> =
-        groups.par_iter().enumerate().map(|(rank, group)| search.suspects(group, rank)).collect();
+    let strong = rounds.hypotheses.iter().filter(|hypothesis| hypothesis.is_strong()).take(GROUPS);
+    let groups: Vec<Group> = strong
+        .enumerate()
+        .filter_map(|(rank, group)| {
+            Some(Group { witnesses: spread(&rounds.left_out(group)?, WITNESSES), rank })
+        })
+        .collect();
+    if groups.is_empty() {
+        return Vec::new();
+    }
+    let chains = &rounds.model.chains.chains;
+    let of_all = UsualStep::of(chains);
+    let usual = chains.iter().map(|chain| UsualStep::of(slice::from_ref(chain)));
+    // Of all chains where one is short.
+    let usual = usual.map(|usual| usual.or_else(|| of_all.clone())).collect();
+    let search = Search { rounds, poses, spans: Spans::of(rounds), usual };
+    let mut suspects: Vec<Vec<Suspect>> = groups.par_iter().map(|group| search.suspects(group)).collect();
     let mut found = Vec::new();
     while let Some(step) = most_suspected(&suspects) {
         found.push(step);
@@ -38,6 +51,13 @@ pub(crate) fn slips<G: Motion<DOF>, const DOF: usize>(rounds: &Rounds<'_, G, DOF
         suspects.retain(|suspects| suspects.iter().all(|suspect| suspect.step != step));
     }
     found
+}
+
+/// A group of which most members are rejected.
+struct Group {
+    witnesses: Vec<usize>,
+    /// The number of heavier groups.
+    rank: usize,
 }
 
 /// A step that may be broken.
@@ -63,36 +83,26 @@ struct Search<'a, G, const DOF: usize> {
     rounds: &'a Rounds<'a, G, DOF>,
     poses: &'a [G],
     spans: Vec<Spans<DOF>>,
+    /// The usual step of each chain, if there are enough steps.
+    usual: Vec<Option<UsualStep<G, DOF>>>,
 }
 
 impl<G: Motion<DOF>, const DOF: usize> Search<'_, G, DOF> {
-    /// The steps that may be broken according to a group, of which most members are rejected, with `rank` heavier groups.
-    fn suspects(&self, group: &Hypothesis, rank: usize) -> Vec<Suspect> {
-        let rounds = self.rounds;
-        let is_rejected = |member: &usize| !rounds.accepted[*member] && rounds.ratio[*member].is_some();
-        let members: Vec<usize> = group.members.iter().copied().filter(is_rejected).collect();
-        if 2 * members.len() <= group.members.len() {
-            return Vec::new();
-        }
-        let every = members.len().div_ceil(WITNESSES);
-        let witnesses: Vec<usize> = members.iter().copied().step_by(every).collect();
-        let [(a, _), (b, _)] = rounds.model.ends(members[0]);
-        let chains = &rounds.model.chains.chains;
+    /// The steps that may be broken according to a group.
+    fn suspects(&self, Group { witnesses, rank }: &Group) -> Vec<Suspect> {
+        let [(a, _), (b, _)] = self.rounds.model.ends(witnesses[0]);
         let mut suspects = Vec::new();
         for chain in [Some(a), (a != b).then_some(b)].into_iter().flatten() {
-            // Of all chains, if this one is short.
-            let usual = UsualStep::of(&chains[chain..=chain]).or_else(|| UsualStep::of(chains));
-            let Some(usual) = usual else { continue };
+            let Some(usual) = &self.usual[chain] else { continue };
             for later in self.spans[chain].open_steps() {
                 let step = Step { chain, later };
-                suspects.extend(
-                    self.evidence(&witnesses, step, &usual).map(|evidence| Suspect { step, evidence }),
-                );
+                suspects
+                    .extend(self.evidence(witnesses, step, usual).map(|evidence| Suspect { step, evidence }));
             }
         }
         // The best of so many steps, and one of all groups: the expected number of suspects by chance is one at most, since the sum of
         // 1 / (k (k + 1)) over all groups k is one.
-        let (steps, rank) = (suspects.len() as f64, rank as f64);
+        let (steps, rank) = (suspects.len() as f64, *rank as f64);
         let by_chance = (steps * (rank + 1.0) * (rank + 2.0)).ln();
         suspects.retain_mut(|suspect| {
             suspect.evidence -= by_chance;

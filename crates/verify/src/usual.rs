@@ -25,8 +25,17 @@ pub(crate) fn usual_motion<G: Motion<DOF>, const DOF: usize>(
     Some((G::exp(&mean), scatter / count))
 }
 
+/// The poses at both ends of every stretch of so many steps.
+pub(crate) fn stretches<G, const DOF: usize>(
+    chains: &[Chain<G, DOF>],
+    length: usize,
+) -> impl Iterator<Item = (&G, &G)> {
+    chains.iter().flat_map(move |chain| chain.poses.iter().zip(chain.poses.iter().skip(length)))
+}
+
 /// The distribution of a single step: an equal mixture of a wide normal one and examples. The wide one alone says little where a robot mostly
 /// goes straight and turns sharply now and then; examples alone miss a step that is slower than all others.
+#[derive(Clone)]
 pub(crate) struct UsualStep<G, const DOF: usize> {
     mean: G,
     covariance: SMatrix<f64, DOF, DOF>,
@@ -36,11 +45,7 @@ pub(crate) struct UsualStep<G, const DOF: usize> {
 impl<G: Motion<DOF>, const DOF: usize> UsualStep<G, DOF> {
     /// The steps of these chains; `None` if there are too few.
     pub(crate) fn of(chains: &[Chain<G, DOF>]) -> Option<Self> {
-        let steps: Vec<G> = chains
-            .iter()
-            .flat_map(|chain| chain.poses.iter().zip(chain.poses.iter().skip(1)))
-            .map(|(before, after)| before.between(after))
-            .collect();
+        let steps: Vec<G> = stretches(chains, 1).map(|(before, after)| before.between(after)).collect();
         let logarithms: Vec<_> = steps.iter().map(G::log).collect();
         let (mean, covariance) = usual_motion(&logarithms)?;
         let examples = steps.iter().copied().step_by(steps.len().div_ceil(EXAMPLES)).collect();
