@@ -33,7 +33,12 @@ impl<const D: usize> SelectedInverse<D> {
     pub fn new(symbolic: &Symbolic, factor: &mut Factor<D>) -> Self {
         let Factor { panels: factor, stacks, inverse, .. } = factor;
         let mut panels = resized(std::mem::take(inverse), factor.len());
-        // A child's `Z_RR` is stored where its update matrix was. Fronts come in the opposite order, so the stacks still fit.
+        // A child's `Z_RR` is stored as its update matrix was, on a stack. Fronts come in the opposite order.
+        for (stack, blocks) in stacks.iter_mut().zip(symbolic.corner_blocks) {
+            if stack.len() < blocks * D * D {
+                *stack = resized(std::mem::take(stack), blocks * D * D);
+            }
+        }
         let largest = symbolic.fronts.iter().map(|front| front.below() * front.columns).max().unwrap_or(0);
         let mut product = vec![0.0; largest * D * D];
         // Parents come first: the inverse over a front's rows is part of the inverse over its parent's columns and rows.
@@ -44,12 +49,12 @@ impl<const D: usize> SelectedInverse<D> {
             let [even, odd] = &mut *stacks;
             let (own, others) = if front.stack == 0 { (&*even, odd) } else { (&*odd, even) };
             let below = front.below() * D;
-            let corner = &own[front.update * D * D..][..below * below];
+            let corner = &own[front.corner * D * D..][..below * below];
             invert_front(&factor[range], panel, corner, front.columns * D, &mut product);
             for &child in &symbolic.children[front.children.clone()] {
                 let child = &symbolic.fronts[child];
                 let order = child.below() * D;
-                let target = &mut others[child.update * D * D..][..order * order];
+                let target = &mut others[child.corner * D * D..][..order * order];
                 hand_down::<D>(&symbolic.relative[child.rows.clone()], front, panel, corner, target);
             }
         }

@@ -55,8 +55,6 @@ impl SmallestPivot {
 /// Working memory of a thread.
 pub(super) struct Worker {
     memory: Scratch,
-    /// A front's panel, if it is not eliminated where it is stored.
-    panel: Vec<f64>,
     runs: Vec<Run>,
     pub(super) smallest_pivot: SmallestPivot,
 }
@@ -69,22 +67,23 @@ impl Worker {
             fronts().map(|front| dense::panel_size(front.height() * D, front.columns * D)).max().unwrap_or(0);
         Self {
             memory: dense::scratch(columns * D).with_panels(panels),
-            panel: Vec::new(),
             runs: Vec::with_capacity(fronts().map(Front::height).max().unwrap_or(0)),
             smallest_pivot: SmallestPivot::default(),
         }
     }
 }
 
-/// Factorises independent stretches, on all threads. If several fail, reports the first one in their order.
+/// Factorises independent stretches, on all threads, and moves the updates that they leave together. If several fail, reports the first
+/// one in their order.
 pub(super) fn side_by_side<const D: usize, S: Stored>(
     symbolic: &Symbolic,
     stretches: &[Stretch],
     matrix: Matrix<'_, D>,
     panels: &mut [S],
-    [even, odd]: &mut [Vec<f64>; 2],
+    stacks: &mut [Vec<f64>; 2],
     workers: &mut [Worker],
 ) -> Result<(), Breakdown> {
+    let [even, odd] = &mut *stacks;
     let (mut panels, mut even, mut odd) = (Rest::new(panels), Rest::new(even), Rest::new(odd));
     let scalars = |blocks: &Range<usize>| blocks.start * D * D..blocks.end * D * D;
     let tasks: Vec<Task<'_, D, S>> = stretches
@@ -99,13 +98,20 @@ pub(super) fn side_by_side<const D: usize, S: Stored>(
                 fronts: &stretch.fronts,
                 panel_base: of_panels.start,
                 panels: panels.cut(of_panels),
-                stack_bases: [of_even.start, of_odd.start],
+                stack_bases: [0, 1].map(|stack| scalars(&stretch.left[stack]).start),
                 stacks: [even.cut(of_even), odd.cut(of_odd)],
                 worker,
             }
         })
         .collect();
     let outcomes: Vec<_> = tasks.into_par_iter().map(|task| for_small_blocks().dispatch(task)).collect();
+    // In ascending order nothing is overwritten that has not moved.
+    for stretch in stretches {
+        for (stack, (range, left)) in stacks.iter_mut().zip(stretch.stacks.iter().zip(&stretch.left)) {
+            let (from, to) = (scalars(range).start, scalars(left));
+            stack.copy_within(from..from + to.len(), to.start);
+        }
+    }
     outcomes.into_iter().collect()
 }
 
@@ -150,14 +156,17 @@ impl<const D: usize, N: Stored> WithSimd for Task<'_, D, N> {
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
         let Self { symbolic, matrix, fronts, panels, panel_base, stacks, stack_bases, worker } = self;
         let Matrix { diagonal, off_diagonal, damping, floor } = matrix;
-        let Worker { memory, panel: workspace, runs, smallest_pivot } = worker;
+        let Worker { memory, runs, smallest_pivot } = worker;
+        // A front's panel, if it is not eliminated where it is stored. Kept for a stretch alone: the panels of all stretches
+        // together are a fifth as large as a very large factor.
+        let mut workspace = Vec::new();
         *smallest_pivot = SmallestPivot::default();
         let [even, odd] = stacks;
         for front in fronts.iter().map(|&front| &symbolic.fronts[front]) {
             let height = front.height() * D;
             let panel_start = front.panel * D * D - panel_base;
             let stored = &mut panels[panel_start..panel_start + front.columns * D * height];
-            let (panel, stored) = N::places(stored, workspace);
+            let (panel, stored) = N::places(stored, &mut workspace);
             panel.fill(0.0);
             for local in 0..front.columns {
                 let mut block = diagonal[symbolic.order[front.first + local]];

@@ -18,8 +18,11 @@ pub(crate) struct Front {
     pub(crate) parent: usize,
     /// Offset of the panel (columns x height) in the factor.
     pub(crate) panel: usize,
-    /// Offset of the update matrix on its stack.
+    /// Offset of the update matrix on its stack, after what stretches leave has moved together.
     pub(crate) update: usize,
+    /// Offset on its stack of the inverse over the rows below: no two overlap that are of use at the same time, if fronts are
+    /// visited one by one, parents first.
+    pub(crate) corner: usize,
     /// Which of the two stacks holds the update: the parity of the depth.
     pub(crate) stack: usize,
     /// Range in [`Symbolic::children`].
@@ -37,6 +40,9 @@ pub(crate) struct Stretch {
     pub(crate) panels: Range<usize>,
     /// Range on each stack.
     pub(crate) stacks: [Range<usize>; 2],
+    /// Where the updates that it leaves on each stack move, from the start of its range. The offsets of all its updates count from
+    /// the start of this.
+    pub(crate) left: [Range<usize>; 2],
 }
 
 impl Front {
