@@ -34,11 +34,6 @@ impl<const D: usize> SelectedInverse<D> {
         let Factor { panels: factor, stacks, inverse, .. } = factor;
         let mut panels = resized(std::mem::take(inverse), factor.len());
         // A child's `Z_RR` is stored as its update matrix was, on a stack. Fronts come in the opposite order.
-        for (stack, blocks) in stacks.iter_mut().zip(symbolic.corner_blocks) {
-            if stack.len() < blocks * D * D {
-                *stack = resized(std::mem::take(stack), blocks * D * D);
-            }
-        }
         let largest = symbolic.fronts.iter().map(|front| front.below() * front.columns).max().unwrap_or(0);
         let mut product = vec![0.0; largest * D * D];
         // Parents come first: the inverse over a front's rows is part of the inverse over its parent's columns and rows.

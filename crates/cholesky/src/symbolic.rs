@@ -45,8 +45,6 @@ pub struct Symbolic {
     pub(crate) front_of: Vec<usize>,
     pub(crate) panel_blocks: usize,
     pub(crate) stack_blocks: [usize; 2],
-    /// Sizes of the stacks for a selected inverse.
-    pub(crate) corner_blocks: [usize; 2],
     /// Stretches that threads may factorise in parallel; the last one is the rest, which comes after all others.
     pub(crate) stretches: Vec<Stretch>,
     pub(crate) subtrees: Vec<Subtree>,
@@ -103,7 +101,6 @@ impl Symbolic {
             front_of: vec![0; order.len()],
             panel_blocks: 0,
             stack_blocks: [0, 0],
-            corner_blocks: [0, 0],
             stretches: Vec::new(),
             subtrees: Vec::new(),
             top: Vec::new(),

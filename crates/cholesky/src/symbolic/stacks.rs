@@ -20,7 +20,7 @@ impl Symbolic {
         // Region 0 is the rest; so far it has all fronts.
         let mut regions = vec![0; self.fronts.len()];
         let all: Vec<usize> = (0..self.fronts.len()).collect();
-        [_, self.corner_blocks] = self.place(&all, &regions, [0, 0], |front, offset| front.corner = offset);
+        let [_, corners] = self.place(&all, &regions, [0, 0], |front, offset| front.corner = offset);
         let (mut start, mut moved) = ([0, 0], [0, 0]);
         for (index, fronts) in independent.iter().enumerate() {
             regions[fronts.clone()].fill(index + 1);
@@ -34,7 +34,7 @@ impl Symbolic {
         let rest: Vec<usize> = (0..self.fronts.len()).filter(|&front| regions[front] == 0).collect();
         let [top, end] = self.place(&rest, &regions, moved, |front, offset| front.update = offset);
         self.add_stretch(rest, [moved[0]..end[0], moved[1]..end[1]], [moved[0]..top[0], moved[1]..top[1]]);
-        self.stack_blocks = [start[0].max(end[0]), start[1].max(end[1])];
+        self.stack_blocks = [0, 1].map(|stack| start[stack].max(end[stack]).max(corners[stack]));
     }
 
     /// Places the updates of these fronts, all of one region, on the stacks from `base` on. Returns the offsets where the updates end
