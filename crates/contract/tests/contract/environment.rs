@@ -53,6 +53,12 @@ fn hostile() -> Vec<OsString> {
     values
 }
 
+/// All hostile values; in the short form every `share`-th, each number beginning with the next one.
+fn in_turn(number: usize, share: usize) -> impl Iterator<Item = OsString> {
+    let share = if long_tests() { 1 } else { share };
+    hostile().into_iter().skip(number % share).step_by(share)
+}
+
 fn run(row: &Row, variables: &[&str], value: &OsStr) -> Output {
     let mut command = Command::new(program(row.name));
     command.args(row.arguments()).stdin(Stdio::null());
@@ -77,21 +83,18 @@ fn ignored_or_refused(row: &Row, variables: &[&str], value: &OsStr, usual: &[u8]
 #[test]
 fn hostile_variables_are_ignored_or_end_in_a_sentence() {
     // Skip posecut-conform: it waits for the program that it checks.
-    // The short form takes another third of the values for each program.
-    let share = if long_tests() { 1 } else { 3 };
     for (number, row) in streams().filter(|row| row.name != "conform").enumerate() {
         let usual = run(row, &[], OsStr::new("")).stdout;
-        for value in hostile().into_iter().skip(number % share).step_by(share) {
+        for value in in_turn(number, 3) {
             // Set all variables at once: a failure names the program, which is enough to search further.
             ignored_or_refused(row, VARIABLES, &value, &usual);
         }
     }
-    // Set variables one by one, so that none hides another. The short form takes another sixth of the values for each.
-    let share = if long_tests() { 1 } else { 6 };
+    // Set variables one by one, so that none hides another.
     for row in table().iter().filter(|row| row.name == "experiment" || row.name == "pcm") {
         let usual = run(row, &[], OsStr::new("")).stdout;
         for (number, variable) in VARIABLES.iter().enumerate() {
-            for value in hostile().into_iter().skip(number % share).step_by(share) {
+            for value in in_turn(number, 6) {
                 ignored_or_refused(row, &[variable], &value, &usual);
             }
         }
@@ -101,9 +104,8 @@ fn hostile_variables_are_ignored_or_end_in_a_sentence() {
 /// The help is wrapped at the width in COLUMNS.
 #[test]
 fn help_is_whole_at_any_width() {
-    let share = if long_tests() { 1 } else { 3 };
     for (number, row) in table().iter().enumerate() {
-        for value in hostile().into_iter().skip(number % share).step_by(share) {
+        for value in in_turn(number, 3) {
             let output =
                 Command::new(program(row.name)).arg("--help").env("COLUMNS", &value).output().unwrap();
             let said = String::from_utf8_lossy(&output.stdout);
