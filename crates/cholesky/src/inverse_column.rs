@@ -40,14 +40,13 @@ impl<const D: usize> Factor<D> {
         let all = symbolic.path_to_root(rows.iter().copied().chain([column]));
         let mut blocks = vec![SMatrix::<f64, D, D>::zeros(); rows.len()];
         let (panels, values, local) = (&self.panels[..], &mut workspace.values[..], &mut workspace.local[..]);
-        let arch = for_small_blocks();
         for component in 0..D {
             for &front in &all {
                 let front = &symbolic.fronts[front];
                 values[front.first * D..(front.first + front.columns) * D].fill(0.0);
             }
             values[symbolic.position[column] * D + component] = 1.0;
-            arch.dispatch(Along::<D> { symbolic, own: &own, all: &all, panels, values, local });
+            for_small_blocks(Along::<D> { symbolic, own: &own, all: &all, panels, values, local });
             for (block, &row) in blocks.iter_mut().zip(rows) {
                 let start = symbolic.position[row] * D;
                 block.as_mut_slice()[component * D..][..D].copy_from_slice(&values[start..start + D]);

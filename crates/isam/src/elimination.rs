@@ -108,7 +108,7 @@ impl<const D: usize> Elimination<D> {
         deltas: &[SVector<f64, D>],
     ) {
         // The widest vector instructions of the machine, chosen here once for all loops that are inlined below.
-        for_small_blocks().dispatch(Eliminate { elimination: self, tree, cliques, edges, deltas });
+        for_small_blocks(Eliminate { elimination: self, tree, cliques, edges, deltas });
     }
 
     /// Assembles a clique's front from edges and children, and eliminates its frontal variables.

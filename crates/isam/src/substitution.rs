@@ -90,7 +90,7 @@ impl<const DOF: usize> Substitution<DOF> {
         report: &mut UpdateReport,
     ) {
         self.solutions += 1;
-        for_small_blocks().dispatch(Solve { substitution: self, below, tree, estimate, movement, report });
+        for_small_blocks(Solve { substitution: self, below, tree, estimate, movement, report });
     }
 }
 

@@ -138,7 +138,7 @@ impl<const D: usize> NormalEquations<D> {
     ) -> f64 {
         self.clear();
         // Uses vector instructions of the machine for everything that is inlined below.
-        for_small_blocks().dispatch(Assemble { equations: self, pattern, edges, poses })
+        for_small_blocks(Assemble { equations: self, pattern, edges, poses })
     }
 
     /// [`assemble`](Self::assemble) with the exact second derivative.
@@ -180,7 +180,7 @@ impl<const D: usize> NormalEquations<D> {
         poses: &[G],
     ) -> f64 {
         self.gradient.fill(SVector::zeros());
-        for_small_blocks().dispatch(AssembleGradient { gradient: &mut self.gradient, pattern, edges, poses })
+        for_small_blocks(AssembleGradient { gradient: &mut self.gradient, pattern, edges, poses })
     }
 
     /// `H d`.

@@ -177,7 +177,7 @@ impl<const D: usize, S: Stored> Factor<D, S> {
             let stacks = [even.as_mut_slice(), odd.as_mut_slice()];
             let task =
                 Task { symbolic, matrix, fronts, panels, panel_base: 0, stacks, stack_bases: [0; 2], worker };
-            for_small_blocks().dispatch(task)?;
+            for_small_blocks(task)?;
         }
         if let Some(failed) = failed {
             return Err(failed);

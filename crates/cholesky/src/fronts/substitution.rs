@@ -55,13 +55,7 @@ impl<const D: usize, S: Stored> Factor<D, S> {
         }
         for direction in [Direction::Forward, Direction::Backward] {
             let places = Places { symbolic, first: 0, own: permuted, top: &mut [] };
-            for_small_blocks().dispatch(Substitute::<D, S> {
-                fronts: &symbolic.top,
-                direction,
-                panels,
-                places,
-                local,
-            });
+            for_small_blocks(Substitute::<D, S> { fronts: &symbolic.top, direction, panels, places, local });
         }
         for solver in solvers.iter_mut() {
             for (all, own) in tops.clone() {
@@ -99,7 +93,7 @@ fn by_subtrees<const D: usize, S: Stored>(
             Substitute::<D, S> { fronts: &subtree.fronts, direction, panels, places, local }
         })
         .collect();
-    tasks.into_par_iter().for_each(|task| for_small_blocks().dispatch(task));
+    tasks.into_par_iter().for_each(for_small_blocks);
 }
 
 /// The first or the second triangular solve.

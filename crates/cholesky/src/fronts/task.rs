@@ -104,7 +104,7 @@ pub(super) fn side_by_side<const D: usize, S: Stored>(
             }
         })
         .collect();
-    let outcomes: Vec<_> = tasks.into_par_iter().map(|task| for_small_blocks().dispatch(task)).collect();
+    let outcomes: Vec<_> = tasks.into_par_iter().map(for_small_blocks).collect();
     // In ascending order nothing is overwritten that has not moved.
     for stretch in stretches {
         for (stack, (range, left)) in stacks.iter_mut().zip(stretch.stacks.iter().zip(&stretch.left)) {

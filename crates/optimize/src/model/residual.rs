@@ -52,7 +52,7 @@ pub(crate) fn exceeds<G: LieGroup<DOF>, const DOF: usize>(
 /// The sum of the costs of terms.
 pub(crate) fn total<G: LieGroup<DOF>, T: Term<G, DOF>, const DOF: usize>(terms: &[T], poses: &[G]) -> f64 {
     // Uses vector instructions of the machine for everything that is inlined below.
-    for_small_blocks().dispatch(Total { terms, poses })
+    for_small_blocks(Total { terms, poses })
 }
 
 /// [`total`] for one set of vector instructions. Not a closure: a closure would not be inlined.
