@@ -1,6 +1,8 @@
 # Tests, checks, generated documents, installation, data.
 # The contract tests run the programs, so these are built too, at once. Optimised, because tests run real experiments,
 # and because `make table` has built most of it already. Of the examples, tests run two; `make check` compiles all.
+# Many tests wait for programs that they started: with two tests a processor, no processor waits with them.
+test: export RUST_TEST_THREADS ?= $(shell echo $$((2 * $$(getconf _NPROCESSORS_ONLN))))
 test:
 	scripts/check-makefile.sh
 	cargo build --release --workspace --bins --tests --example failing_calls --example planted --locked
