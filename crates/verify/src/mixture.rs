@@ -139,8 +139,9 @@ impl<const DOF: usize> Class<DOF> {
         }
     }
 
-    /// How many loops of as many candidates as there are correct loops would have a local error if each had one candidate. A loop through two
-    /// has one if either of them has.
+    /// Candidates with a local error for as many correct candidates as there are correct loops, from the number of `loops` with a local
+    /// error. If a correct candidate comes with `r` that have a local error, a correct loop through two comes with `(1 + r)^2 - 1` that
+    /// have one, because either candidate may have it.
     fn of_candidates(&self, loops: f64, shares: &Shares) -> f64 {
         let correct = shares[0] * self.real.len() as f64;
         if self.through == Through::One { loops } else { correct * ((1.0 + loops / correct).sqrt() - 1.0) }
