@@ -2,11 +2,11 @@
 # The contract tests run the programs, so these are built too, at once. Optimised, because tests run real experiments,
 # and because `make table` has built most of it already. Of the examples, tests run two; `make check` compiles all.
 # Many tests wait for programs that they started: with two tests a processor, no processor waits with them.
-test: export RUST_TEST_THREADS ?= $(shell echo $$((2 * $$(getconf _NPROCESSORS_ONLN))))
 test:
 	scripts/check-makefile.sh
 	cargo build --release --workspace --bins --tests --example failing_calls --example planted --locked
-	cargo test --release --workspace --lib --bins --tests --locked
+	RUST_TEST_THREADS=$${RUST_TEST_THREADS:-$$((2 * $$(getconf _NPROCESSORS_ONLN)))} \
+		cargo test --release --workspace --tests --locked
 	cargo test --release --workspace --doc --locked
 
 # Property tests on other cases than those that every run of the tests draws: make properties CASES="7 8 9".
