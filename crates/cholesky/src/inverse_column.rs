@@ -10,8 +10,8 @@ use pulp::{Simd, WithSimd};
 
 use crate::fronts::factor::Factor;
 use crate::fronts::substitution::{Places, backward, forward};
+use crate::instructions::for_small_blocks;
 use crate::symbolic::Symbolic;
-use crate::vectors::for_small_blocks;
 
 /// The working memory of solves along the elimination tree: a right-hand side, and the rows of one front.
 #[derive(Clone)]

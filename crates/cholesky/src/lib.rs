@@ -66,6 +66,7 @@
 
 mod adjacency;
 pub mod fronts;
+pub mod instructions;
 mod inverse_column;
 mod matrix;
 mod mixed;

@@ -15,7 +15,7 @@ use posecut_optimize::model::Linearised;
 use pulp::{Simd, WithSimd};
 
 use crate::tree::{Clique, Tree};
-use posecut_cholesky::vectors::for_small_blocks;
+use posecut_cholesky::instructions::for_small_blocks;
 
 /// Number of rounds that hold only one more direction each.
 const SINGLE_ROUNDS: usize = 8;

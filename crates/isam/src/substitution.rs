@@ -14,7 +14,7 @@ use crate::UpdateReport;
 use crate::estimate::Estimate;
 use crate::movement::Movement;
 use crate::tree::{Clique, Tree};
-use posecut_cholesky::vectors::for_small_blocks;
+use posecut_cholesky::instructions::for_small_blocks;
 
 /// Number of partial sums: the lanes of one vector register.
 const LANES: usize = 4;

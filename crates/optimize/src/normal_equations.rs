@@ -12,7 +12,7 @@ use posecut_geometry::LieGroup;
 use crate::model::prior::Prior;
 use crate::model::problem::Edge;
 use crate::model::residual::{Linearised, Term};
-use posecut_cholesky::vectors::for_small_blocks;
+use posecut_cholesky::instructions::for_small_blocks;
 use posecut_cholesky::{Matrix, Memory, Symbolic};
 
 /// Positions of an edge's blocks.

@@ -6,10 +6,10 @@ use super::breakdown::Breakdown;
 use super::stored::Stored;
 use super::substitution::Solver;
 use super::task::{SmallestPivot, Task, Worker, side_by_side};
+use crate::instructions::for_small_blocks;
 use crate::matrix::Matrix;
 use crate::selected_inverse::SelectedInverse;
 use crate::symbolic::{Front, Symbolic};
-use crate::vectors::for_small_blocks;
 
 /// A pivot below this share of its diagonal entry is rounding error: some fifty units in the last place of the entry, which
 /// is the error of sums of that many terms.

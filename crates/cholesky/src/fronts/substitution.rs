@@ -13,8 +13,8 @@ use super::dense::{products, subtract_columns};
 use super::factor::Factor;
 use super::stored::Stored;
 use super::task::Rest;
+use crate::instructions::for_small_blocks;
 use crate::symbolic::{Front, Subtree, Symbolic};
-use crate::vectors::for_small_blocks;
 
 /// The working memory of one subtree's solves.
 pub(super) struct Solver {

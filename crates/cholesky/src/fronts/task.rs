@@ -16,9 +16,9 @@ use super::dense::{self, Scratch};
 use super::extend_add::{Run, extend_add, push_rows, rows_before};
 use super::stored::Stored;
 use super::view::FrontView;
+use crate::instructions::for_small_blocks;
 use crate::matrix::Matrix;
 use crate::symbolic::{Front, Stretch, Symbolic};
-use crate::vectors::for_small_blocks;
 
 /// The smallest remaining share of a diagonal entry after elimination, and its position.
 #[derive(Clone, Copy)]

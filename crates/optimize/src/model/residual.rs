@@ -13,7 +13,7 @@ use super::curvature::curve;
 use super::kernel::charge;
 use super::prior;
 use super::problem::{Edge, Problem};
-use posecut_cholesky::vectors::for_small_blocks;
+use posecut_cholesky::instructions::for_small_blocks;
 
 /// `e = Log(Z^-1 X_from^-1 X_to)`.
 #[inline(always)]
