@@ -37,14 +37,24 @@ fn check_against_the_truth(truth: Vec<SE2>, edges: Vec<Edge<SE2, 3>>, most: usiz
     assert!(count <= most, "{count}");
 }
 
-/// Regressions: the relaxation alone takes 45 and 50 factorisations on the first two, and on the third it ends at a cost of 112.1. So did the
-/// start in more dimensions, which did not converge, with one shift for information of all sizes.
+fn reaches_the_minimum_that_the_truth_leads_to(poses: usize, closures: usize, seed: u64) {
+    let (truth, edges) = long_route(poses, closures, &mut ChaCha8Rng::seed_from_u64(seed));
+    check_against_the_truth(truth, edges, 40);
+}
+
+/// Regressions: the relaxation alone takes 45 and 50 factorisations.
 #[test]
 fn from_the_best_start_long_routes_reach_the_minimum_that_the_truth_leads_to_within_forty_factorisations() {
-    for (poses, closures, seed) in [(2000, 20, 1), (15_000, 60, 2), (20_000, 30, 1)] {
-        let (truth, edges) = long_route(poses, closures, &mut ChaCha8Rng::seed_from_u64(seed));
-        check_against_the_truth(truth, edges, 40);
-    }
+    reaches_the_minimum_that_the_truth_leads_to(2000, 20, 1);
+    reaches_the_minimum_that_the_truth_leads_to(15_000, 60, 2);
+}
+
+/// Regression: the relaxation ends at a cost of 112.1. So did the start in more dimensions, which did not converge, with one shift for
+/// information of all sizes.
+#[test]
+#[ignore = "long"]
+fn from_the_best_start_the_longest_route_reaches_the_minimum_that_the_truth_leads_to() {
+    reaches_the_minimum_that_the_truth_leads_to(20_000, 30, 1);
 }
 
 /// Regression: a cost of 136.6. The relaxation in more dimensions is not tight here, and several projections are tried.

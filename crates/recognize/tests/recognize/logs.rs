@@ -49,16 +49,23 @@ fn places_of_a_simulated_building_are_recognised() {
         sum / f64::max(count, 1.0)
     };
     assert!(mean(true) > mean(false), "{} {}", mean(true), mean(false));
+    for pair in all.windows(2) {
+        assert!((pair[0].from, pair[0].to) < (pair[1].from, pair[1].to), "each pair once, in order");
+        assert!(pair[0].from < pair[0].to);
+    }
+}
+
+#[test]
+fn improbable_candidates_are_left_out_and_counted() {
+    let graph = session(1, 120.0);
+    let settings = Settings { least_agreement: 0.75, ..Settings::DEFAULT };
+    let all = found(&graph, &settings).candidates;
     let settings = Settings { least_score: 0.5, ..settings };
     let probable = found(&graph, &settings);
     let expected: Vec<Candidate> =
         all.iter().filter(|candidate| candidate.probability() >= 0.5).cloned().collect();
     assert_eq!((probable.improbable, &probable.candidates), (all.len() - expected.len(), &expected));
     assert!(!expected.is_empty() && expected.len() < all.len());
-    for pair in all.windows(2) {
-        assert!((pair[0].from, pair[0].to) < (pair[1].from, pair[1].to), "each pair once, in order");
-        assert!(pair[0].from < pair[0].to);
-    }
 }
 
 #[test]
