@@ -35,6 +35,7 @@ fn estimated<G: Spatial<DOF>, const DOF: usize>(
     Scales { odometry: odometry / wrong.odometry, landmark: landmark / wrong.landmark }
 }
 
+#[allow(clippy::print_stdout, reason = "a failing test shows its estimates")]
 fn both_scales_are_found_among_false_edges(wrong: [(f64, f64); 2]) {
     for (odometry, landmark) in wrong {
         for (outliers, falsehood) in [
