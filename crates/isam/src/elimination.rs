@@ -107,7 +107,7 @@ impl<const D: usize> Elimination<D> {
         edges: &impl Incidence<D>,
         deltas: &[SVector<f64, D>],
     ) {
-        // The widest vector instructions of the machine, chosen here once for all loops that are inlined below.
+        // Vector instructions of the machine, chosen here once for all loops that are inlined below.
         for_small_blocks(Eliminate { elimination: self, tree, cliques, edges, deltas });
     }
 

@@ -36,8 +36,8 @@ fn estimated<G: Spatial<DOF>, const DOF: usize>(
 }
 
 #[allow(clippy::print_stdout, reason = "a failing test shows its estimates")]
-fn both_scales_are_found_among_false_edges(wrong: [(f64, f64); 2]) {
-    for (odometry, landmark) in wrong {
+fn both_scales_are_found_among_false_edges(factors: [(f64, f64); 2]) {
+    for (odometry, landmark) in factors {
         for (outliers, falsehood) in [
             (0.0, Falsehood::Uniform),
             (0.5, Falsehood::Uniform),
