@@ -54,6 +54,7 @@ pub(crate) struct Reduced {
 /// 2 NODE                         eliminate a node of degree two
 /// d KEPT GONE                    contract by dominance
 /// t KEPT GONE APEX               contract by the triangle rule
+/// p KEPT GONE S S S              contract by the rule of pairs: shares of GONE to KEPT, KEPT to GONE, both out
 /// piece 0 2 5 …                  a part of piece 0 with its edges; a kernel is followed by its proof:
 /// pack 3                         three conflicts. A cycle: weight, then nodes (numbered within the
 /// 1 0 1 4                        piece), the last and the first joined by the repulsive edge. A wheel:
@@ -119,6 +120,9 @@ fn write_reduced(output: &mut impl Write, reduced: &Reduced) -> std::io::Result<
                 Step::DegreeTwo { node } => writeln!(output, "2 {node}")?,
                 Step::Dominance { kept, gone } => writeln!(output, "d {kept} {gone}")?,
                 Step::Triangle { kept, gone, apex } => writeln!(output, "t {kept} {gone} {apex}")?,
+                Step::Pair { kept, gone, shares: [here, there, out] } => {
+                    writeln!(output, "p {kept} {gone} {here} {there} {out}")?;
+                }
             }
         }
         if let Some(conflicts) = &piece.packed {

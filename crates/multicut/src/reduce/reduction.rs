@@ -19,10 +19,13 @@
 //!   `c_uv + c_vw >= r_v`, and one of the last three gains is not negative. Without that last condition, the rule holds for cuts
 //!   into two clusters, but not for multicuts.
 //!
+//! * **Pairs**: contracts `uv` if joining it never costs on average over three moves ([`pair_rule`](super::pair_rule)).
+//!
 //! Rules run to a fixpoint from a queue of nodes whose edges changed.
 
 use std::collections::VecDeque;
 
+use super::pair_rule::{self, Shares};
 use crate::budget::Budget;
 use crate::graph::signed_graph::SignedGraph;
 use crate::graph::union_find::UnionFind;
@@ -42,6 +45,8 @@ pub(crate) enum Step {
     Dominance { kept: u32, gone: u32 },
     /// The same by the triangle rule with `apex`.
     Triangle { kept: u32, gone: u32, apex: u32 },
+    /// The same by the rule of pairs. The first share is that of moving `gone` to `kept`.
+    Pair { kept: u32, gone: u32, shares: Shares },
     /// A node of degree two was eliminated.
     DegreeTwo { node: u32 },
     /// A node without attraction was isolated.
@@ -125,14 +130,21 @@ pub(crate) fn reduce(
             queue.push(y.node);
             continue;
         }
-        if let Some((other, apex)) = contractible(graph, node, budget) {
+        if let Some((other, rule)) = contractible(graph, node, budget) {
             changed = true;
             let (kept, gone, arcs) = graph.contract(node, other);
             let (kept_name, gone_name) = (names[kept as usize], names[gone as usize]);
             history.joined.union(kept_name, gone_name);
-            history.step(match apex {
-                None => Step::Dominance { kept: kept_name, gone: gone_name },
-                Some(apex) => Step::Triangle { kept: kept_name, gone: gone_name, apex: names[apex as usize] },
+            history.step(match rule {
+                Rule::Dominance => Step::Dominance { kept: kept_name, gone: gone_name },
+                Rule::Triangle(apex) => {
+                    Step::Triangle { kept: kept_name, gone: gone_name, apex: names[apex as usize] }
+                }
+                Rule::Pair([to_node, to_other, out]) => {
+                    let shares =
+                        if kept == node { [to_node, to_other, out] } else { [to_other, to_node, out] };
+                    Step::Pair { kept: kept_name, gone: gone_name, shares }
+                }
             });
             queue.push(kept);
             for arc in arcs {
@@ -143,8 +155,16 @@ pub(crate) fn reduce(
     changed
 }
 
-/// An edge at `node` that may be contracted by dominance, or by the triangle rule with the returned apex.
-fn contractible(graph: &SignedGraph, node: u32, budget: &mut Budget) -> Option<(u32, Option<u32>)> {
+/// A rule that contracts an edge.
+enum Rule {
+    Dominance,
+    /// With this apex.
+    Triangle(u32),
+    Pair(Shares),
+}
+
+/// A neighbour to which `node` may be contracted, and the rule that permits it.
+fn contractible(graph: &SignedGraph, node: u32, budget: &mut Budget) -> Option<(u32, Rule)> {
     let arcs = graph.arcs(node);
     let total: f64 = arcs.iter().map(|arc| arc.cost.abs()).sum();
     let mut largest = arcs[0];
@@ -154,7 +174,7 @@ fn contractible(graph: &SignedGraph, node: u32, budget: &mut Budget) -> Option<(
         }
     }
     if 2.0 * largest.cost >= total {
-        return Some((largest.node, None));
+        return Some((largest.node, Rule::Dominance));
     }
     // c_uv + c_uw >= r_u requires that twice the two largest costs reach S(u), which rules out hubs at once.
     for arc in arcs {
@@ -162,10 +182,13 @@ fn contractible(graph: &SignedGraph, node: u32, budget: &mut Budget) -> Option<(
             continue;
         }
         if let Some(apex) = triangle(graph, node, arc.node, total, budget) {
-            return Some((arc.node, Some(apex)));
+            return Some((arc.node, Rule::Triangle(apex)));
         }
     }
-    None
+    arcs.iter().filter(|arc| arc.cost > 0.0).find_map(|arc| {
+        let shares = pair_rule::shares(graph, node, total, arc, budget)?;
+        Some((arc.node, Rule::Pair(shares)))
+    })
 }
 
 /// An apex for which the triangle rule contracts `uv`.

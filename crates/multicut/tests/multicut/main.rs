@@ -10,6 +10,7 @@ mod bands;
 mod exhaustive;
 mod instances;
 mod invariance;
+mod pairs;
 mod program;
 mod support;
 mod trees;

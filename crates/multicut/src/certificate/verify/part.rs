@@ -1,6 +1,6 @@
 //! The verifier's own graph, on which it checks and repeats the reductions.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Share of the costs involved by which a condition may fail because of rounding.
 pub(crate) const ROUNDING: f64 = 1e-12;
@@ -139,6 +139,31 @@ impl Part {
             return Err(format!("edge {kept} {gone} costs {cost}, less than half of {total}"));
         }
         self.contract(kept, gone);
+        Ok(())
+    }
+
+    /// Contracts by the rule of pairs with these shares, which need not add up to 1.
+    pub(crate) fn pair(&mut self, u: u32, v: u32, [to_u, to_v, out]: [f64; 3]) -> Result<(), String> {
+        self.has(&[u, v])?;
+        let shares = to_u + to_v + out;
+        if !(to_u >= 0.0 && to_v >= 0.0 && out >= 0.0 && shares.is_finite() && shares > 0.0) {
+            return Err("shares of moves must be numbers of 0 or more, not all of them 0".into());
+        }
+        let others = self.arcs[u as usize].keys().chain(self.arcs[v as usize].keys());
+        let others: BTreeSet<u32> = others.copied().filter(|&node| node != u && node != v).collect();
+        let loss: f64 = others
+            .into_iter()
+            .map(|node| {
+                let (at_u, at_v) = (self.cost(u, node), self.cost(v, node));
+                0f64.max((to_v + out) * at_u - to_u * at_v).max((to_u + out) * at_v - to_v * at_u)
+            })
+            .sum();
+        let gain = shares * self.cost(u, v);
+        let slack = ROUNDING * shares * (self.magnitude(u) + self.magnitude(v));
+        if !(gain > 0.0 && gain >= loss - slack) {
+            return Err(format!("joining {u} and {v} gains {gain} on average, but may lose {loss}"));
+        }
+        self.contract(u, v);
         Ok(())
     }
 

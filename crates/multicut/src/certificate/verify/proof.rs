@@ -109,6 +109,10 @@ impl<B: BufRead> Checker<B> {
             Some("i") => part.isolate(self.number(1)?),
             Some("2") => part.eliminate(self.number(1)?),
             Some("d") => part.dominance(self.number(1)?, self.number(2)?),
+            Some("p") => {
+                let shares = [self.number(3)?, self.number(4)?, self.number(5)?];
+                part.pair(self.number(1)?, self.number(2)?, shares)
+            }
             Some("t") => part.triangle(self.number(1)?, self.number(2)?, self.number(3)?),
             _ => return Ok(false),
         };
