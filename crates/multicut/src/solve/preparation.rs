@@ -43,7 +43,7 @@ pub(crate) fn bound_by_spreading(graph: &SignedGraph, state: &mut State, budget:
     let kernel = Kernel::new(graph);
     // Integers round up.
     let target = state.objective - if kernel.integral { 0.999 } else { 0.5 * state.tolerance };
-    if let Some(packing) = spread(&kernel, &state.labels, target, budget) {
+    if let Some(packing) = spread(&kernel, &state.labels, state.bound, target, budget) {
         state.raise(kernel.rounded(packing.bound), || Some(Proof::Packing(packing.conflicts)));
     }
 }

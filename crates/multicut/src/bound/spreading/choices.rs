@@ -13,7 +13,7 @@ const MOST: (usize, usize) = (1_000_000, 8_000_000);
 const CHOICES: usize = 4;
 
 /// Largest share of a repulsive edge that groups may take by having both of its ends as members. Those shares cannot be moved.
-const INNER: f64 = 0.5;
+const INNER: f64 = 0.8;
 
 /// Paid edges that share conflicts.
 pub(super) enum Payers {
@@ -65,7 +65,14 @@ struct Group {
 }
 
 impl<'a> Choices<'a> {
-    pub(super) fn new(kernel: &'a Kernel, labels: &[u32], size: usize, budget: &mut Budget) -> Option<Self> {
+    /// Conflicts that pay for up to `size` edges. An edge's demand is divided between its ends in the ratio of `strengths`.
+    pub(super) fn new(
+        kernel: &'a Kernel,
+        labels: &[u32],
+        size: usize,
+        strengths: &[f64],
+        budget: &mut Budget,
+    ) -> Option<Self> {
         let inner = vec![0.0; kernel.edge_count()];
         let mut all = Self { kernel, items: Vec::new(), kept: Vec::new(), edges: Vec::new(), inner };
         for node in 0..kernel.node_count() as u32 {
@@ -77,7 +84,7 @@ impl<'a> Choices<'a> {
                     all.push(Payers::Repulsive(node, other), -cost, &kept);
                 }
             }
-            for group in all.groups(labels, node, size) {
+            for group in all.groups(labels, node, size, strengths) {
                 let mut before = 0.0;
                 // Demands differ: the whole group up to the least demand, the others up to the next, and so on.
                 for (place, &(_, demand)) in group.members.iter().enumerate() {
@@ -113,22 +120,35 @@ impl<'a> Choices<'a> {
         joined.filter(|arc| self.kernel.costs[arc.1 as usize] > 0.0).map(|arc| arc.0)
     }
 
-    /// Groups of the cut attractive edges at a node, members by increasing demand. Each edge has half of its capacity at either
-    /// end, or all of it where the other end has no choice.
-    fn groups(&mut self, labels: &[u32], node: u32, size: usize) -> Vec<Group> {
+    /// The other ends of the cut attractive edges at a node, with the demands that conflicts around the node have to meet, largest
+    /// first: all of an edge's capacity where the other end has no choice.
+    fn demands(&self, labels: &[u32], node: u32, strengths: &[f64]) -> Vec<(u32, f64)> {
+        let has_choice =
+            |end: u32, other: u32| self.inside(labels, end).any(|kept| self.sign(kept, other) < 0);
+        let strength = |end: u32| strengths[end as usize];
+        let arcs = self.kernel.arcs(node).iter();
+        let cut = arcs.filter(|arc| labels[arc.0 as usize] != labels[node as usize]);
+        let attractive = cut.filter(|arc| self.kernel.costs[arc.1 as usize] > 0.0);
+        let mut demands: Vec<(u32, f64)> = attractive
+            .filter(|arc| has_choice(node, arc.0))
+            .map(|&(other, edge)| {
+                let both = has_choice(other, node);
+                let share = if both { strength(node) / (strength(node) + strength(other)) } else { 1.0 };
+                (other, share * self.kernel.costs[edge as usize])
+            })
+            .collect();
+        // Edges with similar demands then meet in one group.
+        demands.sort_by(|a, b| b.1.total_cmp(&a.1));
+        demands
+    }
+
+    /// Groups of the cut attractive edges at a node, members by increasing demand.
+    fn groups(&mut self, labels: &[u32], node: u32, size: usize, strengths: &[f64]) -> Vec<Group> {
         let inside: Vec<u32> = self.inside(labels, node).collect();
         let mut groups: Vec<Group> = Vec::new();
-        for &(other, edge) in self.kernel.arcs(node) {
-            let cost = self.kernel.costs[edge as usize];
-            if cost < 0.0 || labels[other as usize] == labels[node as usize] {
-                continue;
-            }
+        for member in self.demands(labels, node, strengths) {
+            let other = member.0;
             let repels = |kept: &u32| self.sign(*kept, other) < 0;
-            if !inside.iter().any(repels) {
-                continue;
-            }
-            let both = self.inside(labels, other).any(|kept| self.sign(kept, node) < 0);
-            let member = (other, if both { 0.5 * cost } else { cost });
             let place = groups.iter().position(|group| {
                 group.members.len() < size
                     && group.members.iter().all(|&known| self.agree(labels, known, member))
