@@ -9,6 +9,8 @@
 
 mod bands;
 mod cut_tree;
+mod fixing;
+mod inheritance;
 mod preparation;
 mod rounding;
 mod search;

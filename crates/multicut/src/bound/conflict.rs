@@ -82,6 +82,46 @@ impl Conflict {
         }
     }
 
+    /// One of its nodes.
+    pub(crate) fn node(&self) -> Option<u32> {
+        let nodes = match self {
+            Self::Cycle(nodes) => nodes,
+            Self::Parts(parts) => &parts.few,
+            Self::Wheel(wheel) => &wheel.rim,
+        };
+        nodes.first().copied()
+    }
+
+    /// The same conflict in another kernel, where nodes were joined or left out: `None` if a node has no image, or if edges and signs
+    /// there do not make a conflict of the images. Neighbours on a cycle may have one image. Wheels are not carried over: there
+    /// are few, and they are found again.
+    pub(crate) fn mapped(&self, kernel: &Kernel, image: impl Fn(u32) -> Option<u32>) -> Option<Self> {
+        let images = |nodes: &[u32]| nodes.iter().map(|&node| image(node)).collect::<Option<Vec<u32>>>();
+        let cost =
+            |tail: u32, head: u32| kernel.edge(tail, head).map_or(0.0, |edge| kernel.costs[edge as usize]);
+        match self {
+            Self::Cycle(nodes) => {
+                let mut nodes = images(nodes)?;
+                nodes.dedup();
+                let closes = cost(*nodes.first()?, *nodes.last()?) < 0.0;
+                let attracts = nodes.windows(2).all(|pair| cost(pair[0], pair[1]) > 0.0);
+                (closes && attracts && are_distinct(&nodes)).then_some(Self::Cycle(nodes))
+            }
+            Self::Parts(Parts { few, many }) => {
+                let (few, many) = (images(few)?, images(many)?);
+                // A pair of equal nodes has no edge, so that the images are distinct.
+                let repels = |part: &[u32]| {
+                    let mut pairs =
+                        (1..part.len()).flat_map(|at| part[..at].iter().map(move |a| (*a, part[at])));
+                    pairs.all(|(a, b)| cost(a, b) < 0.0)
+                };
+                let attracts = few.iter().all(|&a| many.iter().all(|&b| cost(a, b) > 0.0));
+                (attracts && repels(&few) && repels(&many)).then_some(Self::Parts(Parts { few, many }))
+            }
+            Self::Wheel(_) => None,
+        }
+    }
+
     /// The least total payment of its edges.
     pub(crate) fn least(&self) -> f64 {
         match self {
@@ -89,5 +129,60 @@ impl Conflict {
             Self::Parts(parts) => (parts.few.len() * (parts.many.len() - 1)) as f64,
             Self::Wheel(wheel) => wheel.spokes.len().div_ceil(2) as f64,
         }
+    }
+}
+
+fn are_distinct(nodes: &[u32]) -> bool {
+    let mut sorted = nodes.to_vec();
+    sorted.sort_unstable();
+    sorted.windows(2).all(|pair| pair[0] != pair[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::graph::signed_graph::SignedGraph;
+
+    /// Nodes 1 and 2 attract their neighbours in the circle 0, 1, 2, 3 and repel each other's; 0 and 3 repel.
+    fn kernel() -> Kernel {
+        let edges = [(0, 1, 1.0), (1, 2, 1.0), (2, 3, 1.0), (0, 3, -1.0), (1, 3, -1.0), (0, 2, 1.0)];
+        Kernel::new(&SignedGraph::new(4, edges.into_iter()))
+    }
+
+    fn cycle(nodes: &[u32]) -> Conflict {
+        Conflict::Cycle(nodes.to_vec())
+    }
+
+    #[test]
+    fn a_cycle_whose_neighbours_were_joined_gets_shorter() {
+        let joined = |node: u32| Some([0, 1, 1, 2, 3][node as usize]);
+        let mapped = cycle(&[0, 1, 2, 3, 4]).mapped(&kernel(), joined);
+        assert_eq!(mapped, Some(cycle(&[0, 1, 2, 3])));
+    }
+
+    #[test]
+    fn a_cycle_that_is_no_conflict_any_more_is_left_out() {
+        let kernel = kernel();
+        let by = |images: [u32; 4]| move |node: u32| Some(images[node as usize]);
+        let conflict = cycle(&[0, 1, 2, 3]);
+        // The last edge attracts, an inner edge repels, the ends are one node, a node occurs twice.
+        for images in [[0, 1, 3, 2], [1, 3, 2, 0], [0, 1, 2, 0], [0, 1, 0, 3]] {
+            assert_eq!(conflict.mapped(&kernel, by(images)), None, "{images:?}");
+        }
+        assert_eq!(conflict.mapped(&kernel, |node| (node > 0).then_some(node)), None);
+    }
+
+    #[test]
+    fn parts_need_all_their_edges() {
+        let parts =
+            |few: &[u32], many: &[u32]| Conflict::Parts(Parts { few: few.to_vec(), many: many.to_vec() });
+        let kernel = kernel();
+        assert_eq!(
+            parts(&[0], &[1, 2]).mapped(&kernel, |node| Some([2, 1, 3][node as usize])),
+            Some(parts(&[2], &[1, 3]))
+        );
+        // Members of the larger set attract each other, or are one node.
+        assert_eq!(parts(&[0], &[1, 2]).mapped(&kernel, Some), None);
+        assert_eq!(parts(&[0], &[1, 2]).mapped(&kernel, |node| Some([2, 1, 1][node as usize])), None);
     }
 }

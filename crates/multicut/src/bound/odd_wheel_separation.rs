@@ -321,7 +321,7 @@ mod tests {
             let optimum = pays_least(&kernel);
             let mut packing = Packing::new(&kernel);
             packing.extend(&kernel, u64::MAX, budget);
-            let relaxation = solve_relaxation(&kernel, packing, optimum, |_| false, budget);
+            let relaxation = solve_relaxation(&kernel, packing, Vec::new(), optimum, |_| false, budget);
             assert!(
                 (relaxation.packing.bound - optimum).abs() < 1e-6,
                 "{ring} {optimum} {:?}",

@@ -20,6 +20,14 @@ pub(crate) struct Relaxation {
     pub(crate) paid: Vec<f64>,
     /// Whether no cycle inequality is violated any more.
     pub(crate) converged: bool,
+    /// The inequalities of the last program.
+    pub(crate) conflicts: Vec<Conflict>,
+}
+
+impl Relaxation {
+    fn new(kernel: &Kernel, packing: Packing) -> Self {
+        Self { packing, paid: vec![0.0; kernel.edge_count()], converged: false, conflicts: Vec::new() }
+    }
 }
 
 /// The inequalities of the program.
@@ -38,6 +46,13 @@ impl Program {
             program.add(kernel, packed.conflict.clone());
         }
         program
+    }
+
+    fn with(mut self, kernel: &Kernel, conflicts: Vec<Conflict>) -> Self {
+        for conflict in conflicts {
+            self.add(kernel, conflict);
+        }
+        self
     }
 
     fn add(&mut self, kernel: &Kernel, conflict: Conflict) -> bool {
@@ -185,21 +200,21 @@ const RISE: f64 = 1e-9;
 /// and 2-partition inequalities ([`parts_separation`]); they are covering inequalities too. They also follow when many rounds
 /// of cycles have not raised the bound. An inequality counts only if the point violates it, so their separation may be heuristic.
 ///
-/// Starts from the conflicts of `start`. Ends when no inequality is violated, when the bound reaches `target`, when the
-/// budget is over, or when the bound hardly rises any more and `give_up` finds the packing good enough. Early rounds stop far
+/// Starts from the conflicts of `start` and `known`. Ends when no inequality is violated, when the bound reaches `target`, when
+/// the budget is over, or when the bound hardly rises any more and `give_up` finds the packing good enough. Early rounds stop far
 /// from the optimum, where cuts are deep.
 pub(crate) fn solve_relaxation(
     kernel: &Kernel,
     start: Packing,
+    known: Vec<Conflict>,
     target: f64,
     give_up: impl Fn(&Packing) -> bool,
     budget: &mut Budget,
 ) -> Relaxation {
-    let mut program = Program::of(kernel, &start);
+    let mut program = Program::of(kernel, &start).with(kernel, known);
     let mut restarted_at = start.bound;
     let magnitude: f64 = kernel.costs.iter().map(|cost| cost.abs()).sum();
-    let mut relaxation =
-        Relaxation { packing: start, paid: vec![0.0; kernel.edge_count()], converged: false };
+    let mut relaxation = Relaxation::new(kernel, start);
     let mut separation = CycleSeparation::new(kernel);
     let mut rounds = 0;
     let mut accuracy = FIRST_ACCURACY;
@@ -264,6 +279,7 @@ pub(crate) fn solve_relaxation(
             accuracy = (accuracy * REFINEMENT).max(LAST_ACCURACY);
         }
     }
+    relaxation.conflicts = program.conflicts;
     relaxation
 }
 

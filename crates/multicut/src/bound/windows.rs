@@ -235,7 +235,7 @@ impl<'a> Index<'a> {
             start.extend(&kernel, u64::MAX, budget);
         }
         let mut part = budget.part(EFFORT * window.nodes.len() as u64);
-        let found = solve_relaxation(&kernel, start, target, |_| false, &mut part).packing;
+        let found = solve_relaxation(&kernel, start, Vec::new(), target, |_| false, &mut part).packing;
         budget.charge(&part);
         if found.bound <= window.bound {
             return;

@@ -11,6 +11,11 @@ impl UnionFind {
         Self { parent: (0..count as u32).collect() }
     }
 
+    /// Number of nodes.
+    pub(crate) fn len(&self) -> usize {
+        self.parent.len()
+    }
+
     pub(crate) fn find(&mut self, node: u32) -> u32 {
         let mut node = node;
         loop {

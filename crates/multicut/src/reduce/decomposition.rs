@@ -101,6 +101,19 @@ pub(crate) fn decompose(graph: SignedGraph, record: bool, budget: &mut Budget) -
 }
 
 impl Decomposition {
+    /// For each node of the decomposed graph, the kernel that it is in, and which node of the kernel it became. A node can be in
+    /// several kernels, as the blocks of a graph share nodes; it counts in the last one.
+    pub(crate) fn images(&self) -> Vec<Option<(u32, u32)>> {
+        let mut joined = self.joined.clone();
+        let mut images = vec![None; joined.len()];
+        for (kernel, piece) in self.kernels.iter().enumerate() {
+            for (at, &name) in piece.names.iter().enumerate() {
+                images[joined.find(name) as usize] = Some((kernel as u32, at as u32));
+            }
+        }
+        (0..images.len() as u32).map(|node| images[joined.find(node) as usize]).collect()
+    }
+
     /// A labelling of the decomposed graph from one labelling of each kernel.
     pub(crate) fn assemble<'a>(&self, labels: impl IntoIterator<Item = &'a [u32]>) -> Vec<u32> {
         let mut joined = self.joined.clone();

@@ -2,7 +2,10 @@
 
 use super::bands::is_huge_band;
 use super::cut_tree;
+use super::fixing::fix;
+use super::inheritance::Inheritance;
 use super::rounding::round;
+use crate::bound::conflict::Conflict;
 use crate::bound::packing::Packing;
 use crate::bound::relaxation::{Relaxation, solve_relaxation};
 use crate::budget::Budget;
@@ -10,7 +13,6 @@ use crate::certificate::proof::{Proof, Reduced};
 use crate::graph::kernel::Kernel;
 use crate::graph::signed_graph::SignedGraph;
 use crate::graph::sum::Sum;
-use crate::graph::union_find::UnionFind;
 use crate::heuristics::kernighan_lin::kernighan_lin_with_joins;
 use crate::heuristics::local_search::{fuse_proposals, solve_contracted};
 use crate::heuristics::start::contract;
@@ -169,14 +171,14 @@ pub(crate) fn improve(graph: &SignedGraph, state: &mut State, rounds: usize, see
 pub(crate) fn close(graph: &SignedGraph, state: &mut State, budget: &mut Budget) {
     let magnitude = magnitude(graph);
     let tree = Tree { big: 1.0 + magnitude.ceil(), tolerance: INNER_TOLERANCE * magnitude };
-    tree.close(graph, state, f64::INFINITY, budget);
+    tree.close(graph, state, Vec::new(), f64::INFINITY, budget);
 }
 
 /// Solves a graph as far as needed to decide whether its optimum is below `cutoff`.
 pub(super) fn solve_part(graph: SignedGraph, cutoff: f64, record: bool, budget: &mut Budget) -> Inside {
     let magnitude = magnitude(&graph);
     let tree = Tree { big: 1.0 + magnitude.ceil(), tolerance: INNER_TOLERANCE * magnitude };
-    tree.solve_within(graph, cutoff, record, budget)
+    tree.solve_within(graph, &[], cutoff, record, budget)
 }
 
 /// One kernel's branch-and-cut tree.
@@ -189,8 +191,16 @@ struct Tree {
 }
 
 impl Tree {
-    /// Closes the gap of a node of the tree, or raises its bound to `cutoff`, which already allows for rounding.
-    fn close(&self, graph: &SignedGraph, state: &mut State, cutoff: f64, budget: &mut Budget) {
+    /// Closes the gap of a node of the tree, or raises its bound to `cutoff`, which already allows for rounding. Its program
+    /// starts from `known`, conflicts of the kernel.
+    fn close(
+        &self,
+        graph: &SignedGraph,
+        state: &mut State,
+        known: Vec<Conflict>,
+        cutoff: f64,
+        budget: &mut Budget,
+    ) {
         let goal = |state: &State| cutoff.min(state.objective - self.tolerance);
         if state.bound >= goal(state) || budget.is_over() {
             return;
@@ -206,10 +216,10 @@ impl Tree {
             if small {
                 return true;
             }
-            let fixed = self.fix(graph, &kernel, packing, target);
+            let fixed = fix(graph, &kernel, packing, target, self.big);
             fixed.is_some_and(|fixed| fixed.nodes * FEW >= graph.node_count())
         };
-        let relaxation = solve_relaxation(&kernel, packing, target, pays, budget);
+        let relaxation = solve_relaxation(&kernel, packing, known, target, pays, budget);
         let packing = relaxation.packing.clone();
         let bound = kernel.rounded(packing.bound);
         state.raise(bound, || Some(Proof::Packing(packing.conflicts.clone())));
@@ -219,10 +229,15 @@ impl Tree {
             return self.grow(graph, &kernel, state, cutoff, budget);
         }
         if state.bound < goal(state) && !budget.is_over() {
-            if let Some(fixed) = self.fix(graph, &kernel, &packing, goal(state)) {
+            if let Some(fixed) = fix(graph, &kernel, &packing, goal(state), self.big) {
                 // Solutions that the fixed graph excludes are no better than the best known one.
-                let Inside { labels, bound, proof } =
-                    self.solve_within(fixed.graph, goal(state), state.proof.is_some(), budget);
+                let Inside { labels, bound, proof } = self.solve_within(
+                    fixed.graph,
+                    &relaxation.conflicts,
+                    goal(state),
+                    state.proof.is_some(),
+                    budget,
+                );
                 state.offer(graph, labels);
                 state.raise(bound.min(fixed.left_out), || {
                     let (conflicts, edges) = (packing.conflicts.clone(), fixed.edges);
@@ -262,29 +277,19 @@ impl Tree {
         state.raise(found.bound, || found.proof.map(Proof::Tree));
     }
 
-    /// Joins the ends of attractive edges if cutting the edge alone would lift the bound to the goal.
-    fn fix(&self, graph: &SignedGraph, kernel: &Kernel, packing: &Packing, goal: f64) -> Option<Fixed> {
-        let mut fixed = Fixed { graph: graph.clone(), edges: Vec::new(), nodes: 0, left_out: f64::INFINITY };
-        let mut sets = UnionFind::new(graph.node_count());
-        for (edge, &(tail, head)) in kernel.ends.iter().enumerate() {
-            let without = kernel.rounded(packing.bound + packing.residual[edge]);
-            if kernel.costs[edge] > 0.0 && without >= goal {
-                fixed.left_out = fixed.left_out.min(without);
-                // A big cost forces the join: dominance contracts the edge at once, and nodes keep their numbers.
-                if sets.union(tail, head) {
-                    fixed.graph.add_cost(tail, head, self.big);
-                    fixed.edges.push((tail, head));
-                    fixed.nodes += 1;
-                }
-            }
-        }
-        (fixed.nodes > 0).then_some(fixed)
-    }
-
     /// Decomposes a graph, and solves its kernels as far as needed to decide whether its optimum is below `cutoff`.
-    fn solve_within(&self, graph: SignedGraph, cutoff: f64, record: bool, budget: &mut Budget) -> Inside {
+    /// The kernels inherit `known`, conflicts of the graph.
+    fn solve_within(
+        &self,
+        graph: SignedGraph,
+        known: &[Conflict],
+        cutoff: f64,
+        record: bool,
+        budget: &mut Budget,
+    ) -> Inside {
         let decomposition = decompose(graph, record, budget);
         let kernels = &decomposition.kernels;
+        let inheritance = Inheritance::new(&decomposition, known);
         let mut states: Vec<State> = kernels
             .iter()
             .map(|piece| {
@@ -309,7 +314,9 @@ impl Tree {
                 break;
             }
             let slack = cutoff - (others - states[index].bound);
-            self.close(&kernels[index].graph, &mut states[index], slack, budget);
+            let graph = &kernels[index].graph;
+            let known = inheritance.of(index, &Kernel::new(graph));
+            self.close(graph, &mut states[index], known, slack, budget);
         }
         let labels = decomposition.assemble(states.iter().map(|state| state.labels.as_slice()));
         let bound = total(&states);
@@ -346,7 +353,7 @@ impl Tree {
             // An edge that is always cut adds its big negative cost; the constant compensates for it.
             let constant = if apart { 2.0 * self.big } else { 0.0 };
             let goal = cutoff.min(state.objective - self.tolerance) - constant;
-            let inside = self.solve_within(child, goal, record, budget);
+            let inside = self.solve_within(child, &relaxation.conflicts, goal, record, budget);
             state.offer(graph, inside.labels);
             bound = bound.min(inside.bound + constant);
             proofs[usize::from(apart)] = inside.proof;
@@ -356,16 +363,6 @@ impl Tree {
             Some(Proof::Branch { edge: (tail, head), reward: self.big, joined: joined?, apart: apart? })
         });
     }
-}
-
-struct Fixed {
-    graph: SignedGraph,
-    /// The edges whose ends are joined.
-    edges: Vec<(u32, u32)>,
-    /// Number of nodes saved.
-    nodes: usize,
-    /// Lower bound on every solution that the fixed edges exclude.
-    left_out: f64,
 }
 
 /// Labels, bound and proof of a graph.
