@@ -9,6 +9,10 @@ pub(crate) type Shares = [f64; 3];
 /// Most evaluations for one edge. Eight find nearly all shares that there are.
 const EVALUATIONS: usize = 12;
 
+/// Most neighbours of one end for each neighbour of the other, and in addition. A pair of very different degrees is rarely
+/// contracted, except by dominance, and a hub would be walked for each of its neighbours.
+const UNLIKE: (usize, usize) = (4, 64);
+
 /// Shares for which the rule of pairs contracts the edge from `node`, which is `u` below; `total` is the sum of the absolute
 /// costs there.
 ///
@@ -30,7 +34,7 @@ const EVALUATIONS: usize = 12;
 ///
 /// The loss is convex in the shares. A linear function below it, which it touches at one point, therefore rules out all shares
 /// where it exceeds `c_uv`: they are cut from a polygon of possible shares, whose centre is tried next (a cutting-plane method of
-/// centres; Levin, Soviet Math. Doklady 6, 1965). An evaluation is linear in the degrees.
+/// centres; Levin, Soviet Math. Doklady 6, 1965). An evaluation is linear in the degrees, which must be similar.
 pub(super) fn shares(
     graph: &SignedGraph,
     node: u32,
@@ -38,6 +42,11 @@ pub(super) fn shares(
     edge: &Arc,
     budget: &mut Budget,
 ) -> Option<Shares> {
+    let degrees = [graph.arcs(node).len(), graph.arcs(edge.node).len()];
+    let (fewer, more) = (degrees[0].min(degrees[1]), degrees[0].max(degrees[1]));
+    if more > UNLIKE.0 * fewer + UNLIKE.1 {
+        return None;
+    }
     let other: f64 = graph.arcs(edge.node).iter().map(|arc| arc.cost.abs()).sum();
     let alike = [total / (total + other), other / (total + other), 0.0];
     let apart = [0.0, 0.0, 1.0];
@@ -170,6 +179,18 @@ mod tests {
             .collect();
         let [to_u, to_v, out] = shares_of(8, &edges).unwrap();
         assert!((to_u - 0.25).abs() < 1e-3 && (to_v - 0.75).abs() < 1e-3 && out == 0.0);
+    }
+
+    #[test]
+    fn a_hub_is_not_walked_for_each_of_its_neighbours() {
+        let spokes = (1..=5000u32).map(|node| (0, node, 1.0));
+        let rim = (1..5000u32).map(|node| (node, node + 1, -1.0));
+        let graph = SignedGraph::new(5001, spokes.chain(rim));
+        let mut budget = Budget::new(None, None);
+        for arc in graph.arcs(0) {
+            assert_eq!(shares(&graph, 0, 5000.0, arc, &mut budget), None);
+        }
+        assert!(budget.spent() < 100_000, "{}", budget.spent());
     }
 
     /// The gains of the three moves if each other node is in `A` (0), in `B` (1), or elsewhere (2).
