@@ -25,7 +25,7 @@ const UNLIKE: (usize, usize) = (4, 64);
 /// The average of these gains with shares `s` (not negative, of sum 1) is `c_uv` minus the sum of one term for each other node
 /// `w`: `(s_1 + s_2) c_uw - s_0 c_vw` if `w` is in `A`, `(s_0 + s_2) c_vw - s_1 c_uw` if it is in `B`, and 0 elsewhere. Let the
 /// *loss* be the sum of the largest of these three values, with cost 0 where there is no edge. If it is at most `c_uv`, the
-/// average is not negative, so neither is one of the gains, and some optimum joins `u` and `v`.
+/// average is not negative, so at least one move does not cost, and some optimum joins `u` and `v`.
 ///
 /// Shares (1, 0, 0) give dominance, and (0, 0, 1) join an edge that outweighs all other attraction at its ends. Shares
 /// (1/2, 1/2, 0) join nodes whose costs to all others are similar. If the costs are equal, these are critical cliques of

@@ -18,7 +18,6 @@
 //!   and `v` to `w` at least `c_uv + c_uw + c_vw - r_u - r_v`. So `uv` may be contracted if `c_uv + c_uw >= r_u`,
 //!   `c_uv + c_vw >= r_v`, and one of the last three gains is not negative. Without that last condition, the rule holds for cuts
 //!   into two clusters, but not for multicuts.
-//!
 //! * **Pairs**: contracts `uv` if joining it never costs on average over three moves ([`pair_rule`](super::pair_rule)).
 //!
 //! Rules run to a fixpoint from a queue of nodes whose edges changed.
