@@ -62,11 +62,12 @@ impl Negotiation {
         let mut heap = BinaryHeap::new();
         for (node, side) in [(ends.0, false), (ends.1, true)] {
             self.reach(node, node, 0, side);
-            heap.push(Reverse((0, node)));
+            heap.push(entry(0, node));
         }
         let mut best: Option<(u32, u32, u32)> = None;
         let mut work = 0;
-        while let Some(Reverse((distance, node))) = heap.pop() {
+        while let Some(Reverse(first)) = heap.pop() {
+            let (distance, node) = ((first >> 32) as u32, first as u32);
             if best.is_some_and(|best| distance >= best.0) {
                 break;
             }
@@ -92,7 +93,7 @@ impl Negotiation {
                     }
                 } else if attractive && inside && !self.settled[place] && next < self.distance[place] {
                     self.reach(other, node, next, side);
-                    heap.push(Reverse((next, other)));
+                    heap.push(entry(next, other));
                 }
             }
         }
@@ -133,4 +134,9 @@ impl Negotiation {
         }
         path
     }
+}
+
+/// A node in the queue by distance, then number, in one word, because pairs take longer to compare.
+fn entry(distance: u32, node: u32) -> Reverse<u64> {
+    Reverse(u64::from(distance) << 32 | u64::from(node))
 }
