@@ -52,6 +52,10 @@ pub(crate) enum Step {
     Isolate { node: u32 },
 }
 
+/// Largest graph, in edges, to which the rule of pairs is applied: in huge bands it contracts one edge in a hundred, and costs
+/// more than it saves.
+const PAIRED: usize = 1_000_000;
+
 /// Records the changes that reductions make, with the caller's names of nodes.
 #[derive(Debug)]
 pub(crate) struct History<'a> {
@@ -96,6 +100,7 @@ pub(crate) fn reduce(
 ) -> bool {
     let mut changed = false;
     let mut queue = Queue::new(graph.node_count());
+    let paired = graph.edges().count() <= PAIRED;
     while let Some(node) = queue.pop() {
         if !budget.spend(1 + graph.arcs(node).len() as u64) {
             break;
@@ -129,7 +134,7 @@ pub(crate) fn reduce(
             queue.push(y.node);
             continue;
         }
-        if let Some((other, rule)) = contractible(graph, node, budget) {
+        if let Some((other, rule)) = contractible(graph, node, paired, budget) {
             changed = true;
             let (kept, gone, arcs) = graph.contract(node, other);
             let (kept_name, gone_name) = (names[kept as usize], names[gone as usize]);
@@ -162,8 +167,8 @@ enum Rule {
     Pair(Shares),
 }
 
-/// A neighbour to which `node` may be contracted, and the rule that permits it.
-fn contractible(graph: &SignedGraph, node: u32, budget: &mut Budget) -> Option<(u32, Rule)> {
+/// A neighbour to which `node` may be contracted, and the rule that permits it; the rule of pairs only if `paired`.
+fn contractible(graph: &SignedGraph, node: u32, paired: bool, budget: &mut Budget) -> Option<(u32, Rule)> {
     let arcs = graph.arcs(node);
     let total: f64 = arcs.iter().map(|arc| arc.cost.abs()).sum();
     let mut largest = arcs[0];
@@ -184,7 +189,7 @@ fn contractible(graph: &SignedGraph, node: u32, budget: &mut Budget) -> Option<(
             return Some((arc.node, Rule::Triangle(apex)));
         }
     }
-    arcs.iter().filter(|arc| arc.cost > 0.0).find_map(|arc| {
+    arcs.iter().filter(|arc| paired && arc.cost > 0.0).find_map(|arc| {
         let shares = pair_rule::shares(graph, node, total, arc, budget)?;
         Some((arc.node, Rule::Pair(shares)))
     })
