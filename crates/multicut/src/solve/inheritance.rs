@@ -2,6 +2,7 @@
 
 use crate::bound::conflict::Conflict;
 use crate::graph::kernel::Kernel;
+use crate::graph::signed_graph::SignedGraph;
 use crate::reduce::decomposition::Decomposition;
 
 /// The conflicts of a graph by kernels. A program that starts from them need not find them again, which takes most of the time
@@ -28,11 +29,16 @@ impl<'a> Inheritance<'a> {
     }
 
     /// The conflicts that are still conflicts in one kernel.
-    pub(super) fn of(&self, index: usize, kernel: &Kernel) -> Vec<Conflict> {
+    pub(super) fn of(&self, index: usize, graph: &SignedGraph) -> Vec<Conflict> {
+        let inherited = &self.by_kernel[index];
+        if inherited.is_empty() {
+            return Vec::new();
+        }
+        let kernel = Kernel::new(graph);
         let image = |node: u32| match self.images[node as usize] {
             Some((place, image)) if place as usize == index => Some(image),
             _ => None,
         };
-        self.by_kernel[index].iter().filter_map(|conflict| conflict.mapped(kernel, image)).collect()
+        inherited.iter().filter_map(|conflict| conflict.mapped(&kernel, image)).collect()
     }
 }

@@ -315,7 +315,7 @@ impl Tree {
             }
             let slack = cutoff - (others - states[index].bound);
             let graph = &kernels[index].graph;
-            let known = inheritance.of(index, &Kernel::new(graph));
+            let known = inheritance.of(index, graph);
             self.close(graph, &mut states[index], known, slack, budget);
         }
         let labels = decomposition.assemble(states.iter().map(|state| state.labels.as_slice()));

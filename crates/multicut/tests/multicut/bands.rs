@@ -31,7 +31,8 @@ fn dense_bands_are_proved() {
 
 #[test]
 fn packings_improved_in_windows_close_a_dense_band() {
-    // One unit was missing before, however long the search.
+    // Without windows, one unit was missing after 160 million units of work. The proof takes 211 million with the rule of pairs, 182
+    // million without.
     let graph = generate(Family::Dense, 4000, 0.2, 3).unwrap();
     let options =
         Options { time_limit: None, work_limit: Some(240_000_000), certificate: true, ..Options::default() };
