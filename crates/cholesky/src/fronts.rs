@@ -17,6 +17,7 @@ pub(crate) mod stored;
 pub(crate) mod substitution;
 mod task;
 mod view;
+mod workspaces;
 
 pub use dense::{Scratch, eliminate, products, scratch};
 pub use extend_add::{Run, extend_add, push_rows};

@@ -18,8 +18,21 @@ pub struct Matrix<'a, const D: usize> {
 impl<const D: usize> Matrix<'_, D> {
     /// The product with a vector. `pairs` are those of the off-diagonal blocks.
     pub fn times(&self, pairs: &[(usize, usize)], vector: &[SVector<f64, D>]) -> Vec<SVector<f64, D>> {
+        let mut product = Vec::new();
+        self.multiply(pairs, vector, &mut product);
+        product
+    }
+
+    /// The same into memory of an earlier product.
+    pub(crate) fn multiply(
+        &self,
+        pairs: &[(usize, usize)],
+        vector: &[SVector<f64, D>],
+        product: &mut Vec<SVector<f64, D>>,
+    ) {
         let Self { diagonal, off_diagonal, damping, floor } = *self;
-        let mut product: Vec<_> = diagonal.iter().zip(vector).map(|(block, value)| block * value).collect();
+        product.clear();
+        product.extend(diagonal.iter().zip(vector).map(|(block, value)| block * value));
         if damping != 0.0 {
             for ((product, block), value) in product.iter_mut().zip(diagonal).zip(vector) {
                 for component in 0..D {
@@ -32,6 +45,5 @@ impl<const D: usize> Matrix<'_, D> {
             product[a] += block * vector[b];
             product[b] += block.tr_mul(&vector[a]);
         }
-        product
     }
 }

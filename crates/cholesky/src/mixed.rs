@@ -38,14 +38,14 @@ impl<const D: usize> MixedFactor<D> {
     /// Reserves all memory for this pattern, from that of another factor.
     pub fn with_memory(symbolic: &Symbolic, memory: Memory) -> Self {
         if (symbolic.factor_blocks() * D * D) as u64 * 8 >= LARGE {
-            return Self::single(symbolic);
+            return Self::Single(Factor::with_memory(symbolic, memory));
         }
         Self::Double(Factor::with_memory(symbolic, memory))
     }
 
     /// A factor stored in single precision, however small it is.
     pub fn single(symbolic: &Symbolic) -> Self {
-        Self::Single(Factor::single(symbolic))
+        Self::Single(Factor::with_memory(symbolic, Memory::default()))
     }
 
     /// Whether the factor is stored in single precision.
@@ -53,23 +53,19 @@ impl<const D: usize> MixedFactor<D> {
         matches!(self, Self::Single(_))
     }
 
-    /// The memory of a factor in double precision; one in single precision has none to hand on.
+    /// The memory of the factor.
     pub fn into_memory(self) -> Memory {
         match self {
             Self::Double(factor) => factor.into_memory(None),
-            Self::Single(_) => Memory::default(),
+            Self::Single(factor) => factor.into_memory(None),
         }
     }
 
-    /// As [`Factor::lend`]; a factor in single precision lends no memory.
-    pub fn lend<const E: usize, R>(
-        &mut self,
-        symbolic: &Symbolic,
-        work: impl FnOnce(&mut Factor<E>) -> R,
-    ) -> R {
+    /// As [`Factor::lend`].
+    pub fn lend<const E: usize, R>(&mut self, work: impl FnOnce(&mut Factor<E>) -> R) -> R {
         match self {
             Self::Double(factor) => factor.lend(work),
-            Self::Single(_) => work(&mut Factor::new(symbolic)),
+            Self::Single(factor) => factor.lend(work),
         }
     }
 
@@ -178,12 +174,12 @@ impl<const D: usize> Iteration<'_, D> {
         let mut square = dot(&residual, &direction);
         let mut solution = vec![SVector::zeros(); values.len()];
         let mut decrease = 0.0;
-        let mut preconditioned = Vec::new();
+        let (mut preconditioned, mut product) = (Vec::new(), Vec::new());
         for _ in 0..end.iterations {
             if end.is_reached(decrease, square) {
                 break;
             }
-            let product = matrix.times(pairs, &direction);
+            matrix.multiply(pairs, &direction, &mut product);
             let length = square / dot(&direction, &product);
             if !(length > 0.0 && length.is_finite()) {
                 return None;

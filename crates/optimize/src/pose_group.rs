@@ -113,9 +113,7 @@ impl PoseGroup<3> for SE2 {
         anchor: &Self,
     ) -> Option<Vec<Self>> {
         let pattern = memory.pattern;
-        memory.factor.lend(&pattern.symbolic, |factor| {
-            chordal::poses::<Self, 3, 2>(pattern, edges, held, anchor, factor)
-        })
+        memory.factor.lend(|factor| chordal::poses::<Self, 3, 2>(pattern, edges, held, anchor, factor))
     }
 
     fn aligning(priors: &[Prior<Self, 3>], poses: &[Self]) -> Self {
@@ -141,9 +139,7 @@ impl PoseGroup<6> for SE3 {
         anchor: &Self,
     ) -> Option<Vec<Self>> {
         let pattern = memory.pattern;
-        memory.factor.lend(&pattern.symbolic, |factor| {
-            chordal::poses::<Self, 6, 3>(pattern, edges, held, anchor, factor)
-        })
+        memory.factor.lend(|factor| chordal::poses::<Self, 6, 3>(pattern, edges, held, anchor, factor))
     }
 
     fn aligning(priors: &[Prior<Self, 6>], poses: &[Self]) -> Self {

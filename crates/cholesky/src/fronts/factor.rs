@@ -1,11 +1,14 @@
 //! The numeric phase: multifrontal factorisation and triangular solves.
 
+use std::marker::PhantomData;
+
 use nalgebra::SMatrix;
 
 use super::breakdown::Breakdown;
 use super::stored::Stored;
 use super::substitution::Solver;
 use super::task::{SmallestPivot, Task, Worker, side_by_side};
+use super::workspaces::Workspaces;
 use crate::instructions::for_small_blocks;
 use crate::matrix::Matrix;
 use crate::selected_inverse::SelectedInverse;
@@ -17,7 +20,9 @@ pub const SINGULAR: f64 = 1e-14;
 
 /// Memory and values of a factor with blocks of order `D`, stored in numbers `S`: `P A P^T = L L^T`.
 pub struct Factor<const D: usize, S = f64> {
-    pub(crate) panels: Vec<S>,
+    /// The factor: memory of numbers `S`, which every kind of factor can use.
+    pub(crate) panels: Vec<f64>,
+    stored: PhantomData<S>,
     /// Update matrices on their way to the parents; of no use after the factorisation.
     pub(crate) stacks: [Vec<f64>; 2],
     /// Memory for a selected inverse.
@@ -44,12 +49,12 @@ pub struct Memory {
 }
 
 /// Old values may remain: the numeric phase writes before it reads.
-pub(crate) fn resized<S: Stored>(mut memory: Vec<S>, length: usize) -> Vec<S> {
+pub(crate) fn resized(mut memory: Vec<f64>, length: usize) -> Vec<f64> {
     if memory.capacity() < length {
         // Pages that the system has zeroed, and that nothing touches before the numeric phase.
-        return vec![S::default(); length];
+        return vec![0.0; length];
     }
-    memory.resize(length, S::default());
+    memory.resize(length, 0.0);
     memory
 }
 
@@ -64,17 +69,21 @@ impl<const D: usize> Factor<D> {
     pub fn new(symbolic: &Symbolic) -> Self {
         Self::with_memory(symbolic, Memory::default())
     }
+}
 
-    /// The same with the memory of another factor, of any pattern. No value of that factor matters.
-    pub fn with_memory(symbolic: &Symbolic, memory: Memory) -> Self {
-        let Memory { panels, stacks, inverse } = memory;
-        let panels = resized(panels, symbolic.panel_blocks * D * D);
-        Self { inverse, ..Self::with_panels(symbolic, panels, stacks) }
+impl<const D: usize, S: Stored> Factor<D, S> {
+    /// How many `f64` take the memory of this many blocks.
+    fn panel_memory(blocks: usize) -> usize {
+        (blocks * D * D * size_of::<S>()).div_ceil(size_of::<f64>())
     }
 
-    /// Lends the memory to a factor with the same pattern and blocks that are no larger. The values of this factor are lost.
+    /// Lends the memory to a factor in double precision with the same pattern and blocks that take no more. The values of this factor are
+    /// lost.
     pub fn lend<const E: usize, T>(&mut self, work: impl FnOnce(&mut Factor<E>) -> T) -> T {
-        debug_assert!(E <= D, "memory for smaller blocks is lent");
+        debug_assert!(
+            E * E * size_of::<f64>() <= D * D * size_of::<S>(),
+            "memory for blocks that take no more is lent"
+        );
         let mut other = Factor::<E>::empty();
         self.exchange(&mut other);
         let result = work(&mut other);
@@ -96,24 +105,18 @@ impl<const D: usize> Factor<D> {
         let inverse = inverse.map_or(self.inverse, |inverse| inverse.panels);
         Memory { panels: self.panels, stacks: self.stacks, inverse }
     }
-}
 
-impl<const D: usize> Factor<D, f32> {
-    /// Reserves all memory of a factor in single precision.
-    pub(crate) fn single(symbolic: &Symbolic) -> Self {
-        Self::with_panels(symbolic, vec![0.0; symbolic.panel_blocks * D * D], Default::default())
-    }
-}
-
-impl<const D: usize, S: Stored> Factor<D, S> {
-    /// Reserves all memory but that of the panels.
-    fn with_panels(symbolic: &Symbolic, panels: Vec<S>, [even, odd]: [Vec<f64>; 2]) -> Self {
+    /// Reserves all memory that factorising and solving with this pattern need, from that of another factor, of any pattern. No value
+    /// of that factor matters.
+    pub fn with_memory(symbolic: &Symbolic, memory: Memory) -> Self {
+        let Memory { panels, stacks: [even, odd], inverse } = memory;
         let height = symbolic.fronts.iter().map(Front::height).max().unwrap_or(0);
         let [even_blocks, odd_blocks] = symbolic.stack_blocks;
         Self {
-            panels,
+            panels: resized(panels, Self::panel_memory(symbolic.panel_blocks)),
+            stored: PhantomData,
             stacks: [resized(even, even_blocks * D * D), resized(odd, odd_blocks * D * D)],
-            inverse: Vec::new(),
+            inverse,
             workers: symbolic.stretches.iter().map(|stretch| Worker::new::<D>(symbolic, stretch)).collect(),
             permuted: vec![0.0; symbolic.variables() * D],
             local: vec![0.0; height * D],
@@ -126,6 +129,7 @@ impl<const D: usize, S: Stored> Factor<D, S> {
     fn empty() -> Self {
         Self {
             panels: Vec::new(),
+            stored: PhantomData,
             stacks: [Vec::new(), Vec::new()],
             inverse: Vec::new(),
             workers: Vec::new(),
@@ -158,6 +162,7 @@ impl<const D: usize, S: Stored> Factor<D, S> {
         matrix: Matrix<'_, D>,
     ) -> Result<(), Breakdown> {
         let Self { panels, stacks, workers, smallest_pivot, .. } = self;
+        let panels: &mut [S] = bytemuck::cast_slice_mut(panels);
         *smallest_pivot = SmallestPivot::default();
         let Some((rest, others)) = symbolic.stretches.split_last() else { return Ok(()) };
         let failed = if others.is_empty() {
@@ -175,8 +180,17 @@ impl<const D: usize, S: Stored> Factor<D, S> {
         if let Some(worker) = workers.last_mut() {
             let [even, odd] = stacks;
             let stacks = [even.as_mut_slice(), odd.as_mut_slice()];
-            let task =
-                Task { symbolic, matrix, fronts, panels, panel_base: 0, stacks, stack_bases: [0; 2], worker };
+            let task = Task {
+                symbolic,
+                matrix,
+                fronts,
+                panels,
+                panel_base: 0,
+                stacks,
+                stack_bases: [0; 2],
+                worker,
+                workspaces: &Workspaces::of::<D, S>(symbolic, std::slice::from_ref(rest)),
+            };
             for_small_blocks(task)?;
         }
         if let Some(failed) = failed {

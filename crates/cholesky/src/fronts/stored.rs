@@ -5,16 +5,19 @@
     reason = "loops take the vector instructions of the caller they are inlined into"
 )]
 
+use bytemuck::Pod;
+
 /// A stored number: `f64`, or `f32` in half the memory.
-pub trait Stored: Copy + Default + Send + Sync {
+pub trait Stored: Pod + Default + Send + Sync {
     /// The same number in double precision.
     fn widened(self) -> f64;
 
+    /// How large a workspace the elimination of a panel of this size takes.
+    fn workspace(panel: usize) -> usize;
+
     /// Where to eliminate a panel: in place, or in the workspace, with the place to store the result.
-    fn places<'a>(
-        panel: &'a mut [Self],
-        workspace: &'a mut Vec<f64>,
-    ) -> (&'a mut [f64], Option<&'a mut [Self]>);
+    fn places<'a>(panel: &'a mut [Self], workspace: &'a mut [f64])
+    -> (&'a mut [f64], Option<&'a mut [Self]>);
 
     /// Stores a number; those outside the range become zero or infinite.
     fn narrowed(value: f64) -> Self;
@@ -26,8 +29,12 @@ impl Stored for f64 {
         self
     }
 
+    fn workspace(_: usize) -> usize {
+        0
+    }
+
     #[inline(always)]
-    fn places<'a>(panel: &'a mut [Self], _: &'a mut Vec<f64>) -> (&'a mut [f64], Option<&'a mut [Self]>) {
+    fn places<'a>(panel: &'a mut [Self], _: &'a mut [f64]) -> (&'a mut [f64], Option<&'a mut [Self]>) {
         (panel, None)
     }
 
@@ -43,14 +50,15 @@ impl Stored for f32 {
         f64::from(self)
     }
 
+    fn workspace(panel: usize) -> usize {
+        panel
+    }
+
     #[inline(always)]
     fn places<'a>(
         panel: &'a mut [Self],
-        workspace: &'a mut Vec<f64>,
+        workspace: &'a mut [f64],
     ) -> (&'a mut [f64], Option<&'a mut [Self]>) {
-        if workspace.len() < panel.len() {
-            workspace.resize(panel.len(), 0.0);
-        }
         (&mut workspace[..panel.len()], Some(panel))
     }
 

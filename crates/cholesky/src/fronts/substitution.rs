@@ -37,6 +37,7 @@ impl<const D: usize, S: Stored> Factor<D, S> {
             value.copy_from_slice(values[variable].as_slice());
         }
         let Self { panels, permuted, local, solvers, .. } = self;
+        let panels: &[S] = bytemuck::cast_slice(panels);
         for solver in solvers.iter_mut() {
             solver.top.fill(0.0);
         }

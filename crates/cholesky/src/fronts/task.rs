@@ -16,6 +16,7 @@ use super::dense::{self, Scratch};
 use super::extend_add::{Run, extend_add, push_rows, rows_before};
 use super::stored::Stored;
 use super::view::FrontView;
+use super::workspaces::Workspaces;
 use crate::instructions::for_small_blocks;
 use crate::matrix::Matrix;
 use crate::symbolic::{Front, Stretch, Symbolic};
@@ -85,6 +86,7 @@ pub(super) fn side_by_side<const D: usize, S: Stored>(
 ) -> Result<(), Breakdown> {
     let [even, odd] = &mut *stacks;
     let (mut panels, mut even, mut odd) = (Rest::new(panels), Rest::new(even), Rest::new(odd));
+    let workspaces = Workspaces::of::<D, S>(symbolic, stretches);
     let scalars = |blocks: &Range<usize>| blocks.start * D * D..blocks.end * D * D;
     let tasks: Vec<Task<'_, D, S>> = stretches
         .iter()
@@ -101,6 +103,7 @@ pub(super) fn side_by_side<const D: usize, S: Stored>(
                 stack_bases: [0, 1].map(|stack| scalars(&stretch.left[stack]).start),
                 stacks: [even.cut(of_even), odd.cut(of_odd)],
                 worker,
+                workspaces: &workspaces,
             }
         })
         .collect();
@@ -147,6 +150,7 @@ pub(super) struct Task<'a, const D: usize, S> {
     pub(super) stacks: [&'a mut [f64]; 2],
     pub(super) stack_bases: [usize; 2],
     pub(super) worker: &'a mut Worker,
+    pub(super) workspaces: &'a Workspaces,
 }
 
 impl<const D: usize, N: Stored> WithSimd for Task<'_, D, N> {
@@ -154,12 +158,12 @@ impl<const D: usize, N: Stored> WithSimd for Task<'_, D, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        let Self { symbolic, matrix, fronts, panels, panel_base, stacks, stack_bases, worker } = self;
+        let Self { symbolic, matrix, fronts, panels, panel_base, stacks, stack_bases, worker, workspaces } =
+            self;
         let Matrix { diagonal, off_diagonal, damping, floor } = matrix;
         let Worker { memory, runs, smallest_pivot } = worker;
-        // A front's panel, if it is not eliminated where it is stored. Kept for a stretch alone: the panels of all stretches
-        // together are a fifth as large as a very large factor.
-        let mut workspace = Vec::new();
+        // A front's panel, if it is not eliminated where it is stored.
+        let mut workspace = workspaces.take();
         *smallest_pivot = SmallestPivot::default();
         let [even, odd] = stacks;
         for front in fronts.iter().map(|&front| &symbolic.fronts[front]) {
@@ -226,6 +230,7 @@ impl<const D: usize, N: Stored> WithSimd for Task<'_, D, N> {
                 }
             }
         }
+        workspaces.give_back(workspace);
         Ok(())
     }
 }

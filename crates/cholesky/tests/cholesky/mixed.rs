@@ -208,3 +208,37 @@ fn a_factor_solves_with_another_matrix() {
         assert!(factor.iterate(&symbolic, &pairs, other, &mut values, end).is_some());
     }
 }
+
+/// The memory of a factor in single precision serves a factor with smaller blocks, itself again, and another factor after it, all with the
+/// bits that new memory gives.
+#[test]
+fn memory_of_single_precision_is_lent_and_handed_on() {
+    let (pairs, diagonal, off_diagonal) = large_grid(&mut ChaCha8Rng::seed_from_u64(5));
+    let variables = diagonal.len();
+    let symbolic = Symbolic::new(variables, &pairs, 6);
+    let small = |blocks: &[SMatrix<f64, 6, 6>]| -> Vec<SMatrix<f64, 3, 3>> {
+        blocks.iter().map(|block| block.fixed_view::<3, 3>(0, 0).into_owned()).collect()
+    };
+    let (small_diagonal, small_off_diagonal) = (small(&diagonal), small(&off_diagonal));
+    let solve = |factor: &mut Factor<3>| {
+        let mut values = vec![SVector::<f64, 3>::repeat(1.0); variables];
+        factor.factorize(&symbolic, &small_diagonal, &small_off_diagonal, 0.0, [0.0; 3]).unwrap();
+        factor.solve(&symbolic, &mut values);
+        values
+    };
+    let matrix = Matrix { diagonal: &diagonal, off_diagonal: &off_diagonal, damping: 0.0, floor: [0.0; 6] };
+    let precondition = |factor: &mut MixedFactor<6>| {
+        let mut values = vec![SVector::<f64, 6>::repeat(1.0); variables];
+        factor.factorize(&symbolic, matrix).unwrap();
+        factor.precondition(&symbolic, &mut values);
+        values
+    };
+    let mut mixed = MixedFactor::<6>::single(&symbolic);
+    assert!(mixed.lend(solve) == solve(&mut Factor::new(&symbolic)));
+    assert!(precondition(&mut mixed) == precondition(&mut MixedFactor::single(&symbolic)));
+    let mut next = MixedFactor::with_memory(&symbolic, mixed.into_memory());
+    assert!(!next.is_single());
+    assert!(
+        precondition(&mut next) == precondition(&mut MixedFactor::with_memory(&symbolic, Memory::default()))
+    );
+}
