@@ -13,8 +13,8 @@ use crate::reduce::reduction::Step;
 pub(crate) enum Proof {
     /// Disjoint conflicts.
     Packing(Vec<Packed>),
-    /// Cutting one of `edges` lifts the packing's bound by the edge's residual cost, so the rest of the proof may reward
-    /// joining them.
+    /// Separating the ends of one of `edges`, but of none before it, lifts the packing's bound by the residual that connects them, so the
+    /// rest of the proof may reward joining them.
     Fixed { conflicts: Vec<Packed>, edges: Vec<(u32, u32)>, reward: f64, rest: Reduced },
     /// Conflicts, and windows that share the capacity left by them, each with its own proof.
     Windows { conflicts: Vec<Packed>, windows: Vec<Cutout> },
@@ -60,7 +60,8 @@ pub(crate) struct Reduced {
 /// 1 0 1 4                        piece), the last and the first joined by the repulsive edge. A wheel:
 /// wheel 1 1 2 3 / 0 1 / 0 2 / 0 3   weight, rim, and a spoke from the centre for each repulsive edge of
 ///                                the rim, in order, to where the rim enters it
-/// fix 1 2 99                     one conflict, two edges (tail head) fixed, reward; then reduce …
+/// fix 1 2 99                     one conflict, two edges (tail head) whose ends are joined, each by the
+///                                capacity left once those before it are, reward; then reduce …
 /// windows 3 2                    three conflicts, two windows
 /// window 4 7 8 9                 nodes of the kernel, numbered 0, 1, … in this window; edges of the kernel with
 /// edges 0 1 0.5 1 2 -1           the capacity that the window takes, signed as the edge; then reduce …

@@ -4,6 +4,7 @@
 //! capacity of every conflict: for each edge, the weights of the conflicts that use it add up to at most its `|c|`. [`tree`]
 //! checks proofs by cases.
 
+mod connection;
 mod packing;
 mod part;
 mod proof;

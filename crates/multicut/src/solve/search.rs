@@ -217,7 +217,7 @@ impl Tree {
                 return true;
             }
             let fixed = fix(graph, &kernel, packing, target, self.big);
-            fixed.is_some_and(|fixed| fixed.nodes * FEW >= graph.node_count())
+            fixed.is_some_and(|fixed| fixed.edges.len() * FEW >= graph.node_count())
         };
         let relaxation = solve_relaxation(&kernel, packing, known, target, pays, budget);
         let packing = relaxation.packing.clone();

@@ -8,6 +8,7 @@
 
 mod bands;
 mod exhaustive;
+mod fixing;
 mod instances;
 mod invariance;
 mod pairs;

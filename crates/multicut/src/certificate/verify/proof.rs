@@ -3,6 +3,7 @@
 use std::io::BufRead;
 
 use super::VerifyError;
+use super::connection::Connections;
 use super::part::Part;
 
 /// Proofs with deeper nesting are rejected, because they could overflow the stack.
@@ -140,18 +141,24 @@ impl<B: BufRead> Checker<B> {
                 self.next()?;
                 let (residual, bound) = self.packing(kernel, conflicts)?;
                 let mut rest = kernel.clone();
-                let mut left_out = f64::INFINITY;
+                let mut pairs = Vec::new();
                 for _ in 0..edges {
                     let (tail, head): (u32, u32) = (self.number(0)?, self.number(1)?);
-                    let residual = residual.cost(tail.min(head), tail.max(head));
                     if kernel.cost(tail, head) <= 0.0 {
                         return Err(self.refute("only attractive edges can be fixed".into()));
                     }
-                    left_out = left_out.min(round(bound + residual));
+                    pairs.push((tail, head));
                     rest.add(tail, head, reward);
                     self.next()?;
                 }
-                Ok(self.reduced(rest, depth + 1)?.min(left_out))
+                let mut proved = self.reduced(rest, depth + 1)?;
+                // Who separates a pair but none before it pays at least the capacity between them.
+                let mut connections = Connections::new(kernel, &residual);
+                for (tail, head) in pairs {
+                    proved = proved.min(round(bound + connections.flow(tail, head, proved - bound)));
+                    connections.join(tail, head);
+                }
+                Ok(proved)
             }
             "windows" => Ok(round(self.windows(kernel, depth)?)),
             _ => {
