@@ -25,6 +25,12 @@ pub(crate) struct Relaxation {
 }
 
 impl Relaxation {
+    /// A packing with no point, and what a program would start from.
+    pub(crate) fn of(kernel: &Kernel, packing: Packing, known: Vec<Conflict>) -> Self {
+        let Program { conflicts, .. } = Program::of(kernel, &packing).with(kernel, known);
+        Self { conflicts, ..Self::new(kernel, packing) }
+    }
+
     fn new(kernel: &Kernel, packing: Packing) -> Self {
         Self { packing, paid: vec![0.0; kernel.edge_count()], converged: false, conflicts: Vec::new() }
     }

@@ -1,8 +1,8 @@
 //! An independent check of certificates, which shares no algorithm with the solver.
 //!
 //! [`proof`] reads the statements, [`part`] repeats the reductions on its own graph, and [`packing`] checks signs, shape and
-//! capacity of every conflict: for each edge, the weights of the conflicts that use it add up to at most its `|c|`. [`tree`]
-//! checks proofs by cases.
+//! capacity of every conflict: for each edge, the weights of the conflicts that use it add up to at most its `|c|`. [`connection`]
+//! computes flows between nodes that a proof joins, and [`tree`] checks proofs by cases.
 
 mod connection;
 mod packing;
@@ -54,7 +54,8 @@ pub enum VerifyError {
 }
 
 /// Checks a certificate against a graph, in one pass over the file: the condition of each reduction, the signs and capacities
-/// of each conflict, and that the parts of the graph share no edge. `O(log n)` for each edge touched.
+/// of each conflict, and that the parts of the graph share no edge. `O(log n)` for each edge touched. Each pair that a `fix` statement
+/// joins takes as many searches as there are shortest paths in a sufficient flow between the two.
 pub fn verify(graph: &Graph, certificate: impl BufRead) -> Result<Verified, VerifyError> {
     let mut checker = Checker::new(certificate);
     match checker.next() {

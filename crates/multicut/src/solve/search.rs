@@ -40,7 +40,7 @@ const TOLERANCE: f64 = 1e-10;
 /// The same inside the tree, where differences must be smaller so that their sum stays below [`TOLERANCE`].
 const INNER_TOLERANCE: f64 = 1e-12;
 
-/// A stalled relaxation gives way to one with fixed edges if fixing saves at least one node in this many.
+/// A relaxation that stalls, or has not begun, gives way to one with fixed edges if fixing saves at least one node in this many.
 const FEW: usize = 50;
 
 /// Largest kernel, in edges, that one linear program with an inverse of its basis suits.
@@ -219,11 +219,18 @@ impl Tree {
             let fixed = fix(graph, &kernel, packing, target, self.big);
             fixed.is_some_and(|fixed| fixed.edges.len() * FEW >= graph.node_count())
         };
-        let relaxation = solve_relaxation(&kernel, packing, known, target, pays, budget);
+        let at_once = !small && pays(&packing);
+        let relaxation = if at_once {
+            Relaxation::of(&kernel, packing, known)
+        } else {
+            solve_relaxation(&kernel, packing, known, target, pays, budget)
+        };
         let packing = relaxation.packing.clone();
         let bound = kernel.rounded(packing.bound);
         state.raise(bound, || Some(Proof::Packing(packing.conflicts.clone())));
-        round(graph, &kernel, &relaxation, state, budget);
+        if !at_once {
+            round(graph, &kernel, &relaxation, state, budget);
+        }
         if small {
             state.packing = packing;
             return self.grow(graph, &kernel, state, cutoff, budget);
