@@ -3,7 +3,8 @@
 //! Each component is reduced to kernels. [`search`] closes a kernel by branch and cut: a packing, the cycle relaxation with
 //! odd wheels, nodes joined by the capacity left between them ([`fixing`]), branching; [`cut_tree`] closes small kernels, with one linear
 //! program throughout. Before that, small kernels are annealed and dense ones bounded by spread conflicts ([`preparation`]), and solution
-//! and packing of long ones improved in turn ([`bands`]), and the places where they differ solved apart ([`windows`]). Depends on all the theory of this crate: [`reduce`](crate::reduce),
+//! and packing of long ones improved in turn ([`bands`]), and the places where they differ solved apart ([`windows`]). Depends on all the
+//! theory of this crate: [`reduce`](crate::reduce),
 //! [`heuristics`](crate::heuristics), [`bound`](crate::bound), [`certificate`](crate::certificate).
 
 mod bands;

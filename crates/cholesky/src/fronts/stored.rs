@@ -8,7 +8,7 @@
 use bytemuck::Pod;
 
 /// A stored number: `f64`, or `f32` in half the memory.
-pub trait Stored: Pod + Default + Send + Sync {
+pub trait Stored: Pod + Send + Sync {
     /// The same number in double precision.
     fn widened(self) -> f64;
 

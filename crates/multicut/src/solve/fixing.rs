@@ -7,30 +7,35 @@ use crate::graph::kernel::Kernel;
 use crate::graph::signed_graph::SignedGraph;
 use crate::graph::union_find::UnionFind;
 
-/// A graph in which the ends of some edges are joined by a reward.
+/// Edges whose ends every better solution joins.
 pub(super) struct Fixed {
-    pub(super) graph: SignedGraph,
     /// The edges whose ends are joined. Each follows from the packing and the edges before it.
     pub(super) edges: Vec<(u32, u32)>,
     /// Lower bound on every solution that the fixed edges exclude.
     pub(super) left_out: f64,
 }
 
-/// Joins the ends of attractive edges if cutting the ends apart would lift the bound to the goal. `big` is more than all costs
-/// together. `None` if there is no such edge.
+impl Fixed {
+    /// The graph in which a reward joins these ends. `big` is more than all costs together: dominance contracts the edges at once, and
+    /// nodes keep their numbers.
+    pub(super) fn rewarded(&self, graph: &SignedGraph, big: f64) -> SignedGraph {
+        let mut graph = graph.clone();
+        for &(tail, head) in &self.edges {
+            graph.add_cost(tail, head, big);
+        }
+        graph
+    }
+}
+
+/// Joins the ends of attractive edges if cutting the ends apart would lift the bound to the goal. The number of edges is
+/// the number of nodes saved.
 ///
 /// A multicut that separates two nodes cuts all paths between them. So it pays at least the bound and the least cut between them, with
 /// the residual of attractive edges as capacities. Once nodes are joined, they count as one. [`scan`] finds pairs with large cuts
 /// between them without computing the cuts. `O(m log m)` a scan, and few scans.
-pub(super) fn fix(
-    graph: &SignedGraph,
-    kernel: &Kernel,
-    packing: &Packing,
-    goal: f64,
-    big: f64,
-) -> Option<Fixed> {
-    let mut fixed = Fixed { graph: graph.clone(), edges: Vec::new(), left_out: f64::INFINITY };
-    let mut sets = UnionFind::new(graph.node_count());
+pub(super) fn fix(kernel: &Kernel, packing: &Packing, goal: f64) -> Fixed {
+    let mut fixed = Fixed { edges: Vec::new(), left_out: f64::INFINITY };
+    let mut sets = UnionFind::new(kernel.node_count());
     loop {
         let before = fixed.edges.len();
         scan(kernel, packing, &mut sets, |edge, cut, sets| {
@@ -38,16 +43,13 @@ pub(super) fn fix(
             let (tail, head) = kernel.ends[edge as usize];
             if without >= goal && sets.union(tail, head) {
                 fixed.left_out = fixed.left_out.min(without);
-                // A big cost forces the join: dominance contracts the edge at once, and nodes keep their numbers.
-                fixed.graph.add_cost(tail, head, big);
                 fixed.edges.push((tail, head));
             }
         });
         if fixed.edges.len() == before {
-            break;
+            return fixed;
         }
     }
-    (!fixed.edges.is_empty()).then_some(fixed)
 }
 
 /// Visits each attractive edge between two sets once, with a lower bound on the least cut between its ends, in the residual of
@@ -139,7 +141,7 @@ mod tests {
             let mut packing = Packing::new(&kernel);
             packing.extend(&kernel, random.random_range(0..200), &mut Budget::new(None, None));
             let goal = packing.bound + random.random_range(0.5..8.0);
-            let Some(fixed) = fix(&graph, &kernel, &packing, goal, 1e3) else { continue };
+            let fixed = fix(&kernel, &packing, goal);
             assert!(fixed.left_out >= goal);
             for labels in &all {
                 let apart = |&(tail, head): &(u32, u32)| labels[tail as usize] != labels[head as usize];

@@ -213,11 +213,7 @@ impl Tree {
         let target = goal(state);
         let small = kernel.edge_count() <= SMALL;
         let pays = |packing: &Packing| {
-            if small {
-                return true;
-            }
-            let fixed = fix(graph, &kernel, packing, target, self.big);
-            fixed.is_some_and(|fixed| fixed.edges.len() * FEW >= graph.node_count())
+            small || fix(&kernel, packing, target).edges.len() * FEW >= graph.node_count()
         };
         let at_once = !small && pays(&packing);
         let relaxation = if at_once {
@@ -236,10 +232,13 @@ impl Tree {
             return self.grow(graph, &kernel, state, cutoff, budget);
         }
         if state.bound < goal(state) && !budget.is_over() {
-            if let Some(fixed) = fix(graph, &kernel, &packing, goal(state), self.big) {
+            let fixed = fix(&kernel, &packing, goal(state));
+            if fixed.edges.is_empty() {
+                self.branch(graph, &kernel, &relaxation, state, cutoff, budget);
+            } else {
                 // Solutions that the fixed graph excludes are no better than the best known one.
                 let Inside { labels, bound, proof } = self.solve_within(
-                    fixed.graph,
+                    fixed.rewarded(graph, self.big),
                     &relaxation.conflicts,
                     goal(state),
                     state.proof.is_some(),
@@ -250,8 +249,6 @@ impl Tree {
                     let (conflicts, edges) = (packing.conflicts.clone(), fixed.edges);
                     Some(Proof::Fixed { conflicts, edges, reward: self.big, rest: proof? })
                 });
-            } else {
-                self.branch(graph, &kernel, &relaxation, state, cutoff, budget);
             }
         }
         state.packing = packing;
