@@ -27,7 +27,7 @@ mod lie_group;
 mod se2;
 mod se3;
 mod so3;
-mod trigonometric;
+pub mod trigonometric;
 
 pub use angle::wrap_angle;
 pub use lie_group::{LieGroup, translations};

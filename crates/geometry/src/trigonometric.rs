@@ -6,7 +6,10 @@
 )]
 
 /// If the squared angle is below this, the power series is used; above it the closed form loses less than two digits.
-const SERIES_LIMIT: f64 = 1.0;
+pub const SERIES_LIMIT: f64 = 1.0;
+
+/// Terms of a power series, which reach 1e-19 below [`SERIES_LIMIT`].
+pub const TERMS: usize = 9;
 
 /// `c_n(a) = sum_k (-1)^k a^(2k) / (2k + n)!` for n = 0 to 5, at one angle `a` (radians).
 ///
@@ -43,31 +46,32 @@ impl Trigonometric {
     }
 }
 
-/// `sum_k (-1)^k x^k / (2k + n)!` by Horner's rule; nine terms reach 1e-19 for x < 1.
+/// `sum_k (-1)^k x^k / (2k + n)!` by Horner's rule.
 #[inline(always)]
-fn series(x: f64, coefficients: &[f64; 9]) -> f64 {
+fn series(x: f64, coefficients: &[f64; TERMS]) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
 }
 
-/// `(-1)^k / (2k + n)!`, computed at compile time: a division takes as long as the rest of a term.
-const fn coefficients(n: u32) -> [f64; 9] {
-    let mut coefficients = [0.0; 9];
+/// `(-1)^k / (2k + n)!`, the coefficients of `c_n` in the squared angle. Computed at compile time: a division takes as long as the rest of
+/// a term.
+pub const fn coefficients(n: usize) -> [f64; TERMS] {
+    let mut coefficients = [0.0; TERMS];
     let mut k = 0;
-    while k < 9 {
+    while k < TERMS {
         let mut factorial = 1.0;
         let mut factor = 2;
         while factor <= 2 * k + n {
             factorial *= factor as f64;
             factor += 1;
         }
-        coefficients[k as usize] = if k % 2 == 0 { 1.0 / factorial } else { -1.0 / factorial };
+        coefficients[k] = if k % 2 == 0 { 1.0 / factorial } else { -1.0 / factorial };
         k += 1;
     }
     coefficients
 }
 
-const FOURTH: [f64; 9] = coefficients(4);
-const FIFTH: [f64; 9] = coefficients(5);
+const FOURTH: [f64; TERMS] = coefficients(4);
+const FIFTH: [f64; TERMS] = coefficients(5);
 
 /// `(1 - (a/2) cot(a/2)) / a^2`, from the square of the angle `a`; even, 1/12 at 0, and smooth up to two pi.
 ///

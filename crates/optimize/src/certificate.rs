@@ -14,10 +14,10 @@ pub(crate) mod chordal_cost;
 pub(crate) mod chordal_matrix;
 
 use nalgebra::{SMatrix, SVector};
-use posecut_geometry::LieGroup;
 
 use crate::descent::workspace::Workspace;
 use crate::initialisation::chordal::MatrixPose;
+use crate::model::lanes::LaneGroup;
 use crate::model::magnitude::Magnitude;
 use crate::model::problem::Edge;
 use crate::normal_equations::Pattern;
@@ -67,7 +67,7 @@ pub(crate) fn certify<G, const DOF: usize, const N: usize, const M: usize>(
     poses: &[G],
 ) -> (Certificate, Vec<G>)
 where
-    G: LieGroup<DOF> + MatrixPose<N>,
+    G: LaneGroup<DOF> + MatrixPose<N>,
 {
     let Some(terms) = edges.iter().map(ChordalEdge::<N>::new::<G, DOF>).collect::<Option<Vec<_>>>() else {
         return (Certificate::NONE, poses.to_vec());
@@ -112,7 +112,7 @@ fn subtract_multipliers<G, const DOF: usize, const N: usize, const M: usize>(
     poses: &[G],
 ) -> (ChordalMatrix<M>, f64)
 where
-    G: LieGroup<DOF> + MatrixPose<N>,
+    G: LaneGroup<DOF> + MatrixPose<N>,
 {
     // Lambda before symmetrisation.
     let mut multipliers = vec![SMatrix::<f64, N, N>::zeros(); poses.len()];

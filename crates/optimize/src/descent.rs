@@ -21,15 +21,14 @@ mod simplified_newton;
 mod stiff_tree;
 pub(crate) mod workspace;
 
-use posecut_geometry::LieGroup;
-
+use crate::model::lanes::LaneGroup;
 use crate::model::residual::Term;
 use crate::options::{Method, Options};
 use damping::LARGEST_DAMPING;
 use outcome::Outcome;
 use workspace::Workspace;
 
-impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
+impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
     /// Minimises the cost of the edges over all poses that are not held.
     pub(crate) fn minimise<T: Term<G, DOF>>(
         &mut self,

@@ -1,8 +1,8 @@
 //! The model: poses, edges with their residuals and robust kernels, and the graph they make.
 //!
 //! The cost is `sum of rho(e^T Omega e)` with `e = Log(Z^-1 X_from^-1 X_to)`, where an edge measures `Z` with information
-//! matrix `Omega`; `prior` has the residuals of measurements of single nodes. `problem` checks a graph; `residual` has `e` and its Jacobians; `kernel` has `rho`, and `kernel_name` the
-//! names of kernels; `gauge` has the held nodes; `part` makes a graph of a connected component; `magnitude` has the reference
+//! matrix `Omega`; `prior` has the residuals of measurements of single nodes. `problem` checks a graph; `residual` has `e` and its Jacobians, and `lanes` those of several edges at once; `kernel` has `rho`, and
+//! `kernel_name` the names of kernels; `gauge` has the held nodes; `part` makes a graph of a connected component; `magnitude` has the reference
 //! values of tolerances.
 //!
 //! Depends on no other module of this crate.
@@ -11,6 +11,7 @@ pub(crate) mod curvature;
 pub(crate) mod gauge;
 pub(crate) mod kernel;
 pub(crate) mod kernel_name;
+pub(crate) mod lanes;
 pub(crate) mod magnitude;
 pub(crate) mod part;
 pub(crate) mod prior;
@@ -18,6 +19,7 @@ pub(crate) mod problem;
 pub(crate) mod residual;
 
 pub use kernel::charge;
+pub use lanes::LaneGroup;
 pub use magnitude::{Magnitude, distance, size};
 pub use problem::{check_edge, is_finite};
 pub use residual::{Expansion, Gradient, Linearised, Link, Term};

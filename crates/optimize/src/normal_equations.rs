@@ -9,9 +9,10 @@ use faer::traits::pulp::{Simd, WithSimd};
 use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
 
+use crate::model::lanes::MOST;
 use crate::model::prior::Prior;
 use crate::model::problem::Edge;
-use crate::model::residual::{Linearised, Term};
+use crate::model::residual::{Gradient, Linearised, Term};
 use posecut_cholesky::instructions::for_small_blocks;
 use posecut_cholesky::{Matrix, Memory, Symbolic};
 
@@ -24,6 +25,8 @@ pub(crate) struct Slot {
     pub(crate) to: Option<usize>,
     /// Off-diagonal block shared by all edges between the two, if neither is held.
     pub(crate) pair: usize,
+    /// Whether the edge is the first of those: it overwrites the block, to which the others add.
+    opens: bool,
 }
 
 /// Pattern of the equations, shared by every block size.
@@ -61,6 +64,7 @@ fn number_pairs<G, const DOF: usize>(
             from: edge.from.checked_sub(held),
             to: edge.to.checked_sub(held),
             pair: usize::MAX,
+            opens: false,
         })
         .collect();
     let joined = |slot: &Slot| Some((slot.from?.min(slot.to?), slot.from?.max(slot.to?)));
@@ -86,6 +90,7 @@ fn number_pairs<G, const DOF: usize>(
         for &(larger, edge) in &*bucket {
             if pairs.last() != Some(&(smaller, larger)) {
                 pairs.push((smaller, larger));
+                slots[edge].opens = true;
             }
             slots[edge].pair = pairs.len() - 1;
         }
@@ -111,21 +116,22 @@ impl<const D: usize> NormalEquations<D> {
         }
     }
 
+    /// Prepares for the blocks of all edges, in their order. The first edge of each off-diagonal block overwrites it.
     pub(crate) fn clear(&mut self) {
         self.diagonal.fill(SMatrix::zeros());
-        self.off_diagonal.fill(SMatrix::zeros());
         self.gradient.fill(SVector::zeros());
     }
 
     /// Adds a block at (from, to).
     #[inline(always)]
     pub(crate) fn add_off_diagonal(&mut self, slot: &Slot, block: &SMatrix<f64, D, D>) {
-        if let (Some(from), Some(to)) = (slot.from, slot.to) {
-            if from < to {
-                add_to(&mut self.off_diagonal[slot.pair], block);
-            } else {
-                add_to(&mut self.off_diagonal[slot.pair], &block.transpose());
-            }
+        let (Some(from), Some(to)) = (slot.from, slot.to) else { return };
+        let sum = &mut self.off_diagonal[slot.pair];
+        match (slot.opens, from < to) {
+            (true, true) => *sum = *block,
+            (true, false) => *sum = block.transpose(),
+            (false, true) => add_to(sum, block),
+            (false, false) => add_to(sum, &block.transpose()),
         }
     }
 
@@ -287,13 +293,16 @@ impl<G: LieGroup<D>, T: Term<G, D>, const D: usize> WithSimd for Assemble<'_, G,
     type Output = f64;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> f64 {
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let Self { equations, pattern, edges, poses } = self;
         let mut cost = 0.0;
-        for (edge, slot) in edges.iter().zip(&pattern.slots) {
-            let model = edge.linearise(poses);
-            cost += model.cost;
-            equations.add(slot, &model);
+        let mut models = [Linearised::zero(); MOST];
+        for (edges, slots) in edges.chunks(S::F64_LANES).zip(pattern.slots.chunks(S::F64_LANES)) {
+            T::models(simd, edges, poses, &mut models[..edges.len()]);
+            for (model, slot) in models.iter().zip(slots) {
+                cost += model.cost;
+                equations.add(slot, model);
+            }
         }
         cost
     }
@@ -311,16 +320,20 @@ impl<G: LieGroup<D>, T: Term<G, D>, const D: usize> WithSimd for AssembleGradien
     type Output = f64;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> f64 {
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let Self { gradient, pattern, edges, poses } = self;
         let mut cost = 0.0;
-        for (edge, slot) in self.edges.iter().zip(&self.pattern.slots) {
-            let model = edge.gradient(self.poses);
-            cost += model.cost;
-            if let Some(from) = slot.from {
-                self.gradient[from] += model.from;
-            }
-            if let Some(to) = slot.to {
-                self.gradient[to] += model.to;
+        let mut models = [Gradient::zero(); MOST];
+        for (edges, slots) in edges.chunks(S::F64_LANES).zip(pattern.slots.chunks(S::F64_LANES)) {
+            T::gradients(simd, edges, poses, &mut models[..edges.len()]);
+            for (model, slot) in models.iter().zip(slots) {
+                cost += model.cost;
+                if let Some(from) = slot.from {
+                    gradient[from] += model.from;
+                }
+                if let Some(to) = slot.to {
+                    gradient[to] += model.to;
+                }
             }
         }
         cost

@@ -5,7 +5,7 @@
 //! calls the generic functions. Depends on [`initialisation`](crate::initialisation), `certificate`, `lifted`, `batch` and `covariance`.
 
 use posecut_cholesky::{Memory, MixedFactor};
-use posecut_geometry::{LieGroup, SE2, SE3};
+use posecut_geometry::{SE2, SE3};
 
 use crate::batch::solution::Solution;
 use crate::batch::solve::optimize_and_keep;
@@ -14,13 +14,14 @@ use crate::covariance::at_solution;
 use crate::covariance::marginals::{Joint, Marginals};
 use crate::initialisation::{alignment, chordal};
 use crate::lifted;
+use crate::model::lanes::LaneGroup;
 use crate::model::prior::Prior;
 use crate::model::problem::{Edge, Problem};
 use crate::normal_equations::Pattern;
 use crate::options::Options;
 
 /// A group of poses that can be optimised, with its chordal relaxation.
-pub trait PoseGroup<const DOF: usize>: LieGroup<DOF> {
+pub trait PoseGroup<const DOF: usize>: LaneGroup<DOF> {
     /// Poses of a connected graph by the chordal relaxation, rotations first, with its first poses given; `None` if the edges
     /// do not determine them. If no pose is given, that of the first node is `anchor`.
     #[doc(hidden)]

@@ -6,11 +6,10 @@
 //! Their derivatives are the weights of the paper, equations (12) and (14), so that every round is a descent of the surrogate
 //! itself instead of an alternation.
 
-use posecut_geometry::LieGroup;
-
 use crate::descent::outcome::Outcome;
 use crate::descent::workspace::Workspace;
 use crate::model::kernel::Kernel;
+use crate::model::lanes::LaneGroup;
 use crate::model::prior::Prior;
 use crate::model::problem::{Edge, EdgeKind, Problem};
 use crate::model::residual::squared;
@@ -54,7 +53,7 @@ impl Graduated {
 
     /// Graduates from poses that minimise the cost without kernels; odometry edges keep their own kernels.
     /// Priors are graduated like landmark edges.
-    pub(crate) fn minimise<G: LieGroup<DOF>, const DOF: usize>(
+    pub(crate) fn minimise<G: LaneGroup<DOF>, const DOF: usize>(
         self,
         workspace: &mut Workspace<'_, G, DOF>,
         edges: &[Edge<G, DOF>],

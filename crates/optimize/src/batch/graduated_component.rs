@@ -7,6 +7,7 @@ use crate::descent::outcome::Outcome;
 use crate::descent::phases::timed;
 use crate::descent::workspace::Workspace;
 use crate::initialisation::tree::spanning_tree_from;
+use crate::model::lanes::LaneGroup;
 use crate::model::magnitude::Magnitude;
 use crate::model::problem::{Edge, Problem};
 use crate::model::residual::cost;
@@ -14,7 +15,6 @@ use crate::normal_equations::{Pattern, System};
 use crate::options::{Graduated, Initialisation, Options};
 use crate::pose_group::PoseGroup;
 use posecut_cholesky::Memory;
-use posecut_geometry::LieGroup;
 
 /// A way from a start to a minimum of the robust cost.
 #[derive(Clone, Copy)]
@@ -91,7 +91,7 @@ pub(super) fn graduated_component<G: PoseGroup<DOF>, const DOF: usize>(
 
 impl Way {
     /// Minimises the cost that `graduation` ends with, whose kernels `edges` have. The outcome counts all steps.
-    fn minimise<G: LieGroup<DOF>, const DOF: usize>(
+    fn minimise<G: LaneGroup<DOF>, const DOF: usize>(
         self,
         graduation: Graduated,
         workspace: &mut Workspace<'_, G, DOF>,

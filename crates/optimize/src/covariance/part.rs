@@ -2,8 +2,8 @@
 
 use nalgebra::SMatrix;
 use posecut_cholesky::{Factor, SelectedInverse, Symbolic};
-use posecut_geometry::LieGroup;
 
+use crate::model::lanes::LaneGroup;
 use crate::model::prior::Prior;
 use crate::model::problem::Edge;
 use crate::normal_equations::{Pattern, System};
@@ -36,7 +36,7 @@ pub(super) struct Part<const DOF: usize> {
 }
 
 impl<const DOF: usize> Part<DOF> {
-    pub(super) fn new<G: LieGroup<DOF>>(
+    pub(super) fn new<G: LaneGroup<DOF>>(
         poses: &[G],
         edges: &[Edge<G, DOF>],
         priors: &[Prior<G, DOF>],

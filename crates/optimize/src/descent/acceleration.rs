@@ -10,13 +10,13 @@
 //! and only by a small correction; among many minima, as false landmark edges make them, descents mostly stay as they are.
 
 use nalgebra::SVector;
-use posecut_geometry::LieGroup;
 
 use super::contest::{Attempt, Winner};
 use super::outcome::Step;
 use super::phases::timed;
 use super::stiff_tree::StiffTree;
 use super::workspace::Workspace;
+use crate::model::lanes::LaneGroup;
 use crate::model::residual::Term;
 
 /// Second derivatives are differences over this share of the step or, if that is more, this motion (shares of the graph's length,
@@ -27,7 +27,7 @@ const SHARE: f64 = 0.02;
 /// without such a bound, which Transtrum and Sethna recommend, some descents end in a higher minimum.
 const LONGEST: f64 = 0.375;
 
-impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
+impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
     /// Tries the step, which is `self.step`, with its correction along the tree. The step stays the same.
     pub(super) fn accelerate<T: Term<G, DOF>>(
         &mut self,
@@ -102,7 +102,7 @@ mod tests {
     use crate::normal_equations::Pattern;
     use nalgebra::{Matrix3, Vector3};
     use posecut_cholesky::Memory;
-    use posecut_geometry::SE2;
+    use posecut_geometry::{LieGroup, SE2};
 
     /// A bent chain of rigid links with soft hinges whose last link is pulled aside: the costs that the linear and the corrected step leave
     /// beyond what the model promises, and whether the correction is short.

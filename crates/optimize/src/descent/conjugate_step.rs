@@ -6,11 +6,11 @@
 //! the exact gradient, and tolerances apply to its decrease and the estimate of what it leaves together.
 
 use posecut_cholesky::{End, Symbolic};
-use posecut_geometry::LieGroup;
 
 use super::outcome::Step;
 use super::phases::timed;
 use super::workspace::Workspace;
+use crate::model::lanes::LaneGroup;
 
 /// The iterations end when they leave less than this share of the model's decrease.
 const LEFT: f64 = 1e-3;
@@ -32,7 +32,7 @@ pub(super) fn iterations<const DOF: usize>(symbolic: &Symbolic) -> usize {
     if most < FEWEST { 0 } else { most }
 }
 
-impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
+impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
     /// The undamped step for the equations' matrix with the factor of an earlier one; `None`, with no step, if it would take too many
     /// iterations. A decrease of `enough` ends them.
     pub(super) fn conjugate_step(&mut self, enough: f64) -> Option<Step> {

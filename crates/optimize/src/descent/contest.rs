@@ -11,6 +11,7 @@ use posecut_geometry::{LieGroup, translations};
 use super::outcome::Step;
 use super::stiff_tree::StiffTree;
 use super::workspace::Workspace;
+use crate::model::lanes::LaneGroup;
 use crate::model::residual::Term;
 
 /// A step and the cost where it leads.
@@ -27,7 +28,7 @@ impl Attempt {
     }
 }
 
-impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
+impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
     /// The best of the given attempt, which is at the trial, and the other steps. Its poses become the trial, its step the step.
     pub(super) fn contest<T: Term<G, DOF>>(
         &mut self,

@@ -6,11 +6,11 @@
 //! units.
 
 use nalgebra::SVector;
-use posecut_geometry::LieGroup;
 
 use super::damping::{FIRST_DAMPING, LARGEST_DAMPING};
 use super::outcome::{Outcome, Step, Termination};
 use super::workspace::Workspace;
+use crate::model::lanes::LaneGroup;
 use crate::model::residual::Term;
 use crate::options::Options;
 
@@ -40,7 +40,7 @@ struct Region {
     smallest: f64,
 }
 
-impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
+impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
     /// Minimises the cost of the edges over all poses that are not held. A failed step costs no factorisation.
     pub(crate) fn minimise_by_dogleg<T: Term<G, DOF>>(
         &mut self,

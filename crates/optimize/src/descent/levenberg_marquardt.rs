@@ -4,12 +4,11 @@
 //! Marquardt's scaling. Damping starts at zero: most starts are near the minimum, where undamped steps converge quadratically
 //! and damping would only shorten them.
 
-use posecut_geometry::LieGroup;
-
 use super::contest::Attempt;
 use super::damping::{Damping, FIRST_DAMPING, first_damping};
 use super::outcome::{Outcome, Step, Termination};
 use super::workspace::Workspace;
+use crate::model::lanes::LaneGroup;
 use crate::model::residual::Term;
 use crate::options::Options;
 
@@ -62,7 +61,7 @@ struct Tried {
     equations: Assembled,
 }
 
-impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
+impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
     /// Minimises by Gauss-Newton steps. After a step fails, they are damped, up to a limit.
     pub(super) fn minimise_damped<T: Term<G, DOF>>(
         &mut self,

@@ -7,11 +7,12 @@
 
 use nalgebra::SVector;
 use posecut_cholesky::vectors::{add, dot};
-use posecut_geometry::{LieGroup, translations};
+use posecut_geometry::translations;
 
 use super::outcome::Step;
 use super::phases::timed;
 use super::workspace::Workspace;
+use crate::model::lanes::LaneGroup;
 use crate::model::residual::Term;
 use crate::normal_equations::NormalEquations;
 
@@ -20,7 +21,7 @@ const DIRECTIONS: usize = 20;
 /// The iteration ends when the residual, in the norm of the preconditioner, falls below this share of the gradient's square.
 const REDUCTION: f64 = 1e-2;
 
-impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
+impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
     /// Replaces the step by Newton's, damped as the factor is. `self.step` is the Gauss-Newton step at these poses, and the
     /// gradient belongs to them. `None` if the curvature is negative along the Gauss-Newton step; the step then stays the same.
     pub(super) fn newton_step<T: Term<G, DOF>>(

@@ -5,10 +5,9 @@
 //! nearer the factor's poses are to the minimum (simplified Newton; P. Deuflhard, "Newton methods for nonlinear problems",
 //! 2004, section 2.1.2). The promise of its first step also shows, at almost no cost, whether another full step is needed.
 
-use posecut_geometry::LieGroup;
-
 use super::outcome::{Outcome, Step, Termination};
 use super::workspace::Workspace;
+use crate::model::lanes::LaneGroup;
 use crate::model::residual::Term;
 use crate::options::Options;
 
@@ -19,7 +18,7 @@ const STEPS_PER_FACTOR: f64 = 4.0;
 /// Share of its promise that a step must keep.
 const KEPT: f64 = 0.5;
 
-impl<G: LieGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
+impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
     /// Continues with the factor of the last step, which promised `last`, as long as that is faster than a new factor.
     /// `poses` are the poses after that step; the gradient and `outcome.cost` belong to them. Returns the tolerance that was
     /// met, if any.

@@ -2,12 +2,13 @@
 
 use nalgebra::{SMatrix, SVector};
 use posecut_cholesky::{Memory, MixedFactor};
-use posecut_geometry::{LieGroup, translations};
+use posecut_geometry::translations;
 
 use super::conjugate_step::iterations;
 use super::outcome::Step;
 use super::phases::{Phases, timed};
 use super::stiff_tree::StiffTree;
+use crate::model::lanes::{LaneGroup, retract};
 use crate::model::magnitude::Magnitude;
 use crate::model::prior::{self, Prior};
 use crate::model::residual::{Term, total};
@@ -47,7 +48,7 @@ pub(crate) struct Workspace<'a, G, const DOF: usize> {
     pub(crate) phases: Phases,
 }
 
-impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
+impl<'a, G: LaneGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
     pub(crate) fn new(pattern: &'a Pattern, magnitude: Magnitude, memory: Memory) -> Self {
         Self {
             pattern,
@@ -181,11 +182,10 @@ impl<'a, G: LieGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
     pub(crate) fn retract(&mut self, poses: &[G]) {
         let Self { trial, step, pattern, phases, .. } = self;
         timed(&mut phases.linearisation, || {
-            trial.clear();
-            trial.extend_from_slice(poses);
-            for (pose, step) in trial.iter_mut().skip(pattern.held).zip(step) {
-                *pose = pose.compose(&G::exp(step));
-            }
+            trial.resize(poses.len(), G::identity());
+            let (held, free) = poses.split_at(pattern.held);
+            trial[..held.len()].copy_from_slice(held);
+            retract(free, step, &mut trial[held.len()..]);
         });
     }
 
@@ -246,7 +246,7 @@ mod tests {
     use super::*;
     use crate::model::problem::{Edge, EdgeKind};
     use crate::options::{Method, Options};
-    use posecut_geometry::SE3;
+    use posecut_geometry::{LieGroup, SE3};
 
     /// A helix of 200 poses with an edge to the turn before, and errors of up to so many metres and radians.
     fn helix(largest: f64) -> (Vec<SE3>, Vec<Edge<SE3, 6>>) {

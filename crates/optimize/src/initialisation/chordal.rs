@@ -4,7 +4,7 @@
 //! estimation and its use in pose graph optimization", ICRA 2015, section III.B; rotations alone go back to Martinec and
 //! Pajdla, 2007.
 
-use nalgebra::{Matrix2, Matrix3, Rotation3, SMatrix, SVector, UnitComplex, UnitQuaternion};
+use nalgebra::{Complex, Matrix2, Matrix3, Rotation3, SMatrix, SVector, UnitComplex, UnitQuaternion};
 use posecut_geometry::{LieGroup, SE2, SE3};
 
 use crate::model::problem::Edge;
@@ -30,12 +30,16 @@ impl MatrixPose<2> for SE2 {
     }
 
     fn nearest_rotation(matrix: &Matrix2<f64>) -> Matrix2<f64> {
-        let (cosine, sine) = (matrix.m11 + matrix.m22, matrix.m21 - matrix.m12);
-        UnitComplex::new(sine.atan2(cosine)).to_rotation_matrix().into_inner()
+        let sum = Complex::new(matrix.m11 + matrix.m22, matrix.m21 - matrix.m12);
+        let norm = sum.re.hypot(sum.im);
+        // Every rotation is as near to a multiple of a reflection.
+        let turn = if norm > 0.0 { sum / norm } else { Complex::new(1.0, 0.0) };
+        Matrix2::new(turn.re, -turn.im, turn.im, turn.re)
     }
 
     fn from_matrix(rotation: &Matrix2<f64>, translation: &SVector<f64, 2>) -> Self {
-        SE2::new(translation.x, translation.y, rotation.m21.atan2(rotation.m11))
+        let rotation = UnitComplex::new_unchecked(Complex::new(rotation.m11, rotation.m21));
+        SE2 { translation: *translation, rotation }
     }
 }
 

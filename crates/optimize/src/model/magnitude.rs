@@ -70,5 +70,5 @@ fn size_of<const DOF: usize>(information: &SMatrix<f64, DOF, DOF>, length: f64) 
 
 /// Measured distance between the two poses.
 pub fn distance<G: LieGroup<DOF>, const DOF: usize>(measurement: &G) -> f64 {
-    measurement.components()[..translations(DOF)].iter().map(|value| value * value).sum::<f64>().sqrt()
+    measurement.translation().iter().map(|value| value * value).sum::<f64>().sqrt()
 }

@@ -11,6 +11,7 @@ use posecut_geometry::{LieGroup, translations};
 
 use super::curvature::curve;
 use super::kernel::charge;
+use super::lanes::{LaneGroup, MOST};
 use super::prior;
 use super::problem::{Edge, Problem};
 use posecut_cholesky::instructions::for_small_blocks;
@@ -28,14 +29,14 @@ pub fn chi_square<G: LieGroup<DOF>, const DOF: usize>(problem: &Problem<G, DOF>,
 }
 
 /// The sum of `rho(e^T Omega e)` over edges and priors.
-pub(crate) fn cost<G: LieGroup<DOF>, const DOF: usize>(problem: &Problem<G, DOF>, poses: &[G]) -> f64 {
+pub(crate) fn cost<G: LaneGroup<DOF>, const DOF: usize>(problem: &Problem<G, DOF>, poses: &[G]) -> f64 {
     let edges = total(problem.edges(), poses);
     if problem.priors().is_empty() { edges } else { edges + prior::cost(problem.priors(), poses) }
 }
 
 /// Whether edges cost more than `limit` by more than rounding errors. Stops at the first edges, from the last one on, that do: landmark
 /// edges mostly come last, and a spanning tree leaves no other residuals.
-pub(crate) fn exceeds<G: LieGroup<DOF>, const DOF: usize>(
+pub(crate) fn exceeds<G: LaneGroup<DOF>, const DOF: usize>(
     edges: &[Edge<G, DOF>],
     poses: &[G],
     limit: f64,
@@ -65,10 +66,15 @@ impl<G: LieGroup<DOF>, T: Term<G, DOF>, const DOF: usize> WithSimd for Total<'_,
     type Output = f64;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> f64 {
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let mut sum = 0.0;
-        for term in self.terms {
-            sum += term.cost(self.poses);
+        let mut costs = [0.0; MOST];
+        for terms in self.terms.chunks(S::F64_LANES) {
+            let costs = &mut costs[..terms.len()];
+            T::costs(simd, terms, self.poses, costs);
+            for &mut cost in costs {
+                sum += cost;
+            }
         }
         sum
     }
@@ -82,6 +88,7 @@ pub(crate) fn squared<G: LieGroup<DOF>, const DOF: usize>(edge: &Edge<G, DOF>, p
 }
 
 /// Quadratic model of one edge's cost around the current poses, in right perturbations of its two poses.
+#[derive(Clone, Copy, Debug)]
 pub struct Linearised<const DOF: usize> {
     /// Block of the normal equations at (from, from).
     pub from_from: SMatrix<f64, DOF, DOF>,
@@ -98,6 +105,7 @@ pub struct Linearised<const DOF: usize> {
 }
 
 /// Linear model of one edge's cost.
+#[derive(Clone, Copy, Debug)]
 pub struct Gradient<const DOF: usize> {
     /// Half the gradient at from.
     pub from: SVector<f64, DOF>,
@@ -108,6 +116,11 @@ pub struct Gradient<const DOF: usize> {
 }
 
 impl<const DOF: usize> Gradient<DOF> {
+    /// Of a term that is 0.
+    pub(crate) fn zero() -> Self {
+        Self { from: SVector::zeros(), to: SVector::zeros(), cost: 0.0 }
+    }
+
     /// The model, given half the gradient in a right perturbation of `X_ij`, which equals one of `X_j`.
     #[inline(always)]
     pub fn new<G: LieGroup<DOF>>(relative: &G, to: SVector<f64, DOF>, cost: f64) -> Self {
@@ -126,7 +139,7 @@ pub struct Link {
 }
 
 /// One summand of a cost over poses.
-pub trait Term<G, const DOF: usize> {
+pub trait Term<G, const DOF: usize>: Sized {
     /// Its value.
     fn cost(&self, poses: &[G]) -> f64;
     /// Its quadratic model.
@@ -153,9 +166,30 @@ pub trait Term<G, const DOF: usize> {
         let model = self.linearise(poses);
         Gradient { from: model.from_gradient, to: model.to_gradient, cost: model.cost }
     }
+    /// The values of several terms, at most as many as `S` has lanes.
+    #[inline(always)]
+    fn costs<S: Simd>(_: S, terms: &[Self], poses: &[G], costs: &mut [f64]) {
+        for (term, cost) in terms.iter().zip(costs) {
+            *cost = term.cost(poses);
+        }
+    }
+    /// Their linear models.
+    #[inline(always)]
+    fn gradients<S: Simd>(_: S, terms: &[Self], poses: &[G], gradients: &mut [Gradient<DOF>]) {
+        for (term, gradient) in terms.iter().zip(gradients) {
+            *gradient = term.gradient(poses);
+        }
+    }
+    /// Their quadratic models.
+    #[inline(always)]
+    fn models<S: Simd>(_: S, terms: &[Self], poses: &[G], models: &mut [Linearised<DOF>]) {
+        for (term, model) in terms.iter().zip(models) {
+            *model = term.linearise(poses);
+        }
+    }
 }
 
-impl<G: LieGroup<DOF>, const DOF: usize> Term<G, DOF> for Edge<G, DOF> {
+impl<G: LaneGroup<DOF>, const DOF: usize> Term<G, DOF> for Edge<G, DOF> {
     #[inline(always)]
     fn cost(&self, poses: &[G]) -> f64 {
         charge(self.kernel, squared(self, poses)).0
@@ -202,9 +236,49 @@ impl<G: LieGroup<DOF>, const DOF: usize> Term<G, DOF> for Edge<G, DOF> {
         let to = jacobian.tr_mul(&weighted) * weight;
         Gradient::new(&relative, to, cost)
     }
+
+    #[inline(always)]
+    fn costs<S: Simd>(simd: S, terms: &[Self], poses: &[G], costs: &mut [f64]) {
+        if !G::costs(simd, terms, poses, costs) {
+            for (term, cost) in terms.iter().zip(costs) {
+                *cost = term.cost(poses);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn gradients<S: Simd>(simd: S, terms: &[Self], poses: &[G], gradients: &mut [Gradient<DOF>]) {
+        if !G::gradients(simd, terms, poses, gradients) {
+            for (term, gradient) in terms.iter().zip(gradients) {
+                *gradient = term.gradient(poses);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn models<S: Simd>(simd: S, terms: &[Self], poses: &[G], models: &mut [Linearised<DOF>]) {
+        if !G::models(simd, terms, poses, models) {
+            for (term, model) in terms.iter().zip(models) {
+                *model = term.linearise(poses);
+            }
+        }
+    }
 }
 
 impl<const DOF: usize> Linearised<DOF> {
+    /// Of a term that is 0.
+    pub(crate) fn zero() -> Self {
+        let (block, gradient) = (SMatrix::zeros(), SVector::zeros());
+        Self {
+            from_from: block,
+            from_to: block,
+            to_to: block,
+            from_gradient: gradient,
+            to_gradient: gradient,
+            cost: 0.0,
+        }
+    }
+
     /// The model, given the block and half the gradient in a right perturbation of `X_ij`, which equals one of `X_j`.
     #[inline(always)]
     pub fn new<G: LieGroup<DOF>>(

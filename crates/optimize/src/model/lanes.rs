@@ -1,0 +1,213 @@
+//! Several edges at once: one edge in each lane of a vector register.
+//!
+//! The products of one edge are small matrices, which fill no register; the same product of four edges does. Residuals, Jacobians and
+//! blocks are those of [`residual`](super::residual), in the group's own closed forms: `planar` and `spatial`. Where an error turns by more
+//! than [`half_angle`] covers, the caller computes these edges one by one.
+
+#![allow(
+    clippy::inline_always,
+    reason = "loops take the vector instructions of the caller they are inlined into"
+)]
+
+mod even;
+mod half_angle;
+mod lane;
+mod planar;
+mod spatial;
+mod vector;
+
+use faer::traits::pulp::{Simd, WithSimd};
+use nalgebra::SVector;
+use posecut_cholesky::instructions::for_small_blocks;
+use posecut_geometry::LieGroup;
+
+use super::kernel::charge;
+use super::problem::Edge;
+use super::residual::{Gradient, Linearised};
+use lane::Lane;
+pub(crate) use lane::MOST;
+
+/// A group whose edges can be evaluated several at once: as many as `S` has lanes, or fewer. The results are written in the order of the
+/// edges; `false` means that nothing was computed, because an error turns too far.
+pub trait LaneGroup<const DOF: usize>: LieGroup<DOF> {
+    /// The costs of edges.
+    fn costs<S: Simd>(simd: S, edges: &[Edge<Self, DOF>], poses: &[Self], costs: &mut [f64]) -> bool;
+
+    /// The linear models of edges.
+    fn gradients<S: Simd>(
+        simd: S,
+        edges: &[Edge<Self, DOF>],
+        poses: &[Self],
+        gradients: &mut [Gradient<DOF>],
+    ) -> bool;
+
+    /// The quadratic models of edges.
+    fn models<S: Simd>(
+        simd: S,
+        edges: &[Edge<Self, DOF>],
+        poses: &[Self],
+        models: &mut [Linearised<DOF>],
+    ) -> bool;
+
+    /// The moved poses `X Exp(d)` for each step `d`.
+    fn moved<S: Simd>(simd: S, poses: &[Self], steps: &[SVector<f64, DOF>], moved: &mut [Self]) -> bool;
+}
+
+/// Writes the moved poses `X Exp(d)` for each step `d`.
+pub(crate) fn retract<G: LaneGroup<DOF>, const DOF: usize>(
+    poses: &[G],
+    steps: &[SVector<f64, DOF>],
+    moved: &mut [G],
+) {
+    for_small_blocks(Retract { poses, steps, moved });
+}
+
+/// [`retract`] for one set of vector instructions.
+struct Retract<'a, G, const DOF: usize> {
+    poses: &'a [G],
+    steps: &'a [SVector<f64, DOF>],
+    moved: &'a mut [G],
+}
+
+impl<G: LaneGroup<DOF>, const DOF: usize> WithSimd for Retract<'_, G, DOF> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { poses, steps, moved } = self;
+        let lanes = S::F64_LANES;
+        for ((poses, steps), moved) in
+            poses.chunks(lanes).zip(steps.chunks(lanes)).zip(moved.chunks_mut(lanes))
+        {
+            if !G::moved(simd, poses, steps, moved) {
+                for ((pose, step), moved) in poses.iter().zip(steps).zip(moved) {
+                    *moved = pose.compose(&G::exp(step));
+                }
+            }
+        }
+    }
+}
+
+/// The edges of the lanes, and the poses of their ends. A lane without an edge repeats the last one.
+struct Ends<'a, G, const DOF: usize> {
+    edges: &'a [Edge<G, DOF>],
+    poses: &'a [G],
+}
+
+impl<'a, G, const DOF: usize> Ends<'a, G, DOF> {
+    #[inline(always)]
+    fn edge(&self, lane: usize) -> &'a Edge<G, DOF> {
+        &self.edges[lane.min(self.edges.len() - 1)]
+    }
+
+    /// A number of each edge.
+    #[inline(always)]
+    fn of_edge<S: Simd>(&self, simd: S, number: impl Fn(&Edge<G, DOF>) -> f64) -> Lane<S> {
+        Lane::gather(simd, |lane| number(self.edge(lane)))
+    }
+
+    /// A number of each edge's first pose.
+    #[inline(always)]
+    fn of_from<S: Simd>(&self, simd: S, number: impl Fn(&G) -> f64) -> Lane<S> {
+        Lane::gather(simd, |lane| number(&self.poses[self.edge(lane).from]))
+    }
+
+    /// A number of each edge's second pose.
+    #[inline(always)]
+    fn of_to<S: Simd>(&self, simd: S, number: impl Fn(&G) -> f64) -> Lane<S> {
+        Lane::gather(simd, |lane| number(&self.poses[self.edge(lane).to]))
+    }
+
+    /// An entry of each edge's information.
+    #[inline(always)]
+    fn information<S: Simd>(&self, simd: S, row: usize, column: usize) -> Lane<S> {
+        self.of_edge(simd, |edge| edge.information[(row, column)])
+    }
+
+    /// The costs for these squared residuals, and the weights unless all are 1.
+    #[inline(always)]
+    fn charge<S: Simd>(&self, squared: &Lane<S>) -> ([f64; MOST], Option<Lane<S>>) {
+        let mut costs = [0.0; MOST];
+        for (cost, &squared) in costs.iter_mut().zip(squared.numbers()) {
+            *cost = squared;
+        }
+        if self.edges.iter().all(|edge| edge.kernel.is_none()) {
+            return (costs, None);
+        }
+        let mut weights = [1.0; MOST];
+        for (edge, (cost, weight)) in self.edges.iter().zip(costs.iter_mut().zip(&mut weights)) {
+            (*cost, *weight) = charge(edge.kernel, *cost);
+        }
+        (costs, Some(Lane::gather(squared.simd, |lane| weights[lane])))
+    }
+}
+
+/// The quadratic models of the lanes' edges, which [`Linearised`] describes; the columns of each block. The costs are not among them.
+struct Models<S: Simd, const DOF: usize> {
+    from_from: [[Lane<S>; DOF]; DOF],
+    from_to: [[Lane<S>; DOF]; DOF],
+    to_to: [[Lane<S>; DOF]; DOF],
+    from_gradient: [Lane<S>; DOF],
+    to_gradient: [Lane<S>; DOF],
+}
+
+impl<S: Simd, const DOF: usize> Models<S, DOF> {
+    /// Writes the model of every lane, with its cost.
+    #[inline(always)]
+    fn write(&self, costs: &[f64; MOST], models: &mut [Linearised<DOF>]) {
+        for (lane, model) in models.iter_mut().enumerate() {
+            write(self.from_from.as_flattened(), lane, model.from_from.as_mut_slice());
+            write(self.from_to.as_flattened(), lane, model.from_to.as_mut_slice());
+            write(self.to_to.as_flattened(), lane, model.to_to.as_mut_slice());
+            write(&self.from_gradient, lane, model.from_gradient.as_mut_slice());
+            write(&self.to_gradient, lane, model.to_gradient.as_mut_slice());
+            model.cost = costs[lane];
+        }
+    }
+}
+
+/// Writes the linear model of every lane.
+#[inline(always)]
+fn write_gradients<S: Simd, const DOF: usize>(
+    (from, to): (&[Lane<S>; DOF], &[Lane<S>; DOF]),
+    costs: &[f64; MOST],
+    gradients: &mut [Gradient<DOF>],
+) {
+    for (lane, gradient) in gradients.iter_mut().enumerate() {
+        write(from, lane, gradient.from.as_mut_slice());
+        write(to, lane, gradient.to.as_mut_slice());
+        gradient.cost = costs[lane];
+    }
+}
+
+/// Writes the numbers of one lane.
+#[inline(always)]
+fn write<S: Simd>(lanes: &[Lane<S>], lane: usize, numbers: &mut [f64]) {
+    for (number, of) in numbers.iter_mut().zip(lanes) {
+        *number = of.numbers()[lane];
+    }
+}
+
+/// The array of a value for the indices 0, 1 and 2. `map` would call its closure, which has no vector instructions.
+macro_rules! three {
+    ($index:ident => $value:expr) => {
+        [
+            {
+                let $index = 0;
+                $value
+            },
+            {
+                let $index = 1;
+                $value
+            },
+            {
+                let $index = 2;
+                $value
+            },
+        ]
+    };
+}
+use three;
+
+#[cfg(test)]
+mod tests;
