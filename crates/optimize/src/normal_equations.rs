@@ -339,3 +339,33 @@ impl<G: LieGroup<D>, T: Term<G, D>, const D: usize> WithSimd for AssembleGradien
         cost
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::problem::EdgeKind;
+    use nalgebra::Matrix3;
+    use posecut_geometry::SE2;
+
+    /// Three edges between the same two poses, one of them against the others, and equations that hold another graph's values before.
+    #[test]
+    fn parallel_edges_add_up_whatever_the_equations_held_before() {
+        let poses = [SE2::new(0.0, 0.0, 0.2), SE2::new(1.0, 0.5, 0.9), SE2::new(2.0, 0.1, -0.4)];
+        let edge = |from: usize, to: usize, weight: f64| {
+            let measured = poses[from].between(&poses[to]).compose(&SE2::new(0.1, -0.05, 0.02));
+            Edge::new(from, to, measured, Matrix3::identity() * weight, EdgeKind::Landmark)
+        };
+        let edges = [edge(0, 1, 1.0), edge(1, 2, 2.0), edge(2, 1, 3.0), edge(1, 2, 4.0)];
+        let pattern = Pattern::of(3, 1, &edges);
+        let mut equations = NormalEquations::new(&pattern);
+        equations.off_diagonal.fill(SMatrix::repeat(1e9));
+        for _ in 0..2 {
+            equations.assemble(&pattern, &edges, &poses);
+            let models: Vec<_> = edges.iter().map(|edge| edge.linearise(&poses)).collect();
+            let between = models[1].from_to + models[2].from_to.transpose() + models[3].from_to;
+            assert!((equations.off_diagonal[0] - between).amax() < 1e-13, "{}", equations.off_diagonal[0]);
+            let second = models[1].to_to + models[2].from_from + models[3].to_to;
+            assert!((equations.diagonal[1] - second).amax() < 1e-13);
+        }
+    }
+}
