@@ -13,6 +13,7 @@ mod even;
 mod half_angle;
 mod lane;
 mod planar;
+mod rotation;
 mod spatial;
 mod vector;
 

@@ -11,62 +11,14 @@ use posecut_geometry::SE3;
 use posecut_geometry::trigonometric::SERIES_LIMIT;
 
 use super::half_angle::{HalfAngle, LARGEST};
+use super::rotation::Rotation;
 use super::vector::{
     Matrix, Vector, cross, dot, minus, negated, outer, plus, plus_cross, plus_diagonal, plus_matrix, scaled,
     scaled_plus, times, transposed, transposed_times, transposed_times_plus,
 };
-use super::{Ends, Lane, LaneGroup, Models, even, three, write_gradients};
+use super::{Ends, Lane, LaneGroup, MOST, Models, even, three, write_gradients};
 use crate::model::problem::Edge;
 use crate::model::residual::{Gradient, Linearised};
-
-/// A rotation as a unit quaternion.
-#[derive(Clone, Copy)]
-struct Rotation<S: Simd> {
-    scalar: Lane<S>,
-    vector: Vector<S>,
-}
-
-impl<S: Simd> Rotation<S> {
-    /// `R^T a = a - w c + v x c` with `c = 2 v x a`.
-    #[inline(always)]
-    fn back(self, a: Vector<S>) -> Vector<S> {
-        let half = cross(self.vector, a);
-        let turned = plus(half, half);
-        plus(scaled_plus(turned, -self.scalar, a), cross(self.vector, turned))
-    }
-
-    /// `other` in this frame: `q^-1 other`.
-    #[inline(always)]
-    fn between(self, other: Self) -> Self {
-        let vector = cross(other.vector, self.vector);
-        let vector = scaled_plus(other.vector, self.scalar, vector);
-        Self {
-            scalar: self.scalar.times_plus(other.scalar, dot(self.vector, other.vector)),
-            vector: scaled_plus(self.vector, -other.scalar, vector),
-        }
-    }
-
-    /// `q^-1`.
-    #[inline(always)]
-    fn inverse(self) -> Self {
-        Self { vector: negated(self.vector), ..self }
-    }
-
-    /// The matrix `R`.
-    #[inline(always)]
-    fn matrix(self) -> Matrix<S> {
-        let Self { scalar: w, vector: [x, y, z] } = self;
-        let one = w.constant(1.0);
-        let [x2, y2, z2] = [x + x, y + y, z + z];
-        let (xx, yy, zz) = (x * x2, y * y2, z * z2);
-        let (xy, xz, yz) = (x * y2, x * z2, y * z2);
-        [
-            [one - (yy + zz), w.times_plus(z2, xy), w.times_from(y2, xz)],
-            [w.times_from(z2, xy), one - (xx + zz), w.times_plus(x2, yz)],
-            [w.times_plus(y2, xz), w.times_from(x2, yz), one - (xx + yy)],
-        ]
-    }
-}
 
 /// The residuals of edges: `e = Log(Z^-1 X_ij)`, translations before rotations.
 struct Residual<S: Simd> {
@@ -206,6 +158,74 @@ fn joined_blocks<S: Simd>([a, b, c, d]: [&Matrix<S>; 4]) -> [[Lane<S>; 6]; 6] {
     ]
 }
 
+/// The linear models of edges, and what their quadratic models need.
+struct Slope<S: Simd> {
+    /// `X_ij`.
+    rotation: Matrix<S>,
+    translation: Vector<S>,
+    /// The blocks `D` and `U` of `J_j`.
+    jacobian: (Matrix<S>, Matrix<S>),
+    information: Information<S>,
+    weight: Option<Lane<S>>,
+    /// Half the gradients.
+    from: (Vector<S>, Vector<S>),
+    to: (Vector<S>, Vector<S>),
+    costs: [f64; MOST],
+}
+
+impl<S: Simd> Slope<S> {
+    /// `None` if an error turns too far.
+    #[inline(always)]
+    fn of(simd: S, ends: &Ends<'_, SE3, 6>) -> Option<Self> {
+        let residual = Residual::of(simd, ends)?;
+        let information = Information::of(simd, ends);
+        let mut pull = information.pull(&residual);
+        let (costs, weight) = ends.charge(&squared(&residual, &pull));
+        if let Some(weight) = weight {
+            pull = (scaled(pull.0, weight), scaled(pull.1, weight));
+        }
+        let (diagonal, upper) = residual.jacobian();
+        let to = (
+            transposed_times(&diagonal, pull.0),
+            transposed_times_plus(&upper, pull.0, transposed_times(&diagonal, pull.1)),
+        );
+        let (rotation, translation) = (residual.rotation.matrix(), residual.translation);
+        let from = by_from(&rotation, translation, to);
+        Some(Self {
+            rotation,
+            translation,
+            jacobian: (diagonal, upper),
+            information,
+            weight,
+            from,
+            to,
+            costs,
+        })
+    }
+
+    /// The blocks of `J_j^T w Omega J_j = [m, n; n^T, o]`, from the columns of `Omega J_j = [a D, a U + b D; b^T D, b^T U + c D]`, of which
+    /// the lower left block is not needed.
+    #[inline(always)]
+    fn curvature(&self) -> [Matrix<S>; 3] {
+        let Self { jacobian: (diagonal, upper), information: Information { a, b, c }, .. } = self;
+        let weight = self.weight.unwrap_or(self.translation[0].constant(1.0));
+        let left = three!(column => scaled(transposed_times(a, diagonal[column]), weight));
+        let right = three!(column => {
+            scaled(transposed_times_plus(a, upper[column], times(b, diagonal[column])), weight)
+        });
+        let lower = three!(column => {
+            scaled(transposed_times_plus(b, upper[column], transposed_times(c, diagonal[column])), weight)
+        });
+        [
+            three!(column => transposed_times(diagonal, left[column])),
+            three!(column => transposed_times(diagonal, right[column])),
+            three!(column => {
+                transposed_times_plus(upper, right[column], transposed_times(diagonal, lower[column]))
+            }),
+        ]
+    }
+}
+
 impl LaneGroup<6> for SE3 {
     #[inline(always)]
     fn costs<S: Simd>(simd: S, edges: &[Edge<Self, 6>], poses: &[Self], costs: &mut [f64]) -> bool {
@@ -224,20 +244,8 @@ impl LaneGroup<6> for SE3 {
         poses: &[Self],
         gradients: &mut [Gradient<6>],
     ) -> bool {
-        let ends = Ends { edges, poses };
-        let Some(residual) = Residual::of(simd, &ends) else { return false };
-        let mut pull = Information::of(simd, &ends).pull(&residual);
-        let (costs, weight) = ends.charge(&squared(&residual, &pull));
-        if let Some(weight) = weight {
-            pull = (scaled(pull.0, weight), scaled(pull.1, weight));
-        }
-        let (diagonal, upper) = residual.jacobian();
-        let to = (
-            transposed_times(&diagonal, pull.0),
-            transposed_times_plus(&upper, pull.0, transposed_times(&diagonal, pull.1)),
-        );
-        let from = by_from(&residual.rotation.matrix(), residual.translation, to);
-        write_gradients((&joined(from), &joined(to)), &costs, gradients);
+        let Some(slope) = Slope::of(simd, &Ends { edges, poses }) else { return false };
+        write_gradients((&joined(slope.from), &joined(slope.to)), &slope.costs, gradients);
         true
     }
 
@@ -248,39 +256,9 @@ impl LaneGroup<6> for SE3 {
         poses: &[Self],
         models: &mut [Linearised<6>],
     ) -> bool {
-        let ends = Ends { edges, poses };
-        let Some(residual) = Residual::of(simd, &ends) else { return false };
-        let information = Information::of(simd, &ends);
-        let mut pull = information.pull(&residual);
-        let (costs, weight) = ends.charge(&squared(&residual, &pull));
-        if let Some(weight) = weight {
-            pull = (scaled(pull.0, weight), scaled(pull.1, weight));
-        }
-        let (diagonal, upper) = residual.jacobian();
-        let to = (
-            transposed_times(&diagonal, pull.0),
-            transposed_times_plus(&upper, pull.0, transposed_times(&diagonal, pull.1)),
-        );
-        let rotation = residual.rotation.matrix();
-        let translation = residual.translation;
-        let from = by_from(&rotation, translation, to);
-
-        // Columns of `Omega J_j`: `[a D, a U + b D; b^T D, b^T U + c D]`, of which the lower left block is not needed.
-        let Information { a, b, c } = &information;
-        let weight = weight.unwrap_or(translation[0].constant(1.0));
-        // The blocks of `J_j^T Omega J_j = [m, n; n^T, o]`.
-        let left = three!(column => scaled(transposed_times(a, diagonal[column]), weight));
-        let m = three!(column => transposed_times(&diagonal, left[column]));
-        let right = three!(column => {
-            scaled(transposed_times_plus(a, upper[column], times(b, diagonal[column])), weight)
-        });
-        let n = three!(column => transposed_times(&diagonal, right[column]));
-        let lower = three!(column => {
-            scaled(transposed_times_plus(b, upper[column], transposed_times(c, diagonal[column])), weight)
-        });
-        let o = three!(column => {
-            transposed_times_plus(&upper, right[column], transposed_times(&diagonal, lower[column]))
-        });
+        let Some(slope) = Slope::of(simd, &Ends { edges, poses }) else { return false };
+        let [m, n, o] = slope.curvature();
+        let Slope { rotation, translation, from, to, costs, .. } = slope;
         let n_transposed = transposed(&n);
         // `Ad^T (J_j^T Omega J_j) = [R m, R n; [t] R m + R n^T, [t] R n + R o]`.
         let r_m = three!(column => times(&rotation, m[column]));
