@@ -18,7 +18,7 @@ mod spatial;
 mod vector;
 
 use faer::traits::pulp::{Simd, WithSimd};
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 use posecut_cholesky::instructions::for_small_blocks;
 use posecut_geometry::LieGroup;
 
@@ -156,14 +156,38 @@ impl<S: Simd, const DOF: usize> Models<S, DOF> {
     /// Writes the model of every lane, with its cost.
     #[inline(always)]
     fn write(&self, costs: &[f64; MOST], models: &mut [Linearised<DOF>]) {
+        write_block(&self.from_from, models, |model| &mut model.from_from);
+        write_block(&self.from_to, models, |model| &mut model.from_to);
+        write_block(&self.to_to, models, |model| &mut model.to_to);
         for (lane, model) in models.iter_mut().enumerate() {
-            write(self.from_from.as_flattened(), lane, model.from_from.as_mut_slice());
-            write(self.from_to.as_flattened(), lane, model.from_to.as_mut_slice());
-            write(self.to_to.as_flattened(), lane, model.to_to.as_mut_slice());
             write(&self.from_gradient, lane, model.from_gradient.as_mut_slice());
             write(&self.to_gradient, lane, model.to_gradient.as_mut_slice());
             model.cost = costs[lane];
         }
+    }
+}
+
+/// Writes a block of every lane's model.
+#[inline(always)]
+fn write_block<S: Simd, const DOF: usize>(
+    columns: &[[Lane<S>; DOF]; DOF],
+    models: &mut [Linearised<DOF>],
+    block: impl Fn(&mut Linearised<DOF>) -> &mut SMatrix<f64, DOF, DOF>,
+) {
+    let lanes = columns.as_flattened();
+    let (squares, _) = lanes.as_chunks::<4>();
+    let mut written = 0;
+    // Four numbers of four lanes are transposed in registers.
+    if S::F64_LANES == 4 && models.len() == 4 {
+        for square in squares {
+            for (model, row) in models.iter_mut().zip(Lane::transposed(square)) {
+                block(model).as_mut_slice()[written..written + 4].copy_from_slice(row.numbers());
+            }
+            written += 4;
+        }
+    }
+    for (lane, model) in models.iter_mut().enumerate() {
+        write(&lanes[written..], lane, &mut block(model).as_mut_slice()[written..]);
     }
 }
 

@@ -79,6 +79,18 @@ impl<S: Simd> Lane<S> {
         Self { values: self.simd.div_f64s(self.constant(1.0).values, self.values), ..self }
     }
 
+    /// The rows of four columns of four numbers. Only for registers of four lanes.
+    #[inline(always)]
+    pub(super) fn transposed([a, b, c, d]: &[Self; 4]) -> [Self; 4] {
+        let [e, f, g, h] = a.simd.interleave_shfl_f64s([a.values, b.values, c.values, d.values]);
+        [
+            Self { values: e, ..*a },
+            Self { values: f, ..*a },
+            Self { values: g, ..*a },
+            Self { values: h, ..*a },
+        ]
+    }
+
     /// Whether every number is at most `limit`; not if one is not a number.
     #[inline(always)]
     pub(super) fn at_most(&self, limit: f64) -> bool {

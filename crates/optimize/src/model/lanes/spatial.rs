@@ -13,8 +13,8 @@ use posecut_geometry::trigonometric::SERIES_LIMIT;
 use super::half_angle::{HalfAngle, LARGEST};
 use super::rotation::Rotation;
 use super::vector::{
-    Matrix, Vector, cross, dot, minus, negated, outer, plus, plus_cross, plus_diagonal, plus_matrix, scaled,
-    scaled_plus, times, transposed, transposed_times, transposed_times_plus,
+    Matrix, Vector, cross, dot, dot_plus, minus, negated, outer, plus, plus_cross, plus_diagonal,
+    plus_matrix, scaled, scaled_plus, symmetric, times, transposed, transposed_times, transposed_times_plus,
 };
 use super::{Ends, Lane, LaneGroup, MOST, Models, even, three, write_gradients};
 use crate::model::problem::Edge;
@@ -217,10 +217,10 @@ impl<S: Simd> Slope<S> {
             scaled(transposed_times_plus(b, upper[column], transposed_times(c, diagonal[column])), weight)
         });
         [
-            three!(column => transposed_times(diagonal, left[column])),
+            symmetric!(row, column => dot(diagonal[row], left[column])),
             three!(column => transposed_times(diagonal, right[column])),
-            three!(column => {
-                transposed_times_plus(upper, right[column], transposed_times(diagonal, lower[column]))
+            symmetric!(row, column => {
+                dot_plus(upper[row], right[column], dot(diagonal[row], lower[column]))
             }),
         ]
     }
@@ -269,14 +269,16 @@ impl LaneGroup<6> for SE3 {
         let lower_right = three!(column => {
             plus(cross(translation, r_n[column]), times(&rotation, o[column]))
         });
-        // Rows of `R m R^T` and `R n R^T`, of `[t] R n R^T + R o R^T`, and of the product with `Ad`.
-        let first = turned_rows(&rotation, &r_m);
-        let second = turned_rows(&rotation, &r_n);
-        let third = turned_rows(&rotation, &lower_right);
+        // Rows of `R`, `R m` and `R n`, then those of `R m R^T` and `R n R^T`.
+        let (turn, m_rows, n_rows) = (transposed(&rotation), transposed(&r_m), transposed(&r_n));
+        let first = symmetric!(row, column => dot(m_rows[row], turn[column]));
+        let second = three!(row => times(&rotation, n_rows[row]));
+        // The block of first and second axes: `R n R^T - R m R^T [t]`.
         let upper_right = three!(row => plus(second[row], cross(translation, first[row])));
-        // `-F_12^T [t]`: its row is `t x` the row of `F_12^T`, a column of `F_12`.
-        let left_rows = transposed(&upper_right);
-        let corner = three!(row => plus(third[row], cross(translation, left_rows[row])));
+        // The last block, `([t] R n + R o) R^T - F_21 [t]`. A row times `-[t]` is `t x` the row, and rows of `F_21` are columns of `F_12`.
+        let (left_rows, lower_rows) = (transposed(&upper_right), transposed(&lower_right));
+        let bent = three!(row => cross(translation, left_rows[row]));
+        let corner = symmetric!(row, column => dot_plus(lower_rows[row], turn[column], bent[row][column]));
         Models {
             from_from: joined_blocks([&first, &upper_right, &left_rows, &corner]),
             from_to: joined_blocks([
@@ -331,11 +333,4 @@ impl LaneGroup<6> for SE3 {
         }
         true
     }
-}
-
-/// The rows of a matrix, turned: the rows of `M R^T`.
-#[inline(always)]
-fn turned_rows<S: Simd>(rotation: &Matrix<S>, matrix: &Matrix<S>) -> Matrix<S> {
-    let rows = transposed(matrix);
-    three!(row => times(rotation, rows[row]))
 }

@@ -103,3 +103,37 @@ pub(super) fn plus_diagonal<S: Simd>(matrix: &Matrix<S>, d: Lane<S>) -> Matrix<S
     let [[a, b, c], [e, f, g], [h, i, j]] = *matrix;
     [[a + d, b, c], [e, f + d, g], [h, i, j + d]]
 }
+
+/// A matrix that is symmetric, by its entries of the upper triangle.
+macro_rules! symmetric {
+    ($row:ident, $column:ident => $entry:expr) => {{
+        let [a, b, c, d, e, f] = [
+            {
+                let ($row, $column) = (0, 0);
+                $entry
+            },
+            {
+                let ($row, $column) = (0, 1);
+                $entry
+            },
+            {
+                let ($row, $column) = (1, 1);
+                $entry
+            },
+            {
+                let ($row, $column) = (0, 2);
+                $entry
+            },
+            {
+                let ($row, $column) = (1, 2);
+                $entry
+            },
+            {
+                let ($row, $column) = (2, 2);
+                $entry
+            },
+        ];
+        [[a, b, d], [b, c, e], [d, e, f]]
+    }};
+}
+pub(super) use symmetric;
