@@ -23,6 +23,7 @@ mod angle;
 pub mod covariance;
 pub mod geodetic;
 pub mod interpolation;
+pub mod lanes;
 mod lie_group;
 mod se2;
 mod se3;

@@ -1,9 +1,9 @@
 //! The model: poses, edges with their residuals and robust kernels, and the graph they make.
 //!
 //! The cost is `sum of rho(e^T Omega e)` with `e = Log(Z^-1 X_from^-1 X_to)`, where an edge measures `Z` with information
-//! matrix `Omega`; `prior` has the residuals of measurements of single nodes. `problem` checks a graph; `residual` has `e` and its Jacobians, and `lanes` those of several edges at once; `kernel` has `rho`, and
-//! `kernel_name` the names of kernels; `gauge` has the held nodes; `part` makes a graph of a connected component; `magnitude` has the reference
-//! values of tolerances.
+//! matrix `Omega`; `prior` has the residuals of measurements of single nodes. `problem` checks a graph; `residual` has `e` and its
+//! Jacobians, and `lanes` those of several edges at once; `kernel` has `rho`, and `kernel_name` the names of kernels; `gauge` has the held
+//! nodes; `part` makes a graph of a connected component; `magnitude` has the reference values of tolerances.
 //!
 //! Depends on no other module of this crate.
 

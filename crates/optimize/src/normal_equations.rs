@@ -8,8 +8,8 @@
 use faer::traits::pulp::{Simd, WithSimd};
 use nalgebra::{SMatrix, SVector};
 use posecut_geometry::LieGroup;
+use posecut_geometry::lanes::WIDTH;
 
-use crate::model::lanes::MOST;
 use crate::model::prior::Prior;
 use crate::model::problem::Edge;
 use crate::model::residual::{Gradient, Linearised, Term};
@@ -296,9 +296,13 @@ impl<G: LieGroup<D>, T: Term<G, D>, const D: usize> WithSimd for Assemble<'_, G,
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let Self { equations, pattern, edges, poses } = self;
         let mut cost = 0.0;
-        let mut models = [Linearised::zero(); MOST];
+        let mut models = [Linearised::zero(); WIDTH];
         for (edges, slots) in edges.chunks(S::F64_LANES).zip(pattern.slots.chunks(S::F64_LANES)) {
-            T::models(simd, edges, poses, &mut models[..edges.len()]);
+            if !T::models(simd, edges, poses, &mut models[..edges.len()]) {
+                for (edge, model) in edges.iter().zip(&mut models) {
+                    *model = edge.linearise(poses);
+                }
+            }
             for (model, slot) in models.iter().zip(slots) {
                 cost += model.cost;
                 equations.add(slot, model);
@@ -323,9 +327,13 @@ impl<G: LieGroup<D>, T: Term<G, D>, const D: usize> WithSimd for AssembleGradien
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let Self { gradient, pattern, edges, poses } = self;
         let mut cost = 0.0;
-        let mut models = [Gradient::zero(); MOST];
+        let mut models = [Gradient::zero(); WIDTH];
         for (edges, slots) in edges.chunks(S::F64_LANES).zip(pattern.slots.chunks(S::F64_LANES)) {
-            T::gradients(simd, edges, poses, &mut models[..edges.len()]);
+            if !T::gradients(simd, edges, poses, &mut models[..edges.len()]) {
+                for (edge, model) in edges.iter().zip(&mut models) {
+                    *model = edge.gradient(poses);
+                }
+            }
             for (model, slot) in models.iter().zip(slots) {
                 cost += model.cost;
                 if let Some(from) = slot.from {

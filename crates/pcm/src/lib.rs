@@ -45,7 +45,7 @@ pub use odometry::chain;
 pub use odometry::spread::Spatial;
 pub use options::{Options, Scale, Scheme};
 pub use pairs::gate::{Correction, Gate, PerStep, Test, chi_square_quantile, corrected};
-pub use pairs::{candidate, consistency, distance, lanes, nearest, pretest};
+pub use pairs::{candidate, consistency, distance, nearest, pretest};
 pub use rejection::{Calibration, Progress, Rejection, reject};
 
 /// The stage's name, in histories and in `rejected_by`.

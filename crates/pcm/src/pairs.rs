@@ -9,8 +9,8 @@
 //! and are consistent if `Log(E)^T Sigma^-1 Log(E)` is at most the quantile of chi-square with 3 or 6 degrees of freedom,
 //! where `Sigma` adds the covariances of both edges and of both stretches of odometry. [`candidate`] orients the edges
 //! alike and groups them by chains. [`distance`] computes the left side, [`gate`] the right side. [`pretest`] rejects most
-//! pairs without the distance, and [`consistency`] builds the graph of all pairs. [`block`], [`lanes`] and [`logarithm`]
-//! test several pairs at once; [`nearest`] finds neighbours by distance travelled.
+//! pairs without the distance, and [`consistency`] builds the graph of all pairs. [`block`] and [`logarithm`] test
+//! several pairs at once, in [`lanes`](posecut_geometry::lanes); [`nearest`] finds neighbours by distance travelled.
 //!
 //! Depends on `odometry` and on the bit rows of [`clique`](crate::clique).
 
@@ -19,7 +19,6 @@ pub mod candidate;
 pub mod consistency;
 pub mod distance;
 pub(crate) mod gate;
-pub mod lanes;
 pub(crate) mod logarithm;
 pub mod nearest;
 pub mod pretest;

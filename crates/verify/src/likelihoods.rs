@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use posecut_pcm::lanes::{Lanes, WIDTH, Wide};
+use posecut_geometry::lanes::{Lanes, WIDTH, Wide};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Likelihoods of a few loops as correct ones, with a local error, and shifted, each relative to chance.

@@ -7,7 +7,7 @@
 #![allow(clippy::needless_range_loop, reason = "several arrays go by the same component and lane")]
 
 use nalgebra::SMatrix;
-use posecut_pcm::lanes::{Lanes, WIDTH, Wide};
+use posecut_geometry::lanes::{Lanes, WIDTH, Wide};
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::calibration::Calibration;

@@ -33,7 +33,7 @@ impl MatrixPose<2> for SE2 {
         let sum = Complex::new(matrix.m11 + matrix.m22, matrix.m21 - matrix.m12);
         let norm = sum.re.hypot(sum.im);
         // Every rotation is as near to a multiple of a reflection.
-        let turn = if norm > 0.0 { sum / norm } else { Complex::new(1.0, 0.0) };
+        let turn = if norm == 0.0 { Complex::new(1.0, 0.0) } else { sum / norm };
         Matrix2::new(turn.re, -turn.im, turn.im, turn.re)
     }
 

@@ -11,7 +11,6 @@
 
 mod even;
 mod half_angle;
-mod lane;
 mod planar;
 mod rotation;
 mod spatial;
@@ -21,12 +20,11 @@ use faer::traits::pulp::{Simd, WithSimd};
 use nalgebra::{SMatrix, SVector};
 use posecut_cholesky::instructions::for_small_blocks;
 use posecut_geometry::LieGroup;
+use posecut_geometry::lanes::{Lanes, WIDTH};
 
 use super::kernel::charge;
 use super::problem::Edge;
 use super::residual::{Gradient, Linearised};
-use lane::Lane;
-pub(crate) use lane::MOST;
 
 /// A group whose edges can be evaluated several at once: as many as `S` has lanes, or fewer. The results are written in the order of the
 /// edges; `false` means that nothing was computed, because an error turns too far.
@@ -103,59 +101,59 @@ impl<'a, G, const DOF: usize> Ends<'a, G, DOF> {
 
     /// A number of each edge.
     #[inline(always)]
-    fn of_edge<S: Simd>(&self, simd: S, number: impl Fn(&Edge<G, DOF>) -> f64) -> Lane<S> {
-        Lane::gather(simd, |lane| number(self.edge(lane)))
+    fn of_edge<S: Simd>(&self, simd: S, number: impl Fn(&Edge<G, DOF>) -> f64) -> Lanes<S> {
+        Lanes::gather(simd, |lane| number(self.edge(lane)))
     }
 
     /// A number of each edge's first pose.
     #[inline(always)]
-    fn of_from<S: Simd>(&self, simd: S, number: impl Fn(&G) -> f64) -> Lane<S> {
-        Lane::gather(simd, |lane| number(&self.poses[self.edge(lane).from]))
+    fn of_from<S: Simd>(&self, simd: S, number: impl Fn(&G) -> f64) -> Lanes<S> {
+        Lanes::gather(simd, |lane| number(&self.poses[self.edge(lane).from]))
     }
 
     /// A number of each edge's second pose.
     #[inline(always)]
-    fn of_to<S: Simd>(&self, simd: S, number: impl Fn(&G) -> f64) -> Lane<S> {
-        Lane::gather(simd, |lane| number(&self.poses[self.edge(lane).to]))
+    fn of_to<S: Simd>(&self, simd: S, number: impl Fn(&G) -> f64) -> Lanes<S> {
+        Lanes::gather(simd, |lane| number(&self.poses[self.edge(lane).to]))
     }
 
     /// An entry of each edge's information.
     #[inline(always)]
-    fn information<S: Simd>(&self, simd: S, row: usize, column: usize) -> Lane<S> {
+    fn information<S: Simd>(&self, simd: S, row: usize, column: usize) -> Lanes<S> {
         self.of_edge(simd, |edge| edge.information[(row, column)])
     }
 
     /// The costs for these squared residuals, and the weights unless all are 1.
     #[inline(always)]
-    fn charge<S: Simd>(&self, squared: &Lane<S>) -> ([f64; MOST], Option<Lane<S>>) {
-        let mut costs = [0.0; MOST];
+    fn charge<S: Simd>(&self, simd: S, squared: &Lanes<S>) -> ([f64; WIDTH], Option<Lanes<S>>) {
+        let mut costs = [0.0; WIDTH];
         for (cost, &squared) in costs.iter_mut().zip(squared.numbers()) {
             *cost = squared;
         }
         if self.edges.iter().all(|edge| edge.kernel.is_none()) {
             return (costs, None);
         }
-        let mut weights = [1.0; MOST];
+        let mut weights = [1.0; WIDTH];
         for (edge, (cost, weight)) in self.edges.iter().zip(costs.iter_mut().zip(&mut weights)) {
             (*cost, *weight) = charge(edge.kernel, *cost);
         }
-        (costs, Some(Lane::gather(squared.simd, |lane| weights[lane])))
+        (costs, Some(Lanes::gather(simd, |lane| weights[lane])))
     }
 }
 
 /// The quadratic models of the lanes' edges, which [`Linearised`] describes; the columns of each block. The costs are not among them.
 struct Models<S: Simd, const DOF: usize> {
-    from_from: [[Lane<S>; DOF]; DOF],
-    from_to: [[Lane<S>; DOF]; DOF],
-    to_to: [[Lane<S>; DOF]; DOF],
-    from_gradient: [Lane<S>; DOF],
-    to_gradient: [Lane<S>; DOF],
+    from_from: [[Lanes<S>; DOF]; DOF],
+    from_to: [[Lanes<S>; DOF]; DOF],
+    to_to: [[Lanes<S>; DOF]; DOF],
+    from_gradient: [Lanes<S>; DOF],
+    to_gradient: [Lanes<S>; DOF],
 }
 
 impl<S: Simd, const DOF: usize> Models<S, DOF> {
     /// Writes the model of every lane, with its cost.
     #[inline(always)]
-    fn write(&self, costs: &[f64; MOST], models: &mut [Linearised<DOF>]) {
+    fn write(&self, costs: &[f64; WIDTH], models: &mut [Linearised<DOF>]) {
         write_block(&self.from_from, models, |model| &mut model.from_from);
         write_block(&self.from_to, models, |model| &mut model.from_to);
         write_block(&self.to_to, models, |model| &mut model.to_to);
@@ -170,7 +168,7 @@ impl<S: Simd, const DOF: usize> Models<S, DOF> {
 /// Writes a block of every lane's model.
 #[inline(always)]
 fn write_block<S: Simd, const DOF: usize>(
-    columns: &[[Lane<S>; DOF]; DOF],
+    columns: &[[Lanes<S>; DOF]; DOF],
     models: &mut [Linearised<DOF>],
     block: impl Fn(&mut Linearised<DOF>) -> &mut SMatrix<f64, DOF, DOF>,
 ) {
@@ -180,7 +178,7 @@ fn write_block<S: Simd, const DOF: usize>(
     // Four numbers of four lanes are transposed in registers.
     if S::F64_LANES == 4 && models.len() == 4 {
         for square in squares {
-            for (model, row) in models.iter_mut().zip(Lane::transposed(square)) {
+            for (model, row) in models.iter_mut().zip(Lanes::transposed(square)) {
                 block(model).as_mut_slice()[written..written + 4].copy_from_slice(row.numbers());
             }
             written += 4;
@@ -194,8 +192,8 @@ fn write_block<S: Simd, const DOF: usize>(
 /// Writes the linear model of every lane.
 #[inline(always)]
 fn write_gradients<S: Simd, const DOF: usize>(
-    (from, to): (&[Lane<S>; DOF], &[Lane<S>; DOF]),
-    costs: &[f64; MOST],
+    (from, to): (&[Lanes<S>; DOF], &[Lanes<S>; DOF]),
+    costs: &[f64; WIDTH],
     gradients: &mut [Gradient<DOF>],
 ) {
     for (lane, gradient) in gradients.iter_mut().enumerate() {
@@ -207,7 +205,7 @@ fn write_gradients<S: Simd, const DOF: usize>(
 
 /// Writes the numbers of one lane.
 #[inline(always)]
-fn write<S: Simd>(lanes: &[Lane<S>], lane: usize, numbers: &mut [f64]) {
+fn write<S: Simd>(lanes: &[Lanes<S>], lane: usize, numbers: &mut [f64]) {
     for (number, of) in numbers.iter_mut().zip(lanes) {
         *number = of.numbers()[lane];
     }

@@ -7,11 +7,12 @@
 
 use faer::traits::pulp::{Simd, WithSimd};
 use nalgebra::{Matrix3, SMatrix, SVector};
+use posecut_geometry::lanes::WIDTH;
 use posecut_geometry::{LieGroup, translations};
 
 use super::curvature::curve;
 use super::kernel::charge;
-use super::lanes::{LaneGroup, MOST};
+use super::lanes::LaneGroup;
 use super::prior;
 use super::problem::{Edge, Problem};
 use posecut_cholesky::instructions::for_small_blocks;
@@ -68,10 +69,14 @@ impl<G: LieGroup<DOF>, T: Term<G, DOF>, const DOF: usize> WithSimd for Total<'_,
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let mut sum = 0.0;
-        let mut costs = [0.0; MOST];
+        let mut costs = [0.0; WIDTH];
         for terms in self.terms.chunks(S::F64_LANES) {
             let costs = &mut costs[..terms.len()];
-            T::costs(simd, terms, self.poses, costs);
+            if !T::costs(simd, terms, self.poses, costs) {
+                for (term, cost) in terms.iter().zip(&mut *costs) {
+                    *cost = term.cost(self.poses);
+                }
+            }
             for &mut cost in costs {
                 sum += cost;
             }
@@ -166,26 +171,20 @@ pub trait Term<G, const DOF: usize>: Sized {
         let model = self.linearise(poses);
         Gradient { from: model.from_gradient, to: model.to_gradient, cost: model.cost }
     }
-    /// The values of several terms, at most as many as `S` has lanes.
+    /// Writes the values of several terms, at most as many as `S` has lanes, if it can compute them together.
     #[inline(always)]
-    fn costs<S: Simd>(_: S, terms: &[Self], poses: &[G], costs: &mut [f64]) {
-        for (term, cost) in terms.iter().zip(costs) {
-            *cost = term.cost(poses);
-        }
+    fn costs<S: Simd>(_: S, _terms: &[Self], _poses: &[G], _costs: &mut [f64]) -> bool {
+        false
     }
-    /// Their linear models.
+    /// Writes their linear models in the same way.
     #[inline(always)]
-    fn gradients<S: Simd>(_: S, terms: &[Self], poses: &[G], gradients: &mut [Gradient<DOF>]) {
-        for (term, gradient) in terms.iter().zip(gradients) {
-            *gradient = term.gradient(poses);
-        }
+    fn gradients<S: Simd>(_: S, _terms: &[Self], _poses: &[G], _gradients: &mut [Gradient<DOF>]) -> bool {
+        false
     }
-    /// Their quadratic models.
+    /// Writes their quadratic models in the same way.
     #[inline(always)]
-    fn models<S: Simd>(_: S, terms: &[Self], poses: &[G], models: &mut [Linearised<DOF>]) {
-        for (term, model) in terms.iter().zip(models) {
-            *model = term.linearise(poses);
-        }
+    fn models<S: Simd>(_: S, _terms: &[Self], _poses: &[G], _models: &mut [Linearised<DOF>]) -> bool {
+        false
     }
 }
 
@@ -238,30 +237,18 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Term<G, DOF> for Edge<G, DOF> {
     }
 
     #[inline(always)]
-    fn costs<S: Simd>(simd: S, terms: &[Self], poses: &[G], costs: &mut [f64]) {
-        if !G::costs(simd, terms, poses, costs) {
-            for (term, cost) in terms.iter().zip(costs) {
-                *cost = term.cost(poses);
-            }
-        }
+    fn costs<S: Simd>(simd: S, terms: &[Self], poses: &[G], costs: &mut [f64]) -> bool {
+        G::costs(simd, terms, poses, costs)
     }
 
     #[inline(always)]
-    fn gradients<S: Simd>(simd: S, terms: &[Self], poses: &[G], gradients: &mut [Gradient<DOF>]) {
-        if !G::gradients(simd, terms, poses, gradients) {
-            for (term, gradient) in terms.iter().zip(gradients) {
-                *gradient = term.gradient(poses);
-            }
-        }
+    fn gradients<S: Simd>(simd: S, terms: &[Self], poses: &[G], gradients: &mut [Gradient<DOF>]) -> bool {
+        G::gradients(simd, terms, poses, gradients)
     }
 
     #[inline(always)]
-    fn models<S: Simd>(simd: S, terms: &[Self], poses: &[G], models: &mut [Linearised<DOF>]) {
-        if !G::models(simd, terms, poses, models) {
-            for (term, model) in terms.iter().zip(models) {
-                *model = term.linearise(poses);
-            }
-        }
+    fn models<S: Simd>(simd: S, terms: &[Self], poses: &[G], models: &mut [Linearised<DOF>]) -> bool {
+        G::models(simd, terms, poses, models)
     }
 }
 

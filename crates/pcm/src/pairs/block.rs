@@ -13,9 +13,9 @@ mod shared;
 mod spread;
 
 use super::candidate::Candidate;
-use super::lanes::Wide;
 use super::pretest::{Place, Turn};
 use crate::odometry::chain::Chain;
+use posecut_geometry::lanes::Wide;
 pub(crate) use row::Row;
 use spread::WideSpread;
 

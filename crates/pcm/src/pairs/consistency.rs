@@ -9,12 +9,12 @@ use serde::Serialize;
 use super::block::{Block, Row};
 use super::candidate::{Candidate, Group};
 pub use super::distance::{squared_distance, squared_distance_to_odometry};
-use super::lanes::WIDTH;
 use super::pretest::{PreTest, Verdict};
 use crate::clique::BitGraph;
 use crate::odometry::chain::{Chain, Chains};
 use crate::odometry::spread::Spatial;
 use crate::{Gate, PerStep};
+use posecut_geometry::lanes::WIDTH;
 
 /// Blocks of columns that are tested against 64 rows before the next blocks: their data stays in the nearest cache.
 const TILE: usize = 4;

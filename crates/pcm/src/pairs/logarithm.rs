@@ -4,7 +4,7 @@
 
 use pulp::Simd;
 
-use super::lanes::Lanes;
+use posecut_geometry::lanes::Lanes;
 
 /// The cosine of half a radian. For rotations of less than a radian, series are enough.
 const HALF_COSINE: f64 = 0.877_582_561_890_372_8;
@@ -104,8 +104,8 @@ fn cross<S: Simd>(a: [Lanes<S>; 3], b: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pairs::lanes::Wide;
     use nalgebra::Vector6;
+    use posecut_geometry::lanes::Wide;
     use posecut_geometry::{LieGroup as _, SE3};
     use proptest::prelude::*;
     use pulp::Scalar;

@@ -9,32 +9,32 @@
 use faer::traits::pulp::Simd;
 use posecut_geometry::trigonometric::{TERMS, coefficients};
 
-use super::Lane;
+use posecut_geometry::lanes::Lanes;
 
 const SECOND: [f64; TERMS] = coefficients(2);
 const THIRD: [f64; TERMS] = coefficients(3);
 
 /// `c_2` of the angle with this square.
 #[inline(always)]
-pub(super) fn second<S: Simd>(squared: Lane<S>) -> Lane<S> {
+pub(super) fn second<S: Simd>(squared: Lanes<S>) -> Lanes<S> {
     series(squared, &SECOND)
 }
 
 /// `c_3` of the angle with this square.
 #[inline(always)]
-pub(super) fn third<S: Simd>(squared: Lane<S>) -> Lane<S> {
+pub(super) fn third<S: Simd>(squared: Lanes<S>) -> Lanes<S> {
     series(squared, &THIRD)
 }
 
 /// `1 - squared * c`: `c_0` from `c_2`.
 #[inline(always)]
-pub(super) fn one_minus<S: Simd>(squared: Lane<S>, c: Lane<S>) -> Lane<S> {
+pub(super) fn one_minus<S: Simd>(squared: Lanes<S>, c: Lanes<S>) -> Lanes<S> {
     squared.times_from(c, squared.constant(1.0))
 }
 
 /// Horner's rule.
 #[inline(always)]
-fn series<S: Simd>(x: Lane<S>, coefficients: &[f64; TERMS]) -> Lane<S> {
+fn series<S: Simd>(x: Lanes<S>, coefficients: &[f64; TERMS]) -> Lanes<S> {
     let mut sum = x.constant(coefficients[TERMS - 1]);
     let mut term = TERMS - 1;
     while term > 0 {

@@ -11,7 +11,7 @@
 
 use faer::traits::pulp::Simd;
 
-use super::Lane;
+use posecut_geometry::lanes::Lanes;
 
 /// The largest `u`: `a` is then 45 degrees.
 pub(super) const LARGEST: f64 = 0.1715;
@@ -33,19 +33,19 @@ const COEFFICIENTS: [f64; TERMS] = {
 /// The functions at one `u`.
 #[derive(Clone, Copy)]
 pub(super) struct HalfAngle<S: Simd> {
-    pub(super) u: Lane<S>,
+    pub(super) u: Lanes<S>,
     /// `A`.
-    pub(super) a: Lane<S>,
+    pub(super) a: Lanes<S>,
     /// `B`.
-    pub(super) b: Lane<S>,
+    pub(super) b: Lanes<S>,
     /// `C`.
-    pub(super) c: Lane<S>,
+    pub(super) c: Lanes<S>,
 }
 
 impl<S: Simd> HalfAngle<S> {
     /// The functions at the square of the tangent of half the angle, at most [`LARGEST`].
     #[inline(always)]
-    pub(super) fn of_squared_tangent(u: Lane<S>) -> Self {
+    pub(super) fn of_squared_tangent(u: Lanes<S>) -> Self {
         // Even and odd terms apart: two short chains of operations instead of a long one.
         let square = u * u;
         let mut even = u.constant(0.0);
@@ -64,7 +64,7 @@ impl<S: Simd> HalfAngle<S> {
 
     /// `dA/da / -t`: `(1 + u) (1/3 + u C/2) - u/2`.
     #[inline(always)]
-    pub(super) fn slope_of_a(&self) -> Lane<S> {
+    pub(super) fn slope_of_a(&self) -> Lanes<S> {
         let Self { u, c, .. } = *self;
         let half = u.constant(0.5);
         let bracket = (u * c).times_plus(half, u.constant(1.0 / 3.0));
@@ -73,7 +73,7 @@ impl<S: Simd> HalfAngle<S> {
 
     /// `h`, and its derivative by the squared angle.
     #[inline(always)]
-    pub(super) fn half_cotangent(&self) -> (Lane<S>, Lane<S>) {
+    pub(super) fn half_cotangent(&self) -> (Lanes<S>, Lanes<S>) {
         let Self { u, a, b, c } = *self;
         let inverse = a.reciprocal();
         let quarter = inverse * inverse * u.constant(0.25);
@@ -95,8 +95,8 @@ mod tests {
     fn the_functions_are_those_of_the_angle() {
         for angle in [0.0_f64, 1e-9, 1e-3, 0.1, 0.3, 0.6, 0.785] {
             let tangent = (0.5 * angle).tan();
-            let functions = HalfAngle::of_squared_tangent(Lane::splat(Scalar, tangent * tangent));
-            let number = |lane: Lane<Scalar>| lane.numbers()[0];
+            let functions = HalfAngle::of_squared_tangent(Lanes::splat(Scalar, tangent * tangent));
+            let number = |lane: Lanes<Scalar>| lane.numbers()[0];
             assert!((2.0 * tangent * number(functions.a) - angle).abs() <= 4e-16 * angle, "{angle}");
             let half = 0.5 * angle;
             let (h, slope) = functions.half_cotangent();

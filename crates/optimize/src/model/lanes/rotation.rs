@@ -7,13 +7,13 @@
 
 use faer::traits::pulp::Simd;
 
-use super::Lane;
 use super::vector::{Matrix, Vector, cross, dot, negated, plus, scaled_plus};
+use posecut_geometry::lanes::Lanes;
 
 /// A rotation as a unit quaternion.
 #[derive(Clone, Copy)]
 pub(super) struct Rotation<S: Simd> {
-    pub(super) scalar: Lane<S>,
+    pub(super) scalar: Lanes<S>,
     pub(super) vector: Vector<S>,
 }
 

@@ -16,7 +16,9 @@ use super::vector::{
     Matrix, Vector, cross, dot, dot_plus, minus, negated, outer, plus, plus_cross, plus_diagonal,
     plus_matrix, scaled, scaled_plus, symmetric, times, transposed, transposed_times, transposed_times_plus,
 };
-use super::{Ends, Lane, LaneGroup, MOST, Models, even, three, write_gradients};
+use posecut_geometry::lanes::{Lanes, WIDTH};
+
+use super::{Ends, LaneGroup, Models, even, three, write_gradients};
 use crate::model::problem::Edge;
 use crate::model::residual::{Gradient, Linearised};
 
@@ -27,7 +29,7 @@ struct Residual<S: Simd> {
     rotation: Rotation<S>,
     functions: HalfAngle<S>,
     /// `h` and its slope.
-    h: (Lane<S>, Lane<S>),
+    h: (Lanes<S>, Lanes<S>),
     shift: Vector<S>,
     turn: Vector<S>,
 }
@@ -124,7 +126,7 @@ impl<S: Simd> Information<S> {
 
 /// `e^T Omega e`.
 #[inline(always)]
-fn squared<S: Simd>(residual: &Residual<S>, pull: &(Vector<S>, Vector<S>)) -> Lane<S> {
+fn squared<S: Simd>(residual: &Residual<S>, pull: &(Vector<S>, Vector<S>)) -> Lanes<S> {
     dot(residual.shift, pull.0) + dot(residual.turn, pull.1)
 }
 
@@ -141,13 +143,13 @@ fn by_from<S: Simd>(
 
 /// The joined entries.
 #[inline(always)]
-fn joined<S: Simd>(([a, b, c], [d, e, f]): (Vector<S>, Vector<S>)) -> [Lane<S>; 6] {
+fn joined<S: Simd>(([a, b, c], [d, e, f]): (Vector<S>, Vector<S>)) -> [Lanes<S>; 6] {
     [a, b, c, d, e, f]
 }
 
 /// The columns of `[a, c; b, d]`.
 #[inline(always)]
-fn joined_blocks<S: Simd>([a, b, c, d]: [&Matrix<S>; 4]) -> [[Lane<S>; 6]; 6] {
+fn joined_blocks<S: Simd>([a, b, c, d]: [&Matrix<S>; 4]) -> [[Lanes<S>; 6]; 6] {
     [
         joined((a[0], b[0])),
         joined((a[1], b[1])),
@@ -166,11 +168,11 @@ struct Slope<S: Simd> {
     /// The blocks `D` and `U` of `J_j`.
     jacobian: (Matrix<S>, Matrix<S>),
     information: Information<S>,
-    weight: Option<Lane<S>>,
+    weight: Option<Lanes<S>>,
     /// Half the gradients.
     from: (Vector<S>, Vector<S>),
     to: (Vector<S>, Vector<S>),
-    costs: [f64; MOST],
+    costs: [f64; WIDTH],
 }
 
 impl<S: Simd> Slope<S> {
@@ -180,7 +182,7 @@ impl<S: Simd> Slope<S> {
         let residual = Residual::of(simd, ends)?;
         let information = Information::of(simd, ends);
         let mut pull = information.pull(&residual);
-        let (costs, weight) = ends.charge(&squared(&residual, &pull));
+        let (costs, weight) = ends.charge(simd, &squared(&residual, &pull));
         if let Some(weight) = weight {
             pull = (scaled(pull.0, weight), scaled(pull.1, weight));
         }
@@ -232,7 +234,7 @@ impl LaneGroup<6> for SE3 {
         let ends = Ends { edges, poses };
         let Some(residual) = Residual::of(simd, &ends) else { return false };
         let pull = Information::of(simd, &ends).pull(&residual);
-        let (charged, _) = ends.charge(&squared(&residual, &pull));
+        let (charged, _) = ends.charge(simd, &squared(&residual, &pull));
         costs.copy_from_slice(&charged[..costs.len()]);
         true
     }
@@ -298,8 +300,8 @@ impl LaneGroup<6> for SE3 {
     #[inline(always)]
     fn moved<S: Simd>(simd: S, poses: &[Self], steps: &[Vector6<f64>], moved: &mut [Self]) -> bool {
         let last = steps.len() - 1;
-        let shift = three!(axis => Lane::gather(simd, |lane| steps[lane.min(last)][axis]));
-        let turn = three!(axis => Lane::gather(simd, |lane| steps[lane.min(last)][3 + axis]));
+        let shift = three!(axis => Lanes::gather(simd, |lane| steps[lane.min(last)][axis]));
+        let turn = three!(axis => Lanes::gather(simd, |lane| steps[lane.min(last)][3 + axis]));
         let squared = dot(turn, turn);
         if !squared.at_most(SERIES_LIMIT) {
             return false;
@@ -313,8 +315,8 @@ impl LaneGroup<6> for SE3 {
         let shift = scaled_plus(once, second, shift);
         let shift = scaled_plus(cross(turn, once), even::third(squared), shift);
         let own = Rotation {
-            scalar: Lane::gather(simd, |lane| poses[lane.min(last)].rotation.w),
-            vector: three!(axis => Lane::gather(simd, |lane| poses[lane.min(last)].rotation.coords[axis])),
+            scalar: Lanes::gather(simd, |lane| poses[lane.min(last)].rotation.w),
+            vector: three!(axis => Lanes::gather(simd, |lane| poses[lane.min(last)].rotation.coords[axis])),
         };
         let shift = own.inverse().back(shift);
         let step = Rotation { scalar: half_cosine, vector: scaled(turn, half_sine) };
@@ -324,7 +326,7 @@ impl LaneGroup<6> for SE3 {
         let scale = norm.times_from(norm.constant(0.5), norm.constant(1.5));
         let (scalar, vector) = (scalar * scale, scaled(vector, scale));
         for (lane, (pose, moved)) in poses.iter().zip(moved).enumerate() {
-            let number = |of: &Lane<S>| of.numbers()[lane];
+            let number = |of: &Lanes<S>| of.numbers()[lane];
             let [x, y, z] = &shift;
             moved.translation = pose.translation + Vector3::new(number(x), number(y), number(z));
             let [x, y, z] = &vector;

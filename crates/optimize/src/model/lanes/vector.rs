@@ -7,9 +7,11 @@
 
 use faer::traits::pulp::Simd;
 
-use super::{Lane, three};
+use posecut_geometry::lanes::Lanes;
 
-pub(super) type Vector<S> = [Lane<S>; 3];
+use super::three;
+
+pub(super) type Vector<S> = [Lanes<S>; 3];
 pub(super) type Matrix<S> = [Vector<S>; 3];
 
 #[inline(always)]
@@ -28,24 +30,24 @@ pub(super) fn negated<S: Simd>(a: Vector<S>) -> Vector<S> {
 }
 
 #[inline(always)]
-pub(super) fn scaled<S: Simd>(a: Vector<S>, factor: Lane<S>) -> Vector<S> {
+pub(super) fn scaled<S: Simd>(a: Vector<S>, factor: Lanes<S>) -> Vector<S> {
     three!(row => a[row] * factor)
 }
 
 /// `a * factor + b`.
 #[inline(always)]
-pub(super) fn scaled_plus<S: Simd>(a: Vector<S>, factor: Lane<S>, b: Vector<S>) -> Vector<S> {
+pub(super) fn scaled_plus<S: Simd>(a: Vector<S>, factor: Lanes<S>, b: Vector<S>) -> Vector<S> {
     three!(row => a[row].times_plus(factor, b[row]))
 }
 
 #[inline(always)]
-pub(super) fn dot<S: Simd>(a: Vector<S>, b: Vector<S>) -> Lane<S> {
+pub(super) fn dot<S: Simd>(a: Vector<S>, b: Vector<S>) -> Lanes<S> {
     a[0].times_plus(b[0], a[1].times_plus(b[1], a[2] * b[2]))
 }
 
 /// `a . b + c`.
 #[inline(always)]
-pub(super) fn dot_plus<S: Simd>(a: Vector<S>, b: Vector<S>, c: Lane<S>) -> Lane<S> {
+pub(super) fn dot_plus<S: Simd>(a: Vector<S>, b: Vector<S>, c: Lanes<S>) -> Lanes<S> {
     a[0].times_plus(b[0], a[1].times_plus(b[1], a[2].times_plus(b[2], c)))
 }
 
@@ -99,7 +101,7 @@ pub(super) fn plus_matrix<S: Simd>(a: &Matrix<S>, b: &Matrix<S>) -> Matrix<S> {
 
 /// `M + d I`.
 #[inline(always)]
-pub(super) fn plus_diagonal<S: Simd>(matrix: &Matrix<S>, d: Lane<S>) -> Matrix<S> {
+pub(super) fn plus_diagonal<S: Simd>(matrix: &Matrix<S>, d: Lanes<S>) -> Matrix<S> {
     let [[a, b, c], [e, f, g], [h, i, j]] = *matrix;
     [[a + d, b, c], [e, f + d, g], [h, i, j + d]]
 }

@@ -9,7 +9,7 @@
 use pulp::Simd;
 
 use super::{Block, Row};
-use crate::pairs::lanes::{Lanes, Wide};
+use posecut_geometry::lanes::{Lanes, Wide};
 
 impl<const DOF: usize> Row<'_, DOF> {
     /// The covariance of a stretch is that of the later end minus that of the earlier end: 1 if the block's end is the

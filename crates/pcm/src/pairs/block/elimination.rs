@@ -8,7 +8,7 @@
 
 use pulp::Simd;
 
-use crate::pairs::lanes::Lanes;
+use posecut_geometry::lanes::Lanes;
 
 /// As [`crate::odometry::chain::squared_mahalanobis`]; NaN if the covariance is not positive definite.
 #[inline(always)]

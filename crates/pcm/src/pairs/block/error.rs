@@ -6,8 +6,8 @@ use pulp::Simd;
 
 use super::{Block, Row};
 use crate::odometry::spread::Spatial;
-use crate::pairs::lanes::Lanes;
 use crate::pairs::logarithm::logarithm;
+use posecut_geometry::lanes::Lanes;
 
 impl<const DOF: usize> Row<'_, DOF> {
     /// Log(T_a^-1 T_b).

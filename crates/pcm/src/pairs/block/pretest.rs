@@ -5,8 +5,8 @@
 use pulp::Simd;
 
 use super::{Block, Row};
-use crate::pairs::lanes::{Lanes, Mask};
 use crate::pairs::pretest::SLACK;
+use posecut_geometry::lanes::{Lanes, Mask};
 
 impl<const DOF: usize> Row<'_, DOF> {
     /// The pre-test of rotations.

@@ -10,8 +10,8 @@ use super::elimination::squared_mahalanobis;
 use crate::odometry::chain::Chain;
 use crate::odometry::spread::Spatial;
 use crate::pairs::candidate::Candidate;
-use crate::pairs::lanes::{Lanes, Wide};
 use crate::pairs::pretest::{Place, Turn};
+use posecut_geometry::lanes::{Lanes, Wide};
 
 /// One candidate, to be tested against blocks of others.
 pub(crate) struct Row<'a, const DOF: usize> {

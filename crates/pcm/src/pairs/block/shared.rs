@@ -9,7 +9,7 @@
 use pulp::Simd;
 
 use super::{Block, Row};
-use crate::pairs::lanes::{Lanes, Wide};
+use posecut_geometry::lanes::{Lanes, Wide};
 
 impl<const DOF: usize> Row<'_, DOF> {
     /// Adds the effect of steps that both stretches share. A shared step acts through T + I if both stretches run the same

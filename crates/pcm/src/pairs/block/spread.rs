@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use pulp::Simd;
 
 use crate::odometry::spread::Spread;
-use crate::pairs::lanes::{Lanes, Wide};
+use posecut_geometry::lanes::{Lanes, Wide};
 
 #[derive(Clone, Copy, Default)]
 pub(super) struct WideSpread {

@@ -1,10 +1,10 @@
-//! Numbers of several pairs, one in each lane of a vector register.
+//! Several numbers, one in each lane of a vector register, and their arithmetic.
 
 #![allow(clippy::inline_always, reason = "what is not inlined into the dispatched loop is compiled for SSE2")]
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use pulp::Simd;
+use pulp::{Simd, bytemuck};
 
 /// The number of lanes that are stored together: the widest register of any machine.
 pub const WIDTH: usize = 8;
@@ -20,8 +20,8 @@ impl Default for Wide {
     }
 }
 
-/// As many numbers as a register holds. Operations are never fused, so that lanes round like single numbers on every
-/// machine.
+/// As many numbers as a register holds. Operators are never fused, so that lanes round like single numbers on every machine;
+/// [`times_plus`](Self::times_plus) and [`times_from`](Self::times_from) are fused where the machine can.
 #[derive(Clone, Copy, Debug)]
 pub struct Lanes<S: Simd> {
     simd: S,
@@ -33,6 +33,29 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub fn splat(simd: S, value: f64) -> Self {
         Self { simd, values: simd.splat_f64s(value) }
+    }
+
+    /// The number of each lane, by its index.
+    #[inline(always)]
+    pub fn gather(simd: S, of: impl Fn(usize) -> f64) -> Self {
+        // Written out: a loop over the lanes would go through memory.
+        let values = match S::F64_LANES {
+            1 => bytemuck::pod_read_unaligned(bytemuck::bytes_of(&[of(0)])),
+            2 => bytemuck::pod_read_unaligned(bytemuck::bytes_of(&[of(0), of(1)])),
+            4 => bytemuck::pod_read_unaligned(bytemuck::bytes_of(&[of(0), of(1), of(2), of(3)])),
+            WIDTH => bytemuck::pod_read_unaligned(bytemuck::bytes_of(&[
+                of(0),
+                of(1),
+                of(2),
+                of(3),
+                of(4),
+                of(5),
+                of(6),
+                of(7),
+            ])),
+            lanes => unreachable!("{lanes} lanes"),
+        };
+        Self { simd, values }
     }
 
     /// The lanes from `first` on, a multiple of the register's.
@@ -83,6 +106,58 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub fn less_than(self, other: Self) -> Mask<S> {
         Mask { simd: self.simd, lanes: self.simd.less_than_f64s(self.values, other.values) }
+    }
+
+    /// The number in every lane.
+    #[must_use]
+    #[inline(always)]
+    pub fn constant(self, value: f64) -> Self {
+        Self::splat(self.simd, value)
+    }
+
+    /// The numbers.
+    #[inline(always)]
+    pub fn numbers(&self) -> &[f64] {
+        bytemuck::cast_slice(std::slice::from_ref(&self.values))
+    }
+
+    /// `self * factor + summand`.
+    #[must_use]
+    #[inline(always)]
+    pub fn times_plus(self, factor: Self, summand: Self) -> Self {
+        Self { values: self.simd.mul_add_e_f64s(self.values, factor.values, summand.values), ..self }
+    }
+
+    /// `summand - self * factor`.
+    #[must_use]
+    #[inline(always)]
+    pub fn times_from(self, factor: Self, summand: Self) -> Self {
+        (-self).times_plus(factor, summand)
+    }
+
+    /// `1 / self`.
+    #[must_use]
+    #[inline(always)]
+    pub fn reciprocal(self) -> Self {
+        self.constant(1.0) / self
+    }
+
+    /// The rows of four columns of four numbers. Only for registers of four lanes.
+    #[inline(always)]
+    pub fn transposed([a, b, c, d]: &[Self; 4]) -> [Self; 4] {
+        let [e, f, g, h] = a.simd.interleave_shfl_f64s([a.values, b.values, c.values, d.values]);
+        [
+            Self { values: e, ..*a },
+            Self { values: f, ..*a },
+            Self { values: g, ..*a },
+            Self { values: h, ..*a },
+        ]
+    }
+
+    /// Whether every number is at most `limit`; not if one is not a number.
+    #[inline(always)]
+    pub fn at_most(&self, limit: f64) -> bool {
+        self.numbers().iter().all(|&number| number <= limit)
     }
 
     /// c_0 + c_1 x + c_2 x^2 + … by Horner's rule.
