@@ -2,8 +2,8 @@
 //!
 //! The cost is `sum of rho(e^T Omega e)` with `e = Log(Z^-1 X_from^-1 X_to)`, where an edge measures `Z` with information
 //! matrix `Omega`; `prior` has the residuals of measurements of single nodes. `problem` checks a graph; `residual` has `e` and its
-//! Jacobians, and `lanes` those of several edges at once; `kernel` has `rho`, and `kernel_name` the names of kernels; `gauge` has the held
-//! nodes; `part` makes a graph of a connected component; `magnitude` has the reference values of tolerances.
+//! Jacobians, and `lanes` those of several edges at once; `retraction` moves poses by steps; `kernel` has `rho`, and `kernel_name` the names
+//! of kernels; `gauge` has the held nodes; `part` makes a graph of a connected component; `magnitude` has the reference values of tolerances.
 //!
 //! Depends on no other module of this crate.
 
@@ -17,6 +17,7 @@ pub(crate) mod part;
 pub(crate) mod prior;
 pub(crate) mod problem;
 pub(crate) mod residual;
+pub(crate) mod retraction;
 
 pub use kernel::charge;
 pub use lanes::LaneGroup;

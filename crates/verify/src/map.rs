@@ -115,8 +115,9 @@ impl<G: Motion<DOF>, const DOF: usize> Drawing<G, DOF> {
         let start = start.unwrap_or(&self.start).to_vec();
         let problem =
             Problem::new(start, odometry.chain(bridges.iter().copied()).chain(landmarks).collect())?;
-        let options =
-            Options { cost_tolerance: 1e-4, max_iterations: 40, initialisation, ..Options::default() };
+        // The tolerance is the usual one: without an edge that alone holds two parts, what its residual is off the minimum would grow by the
+        // inverse of the share of its variance that is left.
+        let options = Options { max_iterations: 40, initialisation, ..Options::default() };
         let memory = std::mem::take(&mut *self.memory());
         let (solution, marginals) = optimize_with_marginals(&problem, &options, memory);
         let poses = solution.poses;

@@ -6,7 +6,6 @@
 //! Gauss-Newton step is also tried with a correction of second order ([`acceleration`](super::acceleration)).
 
 use nalgebra::SVector;
-use posecut_geometry::{LieGroup, translations};
 
 use super::outcome::Step;
 use super::stiff_tree::StiffTree;
@@ -51,7 +50,8 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             self.accelerate(terms, poses, first.step, &mut best, &mut winner);
         }
         if newton && let Some(step) = self.newton_step(terms, poses, damping) {
-            self.retract(poses);
+            // The exact second derivative is that along screws.
+            self.retract_by_screws(poses);
             let cost = self.trial_cost(terms);
             self.prefer(Attempt { step, cost }, &mut best, &mut winner);
             self.by_tree(terms, poses, step, &mut best, &mut winner);
@@ -60,29 +60,20 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         best
     }
 
-    /// The attempt to move positions and rotations apart, if it costs less than the given one, which is at the trial. Its poses then
-    /// become the trial.
-    ///
-    /// `X Exp(d)` takes a pose along a screw. Where a long common motion `v` meets a bend of `w` radians between neighbours, their
-    /// relative position then errs by `w v / 2`. With `X (I, v) Exp(0, r)` it errs by the square of the rotation `r`, however long the
-    /// motion is: less on large maps, more for large rotations.
-    pub(super) fn apart<T: Term<G, DOF>>(
+    /// The attempt to move poses along screws, if it costs less than the given one, which is at the trial. Its poses then become the trial.
+    pub(super) fn by_screws<T: Term<G, DOF>>(
         &mut self,
         terms: &[T],
         poses: &[G],
         first: Attempt,
     ) -> Option<Attempt> {
-        let held = self.pattern.held;
-        let mut other = poses.to_vec();
-        for (pose, step) in other.iter_mut().skip(held).zip(&self.step) {
-            *pose = moved_apart(pose, step);
-        }
-        std::mem::swap(&mut self.trial, &mut other);
+        let apart = self.trial.clone();
+        self.retract_by_screws(poses);
         let cost = self.trial_cost(terms);
         if cost < first.cost || !first.cost.is_finite() {
             return Some(Attempt { cost, ..first });
         }
-        self.trial = other;
+        self.trial = apart;
         None
     }
 
@@ -115,40 +106,3 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
 
 /// Poses and step of the best attempt.
 pub(super) type Winner<G, const DOF: usize> = (Vec<G>, Vec<SVector<f64, DOF>>);
-
-/// `X (I, v) Exp(0, r)` for the step `(v, r)`.
-fn moved_apart<G: LieGroup<DOF>, const DOF: usize>(pose: &G, step: &SVector<f64, DOF>) -> G {
-    let (mut along, mut about) = (*step, *step);
-    along.rows_range_mut(translations(DOF)..).fill(0.0);
-    about.rows_range_mut(..translations(DOF)).fill(0.0);
-    pose.compose(&G::exp(&along)).compose(&G::exp(&about))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use nalgebra::Vector3;
-    use posecut_geometry::SE2;
-
-    /// Two neighbours move 50 m together and bend by 0.02 rad: the edge between them should change by what the linear model says.
-    #[test]
-    fn a_long_common_motion_with_a_small_bend_does_not_stretch_an_edge() {
-        let poses = [SE2::new(3.0, 1.0, 0.4), SE2::new(4.0, 1.2, 0.9)];
-        let common = nalgebra::Vector2::new(40.0, -30.0);
-        let steps: Vec<Vector3<f64>> = poses
-            .iter()
-            .zip([0.01, 0.03])
-            .map(|(pose, turn)| {
-                let own = pose.rotation.inverse() * common;
-                Vector3::new(own.x, own.y, turn)
-            })
-            .collect();
-        let before = poses[0].between(&poses[1]);
-        let expected = steps[1] - before.inverse().adjoint() * steps[0];
-        let error = |moved: [SE2; 2]| (before.between(&moved[0].between(&moved[1])).log() - expected).amax();
-        let apart = error([0, 1].map(|index| moved_apart(&poses[index], &steps[index])));
-        let screw = error([0, 1].map(|index| poses[index].compose(&SE2::exp(&steps[index]))));
-        assert!(apart < 1e-3, "{apart}");
-        assert!(screw > 0.3, "{screw}");
-    }
-}

@@ -18,7 +18,7 @@ const NEARLY_FULL: f64 = 1e-3;
 
 /// After a step with a component of this length (shares of the graph's length, radians), the matrix has mostly changed too much for
 /// another step with the old factor, so gradient and matrix are computed in one pass.
-const LONG: f64 = 0.25;
+pub(super) const LONG: f64 = 0.25;
 
 /// Below this share of its promise, other steps are tried beside a step.
 const GOOD: f64 = 0.9;
@@ -183,8 +183,8 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         }
     }
 
-    /// Evaluates the trial. If a cost `before` is given and the step keeps too little of its promise, also evaluates the step with
-    /// positions and rotations apart; the better of both becomes the trial.
+    /// Evaluates the trial. If a cost `before` is given and the step keeps too little of its promise, also evaluates the step along screws;
+    /// the better of both becomes the trial.
     fn evaluate<T: Term<G, DOF>>(
         &mut self,
         edges: &[T],
@@ -200,7 +200,7 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         };
         let attempt = Attempt { step, cost: assembled(self) };
         if before.is_some_and(|before| !(attempt.gain(before) >= POOR))
-            && let Some(better) = self.apart(edges, poses, attempt)
+            && let Some(better) = self.by_screws(edges, poses, attempt)
         {
             return if wanted == Assembled::Nothing {
                 better

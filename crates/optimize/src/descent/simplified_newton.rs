@@ -5,6 +5,7 @@
 //! nearer the factor's poses are to the minimum (simplified Newton; P. Deuflhard, "Newton methods for nonlinear problems",
 //! 2004, section 2.1.2). The promise of its first step also shows, at almost no cost, whether another full step is needed.
 
+use super::levenberg_marquardt::LONG;
 use super::outcome::{Outcome, Step, Termination};
 use super::workspace::Workspace;
 use crate::model::lanes::LaneGroup;
@@ -13,10 +14,11 @@ use crate::options::Options;
 
 /// The old factor is not used any more if the ratio of successive promises exceeds this.
 const SLOW: f64 = 0.2;
+/// A first step with the old factor that is longer than the step before fails more often than not; after a long one, where it is longer than
+/// this share.
+const FIRST_SHARE: f64 = 0.25;
 /// Time of a step with a new factor, in steps with the old one: 3 to 7 on the benchmark graphs.
 const STEPS_PER_FACTOR: f64 = 4.0;
-/// Share of its promise that a step must keep.
-const KEPT: f64 = 0.5;
 
 impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
     /// Continues with the factor of the last step, which promised `last`, as long as that is faster than a new factor.
@@ -35,6 +37,10 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         // product of the last two errors instead of the square of the last one, and the derivative of a square doubles it.
         let mut slowdown = 4.0;
         let mut first = true;
+        let longest = if last.largest < LONG { last.largest } else { FIRST_SHARE * last.largest };
+        // Whether the last step went beyond the minimum along it.
+        let mut overshot = false;
+        self.is_near = false;
         while outcome.iterations < options.max_iterations {
             outcome.gradient = self.cosine(outcome.cost);
             if outcome.gradient <= options.gradient_tolerance {
@@ -42,14 +48,15 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             }
             let step = self.substitute()?;
             let ratio = step.promised / before;
-            self.is_near = ratio < SLOW;
-            // A first step with the old factor that is longer than the step before fails more often than not.
-            if !(ratio < SLOW) || (first && !(step.largest < last.largest)) {
-                return None;
-            }
+            self.is_near |= ratio < SLOW;
             let shrinks = step.largest < outcome.last.largest;
             let at_least = self.at_least(outcome.cost);
             let met = step.met(at_least, shrinks, options);
+            // Where steps go too far, the old matrix is the softer one, and its promises are too large.
+            let is_sure = ratio < SLOW || (overshot && met.is_some());
+            if !is_sure || (first && !(step.largest < longest)) {
+                return None;
+            }
             let hidden = shrinks && options.is_hidden(step.promised, at_least);
             if met.is_none()
                 && !pays(step.promised, ratio, slowdown * ratio, options.promise_tolerance(at_least))
@@ -60,15 +67,15 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             outcome.last = step;
             self.retract(poses);
             let cost = if met.is_some() { self.trial_cost(edges) } else { self.trial_gradient(edges) };
-            let kept = hidden || cost <= outcome.cost - KEPT * step.promised;
-            if cost < outcome.cost || hidden || (met.is_some() && cost <= outcome.cost) {
+            overshot = self.slope_along_step() > 0.0;
+            let lower = cost < outcome.cost || hidden;
+            if lower || (met.is_some() && cost <= outcome.cost) {
                 poses.copy_from_slice(&self.trial);
                 outcome.cost = cost;
             } else if met.is_none() {
                 outcome.rejected += 1;
             }
-            self.is_near &= kept;
-            if met.is_some() || !kept {
+            if met.is_some() || !lower {
                 return met;
             }
             before = step.promised;

@@ -8,10 +8,11 @@ use super::conjugate_step::iterations;
 use super::outcome::Step;
 use super::phases::{Phases, timed};
 use super::stiff_tree::StiffTree;
-use crate::model::lanes::{LaneGroup, retract};
+use crate::model::lanes::LaneGroup;
 use crate::model::magnitude::Magnitude;
 use crate::model::prior::{self, Prior};
 use crate::model::residual::{Term, total};
+use crate::model::retraction::{retract, retract_by_screws};
 use crate::normal_equations::{NormalEquations, Pattern};
 
 /// Damping raises every diagonal entry to at least this share of the largest one. Marquardt's scaling alone would not damp a
@@ -167,6 +168,11 @@ impl<'a, G: LaneGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         }
     }
 
+    /// The gradient along the step.
+    pub(super) fn slope_along_step(&self) -> f64 {
+        self.step.iter().zip(&self.equations.gradient).map(|(step, gradient)| step.dot(gradient)).sum()
+    }
+
     /// What the model says about the full step in `self.step`; `None` if it is not finite.
     pub(super) fn full_step(&self) -> Option<Step> {
         let mut promised = 0.0;
@@ -178,8 +184,17 @@ impl<'a, G: LaneGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         (promised.is_finite() && largest.is_finite()).then_some(Step { promised, largest })
     }
 
-    /// `trial = X Exp(d)`.
+    /// Sets the trial to the poses moved apart by the step.
     pub(crate) fn retract(&mut self, poses: &[G]) {
+        self.retract_by(poses, retract);
+    }
+
+    /// Sets the trial to the poses moved along screws by the step.
+    pub(super) fn retract_by_screws(&mut self, poses: &[G]) {
+        self.retract_by(poses, retract_by_screws);
+    }
+
+    fn retract_by(&mut self, poses: &[G], retract: fn(&[G], &[SVector<f64, DOF>], &mut [G])) {
         let Self { trial, step, pattern, phases, .. } = self;
         timed(&mut phases.linearisation, || {
             trial.resize(poses.len(), G::identity());

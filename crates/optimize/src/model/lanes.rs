@@ -16,9 +16,8 @@ mod rotation;
 mod spatial;
 mod vector;
 
-use faer::traits::pulp::{Simd, WithSimd};
+use faer::traits::pulp::Simd;
 use nalgebra::{SMatrix, SVector};
-use posecut_cholesky::instructions::for_small_blocks;
 use posecut_geometry::LieGroup;
 use posecut_geometry::lanes::{Lanes, WIDTH};
 
@@ -48,43 +47,8 @@ pub trait LaneGroup<const DOF: usize>: LieGroup<DOF> {
         models: &mut [Linearised<DOF>],
     ) -> bool;
 
-    /// The moved poses `X Exp(d)` for each step `d`.
+    /// The poses moved apart by each step: `X (I, v) Exp(0, r)`.
     fn moved<S: Simd>(simd: S, poses: &[Self], steps: &[SVector<f64, DOF>], moved: &mut [Self]) -> bool;
-}
-
-/// Writes the moved poses `X Exp(d)` for each step `d`.
-pub(crate) fn retract<G: LaneGroup<DOF>, const DOF: usize>(
-    poses: &[G],
-    steps: &[SVector<f64, DOF>],
-    moved: &mut [G],
-) {
-    for_small_blocks(Retract { poses, steps, moved });
-}
-
-/// [`retract`] for one set of vector instructions.
-struct Retract<'a, G, const DOF: usize> {
-    poses: &'a [G],
-    steps: &'a [SVector<f64, DOF>],
-    moved: &'a mut [G],
-}
-
-impl<G: LaneGroup<DOF>, const DOF: usize> WithSimd for Retract<'_, G, DOF> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { poses, steps, moved } = self;
-        let lanes = S::F64_LANES;
-        for ((poses, steps), moved) in
-            poses.chunks(lanes).zip(steps.chunks(lanes)).zip(moved.chunks_mut(lanes))
-        {
-            if !G::moved(simd, poses, steps, moved) {
-                for ((pose, step), moved) in poses.iter().zip(steps).zip(moved) {
-                    *moved = pose.compose(&G::exp(step));
-                }
-            }
-        }
-    }
 }
 
 /// The edges of the lanes, and the poses of their ends. A lane without an edge repeats the last one.

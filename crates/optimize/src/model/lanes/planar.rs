@@ -249,15 +249,11 @@ impl LaneGroup<3> for SE2 {
         if !squared.at_most(SERIES_LIMIT) {
             return false;
         }
-        let (second, third) = (even::second(squared), even::third(squared));
-        let first = even::one_minus(squared, third);
-        let across = turn * second;
-        let shift = (first.times_plus(x, -(across * y)), across.times_plus(x, first * y));
-        let (cosine, sine) = (even::one_minus(squared, second), turn * first);
+        let cosine = even::one_minus(squared, even::second(squared));
+        let sine = turn * even::one_minus(squared, even::third(squared));
         let own_cosine = Lanes::gather(simd, |lane| poses[lane.min(last)].rotation.re);
         let own_sine = Lanes::gather(simd, |lane| poses[lane.min(last)].rotation.im);
-        let x = own_cosine.times_plus(shift.0, -(own_sine * shift.1));
-        let y = own_sine.times_plus(shift.0, own_cosine * shift.1);
+        let (x, y) = (own_cosine.times_plus(x, -(own_sine * y)), own_sine.times_plus(x, own_cosine * y));
         let re = own_cosine.times_plus(cosine, -(own_sine * sine));
         let im = own_sine.times_plus(cosine, own_cosine * sine);
         // One Newton step towards norm 1, as in `compose`.

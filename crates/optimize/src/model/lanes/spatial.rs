@@ -306,14 +306,10 @@ impl LaneGroup<6> for SE3 {
         if !squared.at_most(SERIES_LIMIT) {
             return false;
         }
-        // `sin(a/2) / a` and `cos(a/2)` of the quaternion, and `c_2 = 2 (sin(a/2) / a)^2`.
+        // `sin(a/2) / a` and `cos(a/2)` of the quaternion.
         let quarter = squared * squared.constant(0.25);
         let half_sine = even::one_minus(quarter, even::third(quarter)) * squared.constant(0.5);
         let half_cosine = even::one_minus(quarter, even::second(quarter));
-        let second = half_sine * (half_sine + half_sine);
-        let once = cross(turn, shift);
-        let shift = scaled_plus(once, second, shift);
-        let shift = scaled_plus(cross(turn, once), even::third(squared), shift);
         let own = Rotation {
             scalar: Lanes::gather(simd, |lane| poses[lane.min(last)].rotation.w),
             vector: three!(axis => Lanes::gather(simd, |lane| poses[lane.min(last)].rotation.coords[axis])),
