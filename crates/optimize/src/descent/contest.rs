@@ -67,7 +67,7 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         poses: &[G],
         first: Attempt,
     ) -> Option<Attempt> {
-        let apart = self.trial.clone();
+        let apart = std::mem::take(&mut self.trial);
         self.retract_by_screws(poses);
         let cost = self.trial_cost(terms);
         if cost < first.cost || !first.cost.is_finite() {

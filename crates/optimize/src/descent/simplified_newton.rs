@@ -5,6 +5,8 @@
 //! nearer the factor's poses are to the minimum (simplified Newton; P. Deuflhard, "Newton methods for nonlinear problems",
 //! 2004, section 2.1.2). The promise of its first step also shows, at almost no cost, whether another full step is needed.
 
+use posecut_cholesky::vectors::dot;
+
 use super::levenberg_marquardt::LONG;
 use super::outcome::{Outcome, Step, Termination};
 use super::workspace::Workspace;
@@ -36,8 +38,7 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         // If full steps converge quadratically with rate r, the first step with an old factor has rate 4 r: its error is the
         // product of the last two errors instead of the square of the last one, and the derivative of a square doubles it.
         let mut slowdown = 4.0;
-        let mut first = true;
-        let longest = if last.largest < LONG { last.largest } else { FIRST_SHARE * last.largest };
+        let mut longest = if last.largest < LONG { last.largest } else { FIRST_SHARE * last.largest };
         // Whether the last step went beyond the minimum along it.
         let mut overshot = false;
         self.is_near = false;
@@ -54,7 +55,7 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             let met = step.met(at_least, shrinks, options);
             // Where steps go too far, the old matrix is the softer one, and its promises are too large.
             let is_sure = ratio < SLOW || (overshot && met.is_some());
-            if !is_sure || (first && !(step.largest < longest)) {
+            if !is_sure || !(step.largest < longest) {
                 return None;
             }
             let hidden = shrinks && options.is_hidden(step.promised, at_least);
@@ -67,7 +68,6 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             outcome.last = step;
             self.retract(poses);
             let cost = if met.is_some() { self.trial_cost(edges) } else { self.trial_gradient(edges) };
-            overshot = self.slope_along_step() > 0.0;
             let lower = cost < outcome.cost || hidden;
             if lower || (met.is_some() && cost <= outcome.cost) {
                 poses.copy_from_slice(&self.trial);
@@ -78,9 +78,10 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             if met.is_some() || !lower {
                 return met;
             }
+            overshot = dot(&self.step, &self.equations.gradient) > 0.0;
             before = step.promised;
             slowdown = 1.0;
-            first = false;
+            longest = f64::INFINITY;
         }
         None
     }

@@ -168,11 +168,6 @@ impl<'a, G: LaneGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
         }
     }
 
-    /// The gradient along the step.
-    pub(super) fn slope_along_step(&self) -> f64 {
-        self.step.iter().zip(&self.equations.gradient).map(|(step, gradient)| step.dot(gradient)).sum()
-    }
-
     /// What the model says about the full step in `self.step`; `None` if it is not finite.
     pub(super) fn full_step(&self) -> Option<Step> {
         let mut promised = 0.0;
