@@ -4,7 +4,12 @@
 //! George, "Nested dissection of a regular finite element mesh", 1973). [`symbolic`](super::symbolic) takes the order that
 //! needs fewer operations.
 //!
-//! Depends only on adjacency lists.
+//! Nested dissection takes a [`graph`] apart at the separator of a [`cut`], which [`refinement`] improves, and orders small parts by
+//! [`exact_minimum_degree`].
 
+mod cut;
+mod exact_minimum_degree;
+mod graph;
 pub(crate) mod minimum_degree;
 pub(crate) mod nested_dissection;
+mod refinement;

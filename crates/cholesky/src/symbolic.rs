@@ -25,9 +25,9 @@ use supernodes::{Supernode, amalgamate, maximal};
 pub(crate) use front::{Front, NO_PARENT, Stretch};
 pub(crate) use subtrees::Subtree;
 
-/// If minimum degree needs more operations than this, nested dissection is tried too. Its analysis takes several times as
-/// long, which a cheap factorisation would not pay back.
-const WORTH_DISSECTION: f64 = 2e8;
+/// If minimum degree needs more operations than this for each variable, nested dissection is tried too. It takes some 4 microseconds for each
+/// variable, which cheaper factorisations do not pay back.
+const WORTH_DISSECTION: f64 = 8e4;
 
 /// Order of elimination, fronts, and the map from matrix to fronts, for one pattern of blocks.
 #[derive(Debug)]
@@ -63,7 +63,7 @@ impl Symbolic {
     pub fn new(variables: usize, pairs: &[(usize, usize)], block: usize) -> Self {
         let order = approximate_minimum_degree(variables, pairs);
         let symbolic = Self::with_order(pairs, &order, block);
-        if symbolic.flops < WORTH_DISSECTION {
+        if symbolic.flops < WORTH_DISSECTION * variables as f64 {
             return symbolic;
         }
         let dissected = Self::with_order(pairs, &nested_dissection(variables, pairs), block);
