@@ -22,7 +22,7 @@ const COARSEST: usize = 80;
 const SEARCHES: usize = 8;
 /// A graph that keeps more than this share of its vertices is not made coarser.
 const WORTH_A_LEVEL: f64 = 0.9;
-/// From this number of vertices on, two threads cut a graph in both ways.
+/// From this number of vertices on, two threads share the work on a graph.
 pub(super) const WORTH_THREADS: usize = 5000;
 
 /// A side for every vertex; no edge joins side 0 to side 1.
