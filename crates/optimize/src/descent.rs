@@ -22,7 +22,7 @@ mod stiff_tree;
 pub(crate) mod workspace;
 
 use crate::model::lanes::LaneGroup;
-use crate::model::residual::Term;
+use crate::model::term::Term;
 use crate::options::{Method, Options};
 use damping::LARGEST_DAMPING;
 use outcome::Outcome;

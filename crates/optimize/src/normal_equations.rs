@@ -12,7 +12,8 @@ use posecut_geometry::lanes::WIDTH;
 
 use crate::model::prior::Prior;
 use crate::model::problem::Edge;
-use crate::model::residual::{Gradient, Linearised, Term};
+use crate::model::quadratic::{Gradient, Linearised};
+use crate::model::term::Term;
 use posecut_cholesky::instructions::for_small_blocks;
 use posecut_cholesky::{Matrix, Memory, Symbolic};
 

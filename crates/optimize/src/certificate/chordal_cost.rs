@@ -8,7 +8,8 @@ use posecut_geometry::LieGroup;
 
 use crate::initialisation::chordal::MatrixPose;
 use crate::model::problem::Edge;
-use crate::model::residual::{Linearised, Term};
+use crate::model::quadratic::Linearised;
+use crate::model::term::Term;
 
 /// An edge of `F`.
 pub(crate) struct ChordalEdge<const N: usize> {

@@ -17,7 +17,7 @@ use super::phases::timed;
 use super::stiff_tree::StiffTree;
 use super::workspace::Workspace;
 use crate::model::lanes::LaneGroup;
-use crate::model::residual::Term;
+use crate::model::term::Term;
 
 /// Second derivatives are differences over this share of the step or, if that is more, this motion (shares of the graph's length,
 /// radians).

@@ -11,7 +11,7 @@ use super::outcome::Step;
 use super::stiff_tree::StiffTree;
 use super::workspace::Workspace;
 use crate::model::lanes::LaneGroup;
-use crate::model::residual::Term;
+use crate::model::term::Term;
 
 /// A step and the cost where it leads.
 #[derive(Clone, Copy)]

@@ -11,7 +11,7 @@ use super::damping::{FIRST_DAMPING, LARGEST_DAMPING};
 use super::outcome::{Outcome, Step, Termination};
 use super::workspace::Workspace;
 use crate::model::lanes::LaneGroup;
-use crate::model::residual::Term;
+use crate::model::term::Term;
 use crate::options::Options;
 
 /// Ratios of gain to promise: below the first a step halves the radius, above the second the radius may grow.

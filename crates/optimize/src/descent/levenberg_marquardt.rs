@@ -9,7 +9,7 @@ use super::damping::{Damping, FIRST_DAMPING, first_damping};
 use super::outcome::{Outcome, Step, Termination};
 use super::workspace::Workspace;
 use crate::model::lanes::LaneGroup;
-use crate::model::residual::Term;
+use crate::model::term::Term;
 use crate::options::Options;
 
 /// The tolerances of a full step apply up to this damping. Stronger damping makes steps short everywhere, and a short step

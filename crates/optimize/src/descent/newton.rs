@@ -13,7 +13,7 @@ use super::outcome::Step;
 use super::phases::timed;
 use super::workspace::Workspace;
 use crate::model::lanes::LaneGroup;
-use crate::model::residual::Term;
+use crate::model::term::Term;
 use crate::normal_equations::NormalEquations;
 
 /// Maximum number of directions.

@@ -11,7 +11,7 @@ use super::levenberg_marquardt::LONG;
 use super::outcome::{Outcome, Step, Termination};
 use super::workspace::Workspace;
 use crate::model::lanes::LaneGroup;
-use crate::model::residual::Term;
+use crate::model::term::Term;
 use crate::options::Options;
 
 /// The old factor is not used any more if the ratio of successive promises exceeds this.

@@ -14,7 +14,7 @@ use posecut_cholesky::Adjacency;
 use posecut_geometry::LieGroup;
 use posecut_graph::connectivity::Forest;
 
-use crate::model::residual::Term;
+use crate::model::term::Term;
 
 /// Edges of a minimum spanning tree by variance, parents before children. Held nodes are the roots.
 pub(super) struct StiffTree {

@@ -8,11 +8,12 @@ use super::conjugate_step::iterations;
 use super::outcome::Step;
 use super::phases::{Phases, timed};
 use super::stiff_tree::StiffTree;
+use crate::model::cost::total;
 use crate::model::lanes::LaneGroup;
 use crate::model::magnitude::Magnitude;
 use crate::model::prior::{self, Prior};
-use crate::model::residual::{Term, total};
 use crate::model::retraction::{retract, retract_by_screws};
+use crate::model::term::Term;
 use crate::normal_equations::{NormalEquations, Pattern};
 
 /// Damping raises every diagonal entry to at least this share of the largest one. Marquardt's scaling alone would not damp a

@@ -16,7 +16,7 @@ use posecut_geometry::{LieGroup, translations};
 
 use super::kernel::charge;
 use super::problem::Edge;
-use super::residual::Linearised;
+use super::quadratic::Linearised;
 
 /// Step of the central differences of `J_r^-1`, radians; the derivative is then exact to about 1e-9.
 const STEP: f64 = 1e-4;

@@ -23,7 +23,7 @@ use posecut_geometry::lanes::{Lanes, WIDTH};
 
 use super::kernel::charge;
 use super::problem::Edge;
-use super::residual::{Gradient, Linearised};
+use super::quadratic::{Gradient, Linearised};
 
 /// A group whose edges can be evaluated several at once: as many as `S` has lanes, or fewer. The results are written in the order of the
 /// edges; `false` means that nothing was computed, because an error turns too far.

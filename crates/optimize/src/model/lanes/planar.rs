@@ -15,7 +15,7 @@ use posecut_geometry::lanes::{Lanes, WIDTH};
 
 use super::{Ends, LaneGroup, Models, even, three, write_gradients};
 use crate::model::problem::Edge;
-use crate::model::residual::{Gradient, Linearised};
+use crate::model::quadratic::{Gradient, Linearised};
 
 /// `X_ij`: translation, cosine and sine.
 #[derive(Clone, Copy)]

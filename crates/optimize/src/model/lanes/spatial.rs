@@ -20,7 +20,7 @@ use posecut_geometry::lanes::{Lanes, WIDTH};
 
 use super::{Ends, LaneGroup, Models, even, three, write_gradients};
 use crate::model::problem::Edge;
-use crate::model::residual::{Gradient, Linearised};
+use crate::model::quadratic::{Gradient, Linearised};
 
 /// The residuals of edges: `e = Log(Z^-1 X_ij)`, translations before rotations.
 struct Residual<S: Simd> {

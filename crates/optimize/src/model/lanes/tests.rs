@@ -1,10 +1,11 @@
 //! Lanes beside single edges.
 
 use super::*;
+use crate::model::cost::total;
 use crate::model::kernel::Kernel;
 use crate::model::problem::EdgeKind;
-use crate::model::residual::{Term, total};
 use crate::model::retraction::{moved_apart, retract};
+use crate::model::term::Term;
 use faer::traits::pulp::WithSimd;
 use nalgebra::SMatrix;
 use posecut_cholesky::instructions::for_small_blocks;
