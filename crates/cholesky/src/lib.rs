@@ -3,7 +3,7 @@
 //! The matrix `A` is positive definite, and a block row belongs to one variable: a pose, say, with blocks of 3 x 3 or 6 x 6.
 //!
 //! 1. [`Symbolic::new`] looks only at the pattern. It chooses a fill-reducing order `P` of the variables: approximate minimum
-//!    degree (Amestoy, Davis, Duff, 1996) or nested dissection (George, 1973), whichever takes fewer operations. The
+//!    degree (Amestoy, Davis, Duff, 1996) or, where that takes many operations, nested dissection (George, 1973) if this takes fewer. The
 //!    elimination tree (Liu, 1990) gives the structure of the factor and its *fronts*: sets of variables that are eliminated
 //!    together as one dense matrix. All of this counts blocks, 9 to 36 times fewer than scalars. One analysis serves every
 //!    block size.
