@@ -58,13 +58,26 @@ impl Solvers {
     }
 }
 
-/// The program that contains most of the other optimisers.
+/// The folder of another build of the peers than this measurement makes, if any.
+fn given_folder() -> Option<PathBuf> {
+    std::env::var_os("PEERS").map(PathBuf::from)
+}
+
+/// Builds the program that contains most of the other optimisers, and posecut.
+pub(super) fn build() -> anyhow::Result<()> {
+    if given_folder().is_some() {
+        return Ok(());
+    }
+    let folder = target().join("peers").display().to_string();
+    super::build(&["--manifest-path", "crates/optimize/peers/Cargo.toml", "--target-dir", &folder])
+}
+
 fn peers_program() -> anyhow::Result<PathBuf> {
-    let folder = std::env::var_os("PEERS").map_or_else(|| target().join("peers"), PathBuf::from);
+    let folder = given_folder().unwrap_or_else(|| target().join("peers"));
     let program = root().join(folder).join("release/posecut-optimize-peers");
     if !program.exists() {
         bail!(
-            "{} is missing; build crates/optimize/peers with --target-dir target/peers, or set PEERS to its folder",
+            "{} is missing; set PEERS to the folder of a build of crates/optimize/peers, or unset it",
             program.display()
         );
     }
