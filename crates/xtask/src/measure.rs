@@ -9,6 +9,7 @@ mod optimize;
 mod pcm;
 mod peers;
 mod priors;
+mod programs;
 mod proofs;
 mod recognition;
 mod simulation;

@@ -3,14 +3,14 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use anyhow::{Context as _, bail};
+use anyhow::bail;
 use clap::Args;
 use serde::Deserialize;
-use serde_json::Value;
 use xtask::sections::replace;
 use xtask::workspace::{root, shared_data};
 
 use super::peers::{python, script};
+use super::programs::bench_program;
 use crate::Verdict;
 use crate::machine::{Machine, today};
 use crate::markdown;
@@ -91,7 +91,7 @@ impl Incremental {
         let names = if self.graphs.is_empty() { all() } else { self.graphs };
         let python = python(&["gtsam"])?;
         let data = shared_data()?.join("g2o");
-        let bench = self.bench.map_or_else(|| built("incremental"), Ok)?;
+        let bench = self.bench.map_or_else(|| bench_program("posecut-isam", "incremental"), Ok)?;
         let mut measured = Vec::new();
         for name in names {
             let Some((name, best, dimension)) = GRAPHS.iter().find(|(known, ..)| *known == name) else {
@@ -112,17 +112,6 @@ impl Incremental {
         }
         Ok(Verdict::Holds)
     }
-}
-
-/// A bench program of the incremental solver, built by Cargo.
-pub(super) fn built(bench: &str) -> anyhow::Result<PathBuf> {
-    let mut cargo = Command::new("cargo");
-    cargo.args(["bench", "-p", "posecut-isam", "--bench", bench, "--no-run", "--message-format=json"]);
-    let output = String::from_utf8(must(cargo.current_dir(root()))?)?;
-    let messages = output.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
-    let program = messages.filter(|message| message["target"]["name"] == bench);
-    let mut paths = program.filter_map(|message| message["executable"].as_str().map(PathBuf::from));
-    paths.next_back().with_context(|| format!("`cargo bench` names no program for the bench {bench}"))
 }
 
 fn row(name: &str, solver: &str, total: f64, quantiles: [f64; 4], gaps: [Option<f64>; 3]) -> Vec<String> {

@@ -8,8 +8,9 @@ use serde::Deserialize;
 use xtask::sections::replace;
 use xtask::workspace::root;
 
-use super::incremental::{PAGE, built};
+use super::incremental::PAGE;
 use super::peers::{python, script};
+use super::programs::bench_program;
 use crate::Verdict;
 use crate::machine::{Machine, today};
 use crate::markdown;
@@ -93,7 +94,7 @@ struct Row {
 impl Lag {
     pub(crate) fn run(self) -> anyhow::Result<Verdict> {
         let python = python(&["gtsam"])?;
-        let bench = self.bench.map_or_else(|| built("lag"), Ok)?;
+        let bench = self.bench.map_or_else(|| bench_program("posecut-isam", "lag"), Ok)?;
         let folder = tempfile::tempdir()?;
         let file = folder.path().join("session.g2o");
         let mut rows = Vec::new();

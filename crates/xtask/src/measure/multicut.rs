@@ -21,6 +21,7 @@ use xtask::workspace::root;
 use crate::Verdict;
 use crate::machine::{Machine, today};
 use crate::measure::peers::python;
+use crate::measure::programs::build;
 use crate::process::visibly;
 use instances::{Instance, instances, small_and_hard};
 use running::{Found, Limits, Wanted, measure};
@@ -84,21 +85,7 @@ enum Part {
 
 impl Multicut {
     pub(crate) fn run(self) -> anyhow::Result<Verdict> {
-        let mut cargo = Command::new("cargo");
-        cargo.args([
-            "build",
-            "--release",
-            "--locked",
-            "-q",
-            "-p",
-            "posecut-partition",
-            "-p",
-            "posecut-multicut",
-            "--bins",
-            "--example",
-            "generate_mc",
-        ]);
-        visibly(cargo.current_dir(root()))?;
+        build(&["-p", "posecut-partition", "-p", "posecut-multicut", "--bins", "--example", "generate_mc"])?;
         let folder = tempfile::tempdir()?;
         let document = self.output.clone().unwrap_or_else(|| root().join("docs/results/multicut.md"));
         if self.part != Part::Hard {

@@ -9,7 +9,6 @@ mod sessions;
 mod whole;
 
 use std::path::PathBuf;
-use std::process::Command;
 
 use anyhow::Context as _;
 use clap::{Args, ValueEnum};
@@ -18,14 +17,14 @@ use xtask::sections::replace;
 use xtask::workspace::{root, target};
 
 use crate::Verdict;
-use crate::process::visibly;
+use crate::measure::programs::build;
 
 /// Measure posecut-optimize and other optimisers, and regenerate the tables of docs/results/optimize.md
 ///
 /// Needs POSECUT_SHARED_DATA (the graphs in g2o/ and false_closures/); the part `peers` needs gtsam. Builds all programs first, those of
 /// crates/optimize/peers in target/peers unless PEERS names the folder of another build. Every process runs on one processor. Results
-/// are collected in target/comparison.json, so that you can split a long measurement. LIMIT is the time limit of a process in seconds (40), MOST_WITH_TWO the largest number of poses of a
-/// generated graph that is also measured with two threads (300000).
+/// are collected in target/comparison.json, so that you can split a long measurement. LIMIT is the time limit of a process in seconds
+/// (40), MOST_WITH_TWO the largest number of poses of a generated graph that is also measured with two threads (300000).
 #[derive(Args)]
 pub(crate) struct Optimize {
     /// Measure these graphs, separated by commas [default: all]
@@ -112,12 +111,6 @@ fn best_known() -> anyhow::Result<Vec<(String, f64)>> {
     Ok(text.lines().filter_map(entry).collect())
 }
 
-/// Builds programs: an older one would be measured for the present one.
-fn build(words: &[&str]) -> anyhow::Result<()> {
-    let mut cargo = Command::new("cargo");
-    visibly(cargo.args(["build", "--release", "--locked", "-q"]).args(words).current_dir(root()))
-}
-
 impl Optimize {
     pub(crate) fn run(self) -> anyhow::Result<Verdict> {
         let mut results = Results::read()?;
@@ -135,7 +128,6 @@ impl Optimize {
     fn measure(&self, graphs: &[(String, f64)], results: &mut Results) -> anyhow::Result<()> {
         std::fs::create_dir_all(pinned::work())?;
         build(&["--workspace", "--bins"])?;
-        build(&["-p", "posecut-optimize", "--benches"])?;
         let names: Vec<&str> = match self.only.as_slice() {
             [] => graphs.iter().map(|(name, _)| name.as_str()).collect(),
             only => only.iter().map(String::as_str).collect(),

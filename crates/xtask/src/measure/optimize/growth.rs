@@ -1,15 +1,12 @@
 //! Measures generated graphs of growing size.
 
-use std::path::PathBuf;
-
-use anyhow::Context as _;
 use serde::Deserialize;
 use serde_json::{Value, json};
-use xtask::workspace::programs_folder;
 
 use super::pinned::{Pinned, given};
 use super::{Named, Results, named};
 use crate::markdown;
+use crate::measure::programs::bench_program;
 use crate::numbers::thousands;
 
 const SIZES: [(&str, &[u64]); 2] = [
@@ -48,17 +45,9 @@ struct Run {
     chi_square_per_freedom: f64,
 }
 
-/// The newest build of the bench.
-fn bench() -> anyhow::Result<PathBuf> {
-    let pattern = programs_folder().join("deps/growth-*");
-    let programs =
-        glob::glob(&pattern.to_string_lossy())?.flatten().filter(|path| path.extension().is_none());
-    let newest = programs.max_by_key(|path| path.metadata().and_then(|data| data.modified()).ok());
-    newest.context("the bench growth is not built: cargo build --release -p posecut-optimize --benches")
-}
-
 pub(super) fn measure(only: &[u64], results: &mut Results) -> anyhow::Result<()> {
-    let (bench, most_with_two) = (bench()?, given("MOST_WITH_TWO", 300_000.0)?);
+    let (bench, most_with_two) =
+        (bench_program("posecut-optimize", "growth")?, given("MOST_WITH_TWO", 300_000.0)?);
     for (kind, sizes) in SIZES {
         for &size in sizes.iter().filter(|size| only.is_empty() || only.contains(size)) {
             let number = size.to_string();

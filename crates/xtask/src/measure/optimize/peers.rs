@@ -13,6 +13,7 @@ use super::pinned::{Pinned, work};
 use super::{Named, Results, best, named};
 use crate::markdown;
 use crate::measure::peers::{python, script};
+use crate::measure::programs;
 use crate::numbers::{general, scientific};
 use starts::starts;
 
@@ -69,9 +70,10 @@ pub(super) fn build() -> anyhow::Result<()> {
         return Ok(());
     }
     let folder = target().join("peers").display().to_string();
-    super::build(&["--manifest-path", "crates/optimize/peers/Cargo.toml", "--target-dir", &folder])
+    programs::build(&["--manifest-path", "crates/optimize/peers/Cargo.toml", "--target-dir", &folder])
 }
 
+/// The program that contains most of the other optimisers.
 fn peers_program() -> anyhow::Result<PathBuf> {
     let folder = given_folder().unwrap_or_else(|| target().join("peers"));
     let program = root().join(folder).join("release/posecut-optimize-peers");
