@@ -4,7 +4,7 @@
 //! non-linear least squares problems", 2004, section 3.2), with [`damping`] by Nielsen's rule. [`dogleg`] is Powell's (ibid.,
 //! section 3.3). [`simplified_newton`] takes steps with an older factor (Deuflhard, "Newton methods for nonlinear problems",
 //! 2004, section 2.1.2), [`conjugate_step`] others with it by conjugate gradients. [`acceleration`] corrects a step that fails
-//! to second order (Transtrum, Sethna, 2012). All use the operations of [`workspace`] and end with an [`outcome`].
+//! to second order (Transtrum, Sethna, 2012). [`pace`] tells when [`newton`]'s steps are worth their time. All use the operations of [`workspace`] and end with an [`outcome`].
 //!
 //! Depends on [`model`](crate::model) and `normal_equations`.
 
@@ -16,9 +16,11 @@ mod dogleg;
 mod levenberg_marquardt;
 mod newton;
 pub(crate) mod outcome;
+mod pace;
 pub(crate) mod phases;
 mod simplified_newton;
 mod stiff_tree;
+pub(crate) mod truncation;
 pub(crate) mod workspace;
 
 use crate::model::lanes::LaneGroup;

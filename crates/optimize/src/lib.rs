@@ -14,7 +14,7 @@
 //! 4. [`Marginals`] computes covariances of poses and of pairs of them from the factor.
 //!
 //! Each folder of `src` holds one piece of theory; the module of the same name cites its equations. The modules depend on
-//! each other in this order: [`model`], `normal_equations`, [`initialisation`], `descent`, `certificate`, `lifted`, `pose_group`,
+//! each other in this order: [`model`], `normal_equations`, [`initialisation`], `descent`, `effort`, `certificate`, `lifted`, `pose_group`,
 //! `batch`, `covariance`, and `stage`, which reads its graph by [`pose_graph`]. Without the feature `cli`, which is on by
 //! default, the crate has no stage and no program, and depends neither on clap nor on posecut-stage.
 //!
@@ -40,6 +40,7 @@ pub mod cli;
 pub mod command;
 mod covariance;
 mod descent;
+mod effort;
 pub mod initialisation;
 mod lifted;
 pub mod model;

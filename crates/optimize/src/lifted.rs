@@ -25,6 +25,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::certificate::chordal_cost::ChordalEdge;
 use crate::certificate::chordal_matrix::ChordalMatrix;
+use crate::effort::Effort;
 use crate::initialisation::chordal::MatrixPose;
 use crate::model::problem::Edge;
 use manifold::orthonormalise;
@@ -45,6 +46,7 @@ pub(crate) fn lifted_poses<
 >(
     edges: &[Edge<G, DOF>],
     poses: &[G],
+    effort: &mut Effort,
 ) -> Option<Vec<Vec<G>>>
 where
     G: LieGroup<DOF> + MatrixPose<N>,
@@ -58,7 +60,7 @@ where
         let translation = pose.translation_vector() - origin.translation_vector();
         raise::<N, M, P>(&pose.rotation_matrix(), &translation, &mut random)
     });
-    let lifted = trust_region::minimise::<N, M, P, T>(&matrix, start.collect())?;
+    let lifted = trust_region::minimise::<N, M, P, T>(&matrix, start.collect(), effort)?;
     let spaces = projection::spaces::<N, M, P>(&lifted, &mut random);
     spaces.iter().map(|space| returned(&projection::project_to(&lifted, space), origin)).collect()
 }

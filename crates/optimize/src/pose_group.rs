@@ -12,6 +12,7 @@ use crate::batch::solve::optimize_and_keep;
 use crate::certificate::{self, Certificate};
 use crate::covariance::at_solution;
 use crate::covariance::marginals::{Joint, Marginals};
+use crate::effort::Effort;
 use crate::initialisation::{alignment, chordal};
 use crate::lifted;
 use crate::model::lanes::LaneGroup;
@@ -37,9 +38,10 @@ pub trait PoseGroup<const DOF: usize>: LaneGroup<DOF> {
     fn aligning(priors: &[Prior<Self, DOF>], poses: &[Self]) -> Self;
 
     /// Poses of a connected graph near the minimum of SE-Sync's cost in more dimensions, found from these poses: one projection of it if the
-    /// relaxation is tight, and several otherwise; `None` if that cost does not exist.
+    /// relaxation is tight, and several otherwise; `None` if that cost does not exist. Ends early once the effort is spent.
     #[doc(hidden)]
-    fn lifted_poses(edges: &[Edge<Self, DOF>], poses: &[Self]) -> Option<Vec<Vec<Self>>>;
+    fn lifted_poses(edges: &[Edge<Self, DOF>], poses: &[Self], effort: &mut Effort)
+    -> Option<Vec<Vec<Self>>>;
 
     /// The certificate of a connected graph, and the poses it is for.
     #[doc(hidden)]
@@ -121,8 +123,8 @@ impl PoseGroup<3> for SE2 {
         alignment::aligning::<Self, 3, 2>(priors, poses)
     }
 
-    fn lifted_poses(edges: &[Edge<Self, 3>], poses: &[Self]) -> Option<Vec<Vec<Self>>> {
-        lifted::lifted_poses::<Self, 3, 2, 3, 4, 9>(edges, poses)
+    fn lifted_poses(edges: &[Edge<Self, 3>], poses: &[Self], effort: &mut Effort) -> Option<Vec<Vec<Self>>> {
+        lifted::lifted_poses::<Self, 3, 2, 3, 4, 9>(edges, poses, effort)
     }
 
     fn certificate(edges: &[Edge<Self, 3>], poses: &[Self]) -> (Certificate, Vec<Self>) {
@@ -147,8 +149,8 @@ impl PoseGroup<6> for SE3 {
         alignment::aligning::<Self, 6, 3>(priors, poses)
     }
 
-    fn lifted_poses(edges: &[Edge<Self, 6>], poses: &[Self]) -> Option<Vec<Vec<Self>>> {
-        lifted::lifted_poses::<Self, 6, 3, 4, 5, 14>(edges, poses)
+    fn lifted_poses(edges: &[Edge<Self, 6>], poses: &[Self], effort: &mut Effort) -> Option<Vec<Vec<Self>>> {
+        lifted::lifted_poses::<Self, 6, 3, 4, 5, 14>(edges, poses, effort)
     }
 
     fn certificate(edges: &[Edge<Self, 6>], poses: &[Self]) -> (Certificate, Vec<Self>) {

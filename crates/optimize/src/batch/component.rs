@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::collections::VecDeque;
 
-use super::continuation::continued;
+use super::continuation::{Found, continued};
 use super::solution::{ComponentReport, Start};
 use crate::descent::phases::{Phases, timed};
 use crate::descent::workspace::Workspace;
@@ -18,6 +18,8 @@ use posecut_cholesky::Memory;
 
 /// A descent from the relaxation that takes more steps than this has probably begun in the wrong basin.
 const HARD: usize = 20;
+/// Factorisations after which the descents after it may count as slow.
+const RESUMED: usize = 5;
 
 /// Whether SE-Sync's cost stands for the cost of the graph: without kernels and priors, and with at most one held node.
 fn may_be_lifted<G: PoseGroup<DOF>, const DOF: usize>(part: &Problem<G, DOF>, held: usize) -> bool {
@@ -31,8 +33,8 @@ pub(super) type Solved<G, const DOF: usize> = (Vec<G>, Vec<G>, ComponentReport, 
 ///
 /// Without kernels the relaxation is tried first: the cost of a start says little about its basin if a few stiff edges
 /// dominate. If the descent from it is hard, it halts, and the start of [`continuation`](super::continuation) is tried; it goes on if it is
-/// still the lower one then. If the result costs more than another *start*, that start is tried too, and the lowest result is kept. With
-/// kernels, the cheapest start is tried first, since the relaxation ignores outliers.
+/// still the lower one then, or if that start comes from a race. If the result costs more than another *start*, that start is tried too,
+/// and the lowest result is kept. With kernels, the cheapest start is tried first, since the relaxation ignores outliers.
 pub(super) fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     part: &Problem<G, DOF>,
     held: usize,
@@ -89,9 +91,14 @@ pub(super) fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
             report.cost_given = outcome.initial;
         }
         if may_halt && !outcome.termination.converged() {
+            // What ends a hard descent sooner from here on must not end it before it counts as one.
+            workspace.patience = RESUMED;
             let lifted = continued(&mut workspace, edges, &candidate.poses, options, &mut report);
-            starts.push_front(Candidate { halted: Some((result, outcome.cost)), ..candidate });
-            if let Some(poses) = lifted {
+            // Of a race, the winner need not be lower than what the descent from the relaxation comes to.
+            let tight = lifted.as_ref().is_some_and(|found| found.is_tight);
+            let reached = if tight { outcome.cost } else { f64::NEG_INFINITY };
+            starts.push_front(Candidate { halted: Some((result, reached)), ..candidate });
+            if let Some(Found { poses, .. }) = lifted {
                 starts.push_front(Candidate::new(Start::Lifted, cost(part, &poses), poses));
             }
             continue;
@@ -133,7 +140,7 @@ struct Candidate<G> {
     start: Start,
     poses: Vec<G>,
     cost: f64,
-    /// The poses and the cost that a descent had reached when it halted.
+    /// The poses that a descent had reached when it halted, and the cost by which it is compared.
     halted: Option<(Vec<G>, f64)>,
 }
 

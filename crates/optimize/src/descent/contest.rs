@@ -8,6 +8,7 @@
 use nalgebra::SVector;
 
 use super::outcome::Step;
+use super::pace::Pace;
 use super::stiff_tree::StiffTree;
 use super::workspace::Workspace;
 use crate::model::lanes::LaneGroup;
@@ -49,13 +50,32 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         if first.cost > before && best.cost < first.cost {
             self.accelerate(terms, poses, first.step, &mut best, &mut winner);
         }
-        if newton && let Some(step) = self.newton_step(terms, poses, damping) {
-            // The exact second derivative is that along screws.
-            self.retract_by_screws(poses);
-            let cost = self.trial_cost(terms);
-            self.prefer(Attempt { step, cost }, &mut best, &mut winner);
-            self.by_tree(terms, poses, step, &mut best, &mut winner);
+        if newton
+            && let Some(attempt) =
+                self.by_newton(terms, poses, damping, f64::INFINITY, &mut best, &mut winner)
+        {
+            self.by_tree(terms, poses, attempt.step, &mut best, &mut winner);
         }
+        (self.trial, self.step) = winner;
+        best
+    }
+
+    /// The better of the given attempt, which is at the trial, and, if the descent creeps, Newton's step. Its poses become the trial, its step
+    /// the step.
+    pub(super) fn or_newton<T: Term<G, DOF>>(
+        &mut self,
+        terms: &[T],
+        poses: &[G],
+        damping: f64,
+        pace: &mut Pace,
+        before: f64,
+        first: Attempt,
+    ) -> Attempt {
+        let Some(radius) = pace.radius() else { return first };
+        let mut best = first;
+        let mut winner = (self.trial.clone(), self.step.clone());
+        let newton = self.by_newton(terms, poses, damping, radius, &mut best, &mut winner);
+        pace.adapt(newton.map_or(f64::NAN, |attempt| attempt.gain(before)));
         (self.trial, self.step) = winner;
         best
     }
@@ -75,6 +95,24 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         }
         self.trial = apart;
         None
+    }
+
+    /// Tries Newton's step; returns it if there is one.
+    fn by_newton<T: Term<G, DOF>>(
+        &mut self,
+        terms: &[T],
+        poses: &[G],
+        damping: f64,
+        radius: f64,
+        best: &mut Attempt,
+        winner: &mut Winner<G, DOF>,
+    ) -> Option<Attempt> {
+        let step = self.newton_step(terms, poses, damping, radius)?;
+        // The exact second derivative is that along screws.
+        self.retract_by_screws(poses);
+        let attempt = Attempt { step, cost: self.trial_cost(terms) };
+        self.prefer(attempt, best, winner);
+        Some(attempt)
     }
 
     /// Tries the step along the tree.

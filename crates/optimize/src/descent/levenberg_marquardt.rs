@@ -7,6 +7,7 @@
 use super::contest::Attempt;
 use super::damping::{Damping, FIRST_DAMPING, first_damping};
 use super::outcome::{Outcome, Step, Termination};
+use super::pace::Pace;
 use super::workspace::Workspace;
 use crate::model::lanes::LaneGroup;
 use crate::model::term::Term;
@@ -34,6 +35,7 @@ struct Iteration {
     undamped_before: f64,
     /// Whether a step has failed.
     hard: bool,
+    pace: Pace,
     outcome: Outcome,
 }
 
@@ -76,6 +78,7 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             damping: Damping::up_to(largest_damping),
             undamped_before: f64::INFINITY,
             hard: false,
+            pace: Pace::new(),
             outcome: Outcome::new(self.assemble(edges, poses)),
         };
         let mut ended = self.is_flat(options, &mut iteration.outcome);
@@ -102,11 +105,13 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         options: &Options,
         iteration: &mut Iteration,
     ) -> Option<Termination> {
-        let Iteration { damping, undamped_before, hard, outcome } = iteration;
+        let Iteration { damping, undamped_before, hard, pace, outcome } = iteration;
         outcome.iterations += 1;
         let undamped = damping.value == 0.0;
         let enough = options.promise_tolerance(self.at_least(outcome.cost));
-        let conjugate = if undamped && !*hard { self.conjugate_step(enough) } else { None };
+        // Newton's step needs a factor of these poses.
+        let easy = !*hard && pace.radius().is_none();
+        let conjugate = if undamped && easy { self.conjugate_step(enough) } else { None };
         let step = conjugate.or_else(|| {
             outcome.factorizations += 1;
             self.solve(damping.value, &mut outcome.undetermined)
@@ -127,7 +132,7 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             None
         };
         // With the gradient at the trial, the next step can reuse the factor. After a damped step none does.
-        let equations = match undamped && met.is_none() && !*hard {
+        let equations = match undamped && met.is_none() && easy {
             false => Assembled::Nothing,
             true if step.largest < LONG && conjugate.is_none() => Assembled::Gradient,
             true => Assembled::Whole,
@@ -138,7 +143,10 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         if *hard && met.is_none() && !(attempt.gain(outcome.cost) >= GOOD) {
             let newton = outcome.factorizations > PATIENCE;
             attempt = self.contest(edges, poses, damping.value, newton, outcome.cost, attempt);
+        } else if met.is_none() {
+            attempt = self.or_newton(edges, poses, damping.value, pace, outcome.cost, attempt);
         }
+        pace.note(&step, undamped && outcome.factorizations > self.patience);
         let Attempt { step, cost } = attempt;
         let lower =
             cost < outcome.cost || (shrinks && options.is_hidden(step.promised, self.at_least(outcome.cost)));
@@ -220,7 +228,7 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         iteration: &mut Iteration,
         tried: &Tried,
     ) -> Option<Termination> {
-        let Iteration { damping, undamped_before, hard, outcome } = iteration;
+        let Iteration { damping, undamped_before, hard, outcome, .. } = iteration;
         let Attempt { step, cost } = tried.attempt;
         let gain = tried.attempt.gain(outcome.cost);
         let damped_by = damping.value;

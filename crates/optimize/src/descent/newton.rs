@@ -1,8 +1,9 @@
 //! Newton's step, by conjugate gradients on the exact second derivative.
 //!
 //! The damped Gauss-Newton factor is the preconditioner, so the first direction is the Gauss-Newton step, with its exact length, and few
-//! more are needed where the residuals curve little. Iteration ends at a direction of negative curvature, before it
-//! (R. S. Dembo, T. Steihaug, "Truncated-Newton algorithms for large-scale unconstrained optimization", 1983). The factor stays positive
+//! more are needed where the residuals curve little. Iteration ends at a direction of negative curvature: before it
+//! (R. S. Dembo, T. Steihaug, "Truncated-Newton algorithms for large-scale unconstrained optimization", 1983) or, within a region
+//! in which the model is trusted, at the boundary along it ([`truncation`](super::truncation)). The factor stays positive
 //! definite where the exact matrix is not, and no matrix is factorised for it.
 
 use nalgebra::SVector;
@@ -11,6 +12,7 @@ use posecut_geometry::translations;
 
 use super::outcome::Step;
 use super::phases::timed;
+use super::truncation::Lengths;
 use super::workspace::Workspace;
 use crate::model::lanes::LaneGroup;
 use crate::model::term::Term;
@@ -22,13 +24,15 @@ const DIRECTIONS: usize = 20;
 const REDUCTION: f64 = 1e-2;
 
 impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
-    /// Replaces the step by Newton's, damped as the factor is. `self.step` is the Gauss-Newton step at these poses, and the
-    /// gradient belongs to them. `None` if the curvature is negative along the Gauss-Newton step; the step then stays the same.
+    /// Replaces the step by Newton's, damped as the factor is, up to a radius in the norm of the damped Gauss-Newton matrix. `self.step` is the
+    /// Gauss-Newton step at these poses, and the gradient belongs to them. `None` if the curvature is negative along the Gauss-Newton step and
+    /// the radius infinite; the step then stays the same.
     pub(super) fn newton_step<T: Term<G, DOF>>(
         &mut self,
         terms: &[T],
         poses: &[G],
         damping: f64,
+        radius: f64,
     ) -> Option<Step> {
         let mut exact = self.exact.take().unwrap_or_else(|| NormalEquations::new(self.pattern));
         let Self { pattern, phases, priors, .. } = &mut *self;
@@ -42,7 +46,7 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
                 block[(axis, axis)] += damping * scale[axis];
             }
         }
-        let found = self.conjugate_gradients(&exact);
+        let found = self.conjugate_gradients(&exact, radius);
         let step = found.map(|solution| {
             let product = exact.times(self.pattern, &solution);
             let damped: f64 = solution
@@ -61,21 +65,30 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
     }
 
     /// Minimises `2 g^T d + d^T H d` from zero.
-    fn conjugate_gradients(&mut self, exact: &NormalEquations<DOF>) -> Option<Vec<SVector<f64, DOF>>> {
+    fn conjugate_gradients(
+        &mut self,
+        exact: &NormalEquations<DOF>,
+        radius: f64,
+    ) -> Option<Vec<SVector<f64, DOF>>> {
         let mut solution = vec![SVector::<f64, DOF>::zeros(); self.step.len()];
         let gauss_newton = self.step.clone();
         let mut residual: Vec<_> = self.equations.gradient.iter().map(|gradient| -gradient).collect();
         let mut direction = gauss_newton.clone();
         let mut decrease = dot(&residual, &direction);
         let enough = REDUCTION * decrease;
+        let mut lengths = Lengths::new(decrease, radius);
         for count in 0..DIRECTIONS {
             let product = exact.times(self.pattern, &direction);
             let curvature = dot(&direction, &product);
-            if !(curvature > 0.0) {
-                self.step = gauss_newton;
-                return (count > 0).then_some(solution);
-            }
             let length = decrease / curvature;
+            if let Some(length) = lengths.boundary(length, curvature) {
+                if radius.is_infinite() {
+                    self.step = gauss_newton;
+                    return (count > 0).then_some(solution);
+                }
+                add(&mut solution, length, &direction);
+                break;
+            }
             add(&mut solution, length, &direction);
             add(&mut residual, -length, &product);
             self.step.copy_from_slice(&residual);
@@ -88,6 +101,7 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
             for (direction, step) in direction.iter_mut().zip(&self.step) {
                 *direction = step + *direction * (next / decrease);
             }
+            lengths.turn(length, next, next / decrease);
             decrease = next;
         }
         Some(solution)

@@ -23,6 +23,9 @@ const DAMPING_FLOOR: f64 = 1e-9;
 /// A direction softer than this, as a share of the diagonal, is rounding.
 const SOFTEST: f64 = 1e-14;
 
+/// Factorisations after which a descent may count as slow, if nothing is known of the graph.
+const PATIENCE: usize = 20;
+
 /// Memory of the iteration, reserved once.
 pub(crate) struct Workspace<'a, G, const DOF: usize> {
     pub(crate) pattern: &'a Pattern,
@@ -40,6 +43,8 @@ pub(crate) struct Workspace<'a, G, const DOF: usize> {
     pub(super) is_near: bool,
     /// Iterations that a step by conjugate gradients may take.
     pub(super) conjugate_iterations: usize,
+    /// Factorisations after which a descent may count as slow.
+    pub(crate) patience: usize,
     pub(crate) step: Vec<SVector<f64, DOF>>,
     pub(crate) trial: Vec<G>,
     /// The tree of the stiffest edges, once it was needed; empty if they span no tree.
@@ -61,6 +66,7 @@ impl<'a, G: LaneGroup<DOF>, const DOF: usize> Workspace<'a, G, DOF> {
             damping: (0.0, [0.0; DOF]),
             is_factorised: false,
             is_near: false,
+            patience: PATIENCE,
             conjugate_iterations: iterations::<DOF>(&pattern.symbolic),
             step: vec![SVector::zeros(); pattern.variables],
             trial: Vec::new(),

@@ -5,6 +5,10 @@ use posecut_cholesky::Factor;
 use super::manifold::{Lift, project};
 use super::tangent::Tangents;
 use crate::certificate::chordal_matrix::ChordalMatrix;
+use crate::effort::Effort;
+
+/// The close one serves for about that many points.
+const FACTORISATIONS: usize = 10;
 
 /// The cheap one first, the close one where that does not suffice.
 pub(super) enum Preconditioner<const P: usize, const M: usize, const T: usize> {
@@ -20,20 +24,22 @@ impl<const P: usize, const M: usize, const T: usize> Preconditioner<P, M, T> {
         matrix.factor().map(|factor| Self::Blocks(Box::new(factor)))
     }
 
-    /// Takes the close one from now on; returns whether that is a change.
-    pub(super) fn come_closer(&mut self, matrix: &ChordalMatrix<M>) -> bool {
-        let changes = matches!(self, Self::Blocks(_));
-        if changes {
-            *self = Self::Tangents(Box::new(Tangents::new(matrix)));
+    /// Takes the close one from now on, if the effort affords it; returns whether that is a change.
+    pub(super) fn come_closer(&mut self, matrix: &ChordalMatrix<M>, effort: &Effort) -> bool {
+        let Self::Blocks(_) = self else { return false };
+        let tangents = Tangents::new(matrix);
+        let affords = effort.affords(tangents.flops(), FACTORISATIONS) == FACTORISATIONS;
+        if affords {
+            *self = Self::Tangents(Box::new(tangents));
         }
-        changes
+        affords
     }
 
     /// Goes to a point; returns whether it can be factorised there.
-    pub(super) fn move_to(&mut self, matrix: &ChordalMatrix<M>, x: &Lift<P, M>) -> bool {
+    pub(super) fn move_to(&mut self, matrix: &ChordalMatrix<M>, x: &Lift<P, M>, effort: &mut Effort) -> bool {
         match self {
             Self::Blocks(_) => true,
-            Self::Tangents(tangents) => tangents.move_to(matrix, x),
+            Self::Tangents(tangents) => tangents.move_to(matrix, x, effort),
         }
     }
 
@@ -43,14 +49,16 @@ impl<const P: usize, const M: usize, const T: usize> Preconditioner<P, M, T> {
         matrix: &ChordalMatrix<M>,
         x: &Lift<P, M>,
         r: &Lift<P, M>,
+        effort: &mut Effort,
     ) -> Lift<P, M> {
         match self {
             Self::Blocks(factor) => {
+                effort.substitute(P, M * M * size_of::<f64>() * matrix.symbolic.factor_blocks());
                 let mut quotient = matrix.divide(factor, r);
                 project::<N, M, P>(x, &mut quotient);
                 quotient
             }
-            Self::Tangents(tangents) => tangents.divide(r),
+            Self::Tangents(tangents) => tangents.divide(r, effort),
         }
     }
 }

@@ -5,10 +5,11 @@
 //! how it would mend every error.
 
 use nalgebra::{SMatrix, SVector};
-use posecut_cholesky::{Factor, Symbolic};
+use posecut_cholesky::{Factor, Memory, Symbolic};
 
 use super::manifold::Lift;
 use crate::certificate::chordal_matrix::ChordalMatrix;
+use crate::effort::Effort;
 
 /// Shares of the largest entry of `M` that are added to turns before the factorisation, the next one where it fails: a common turn of all
 /// poses costs nothing.
@@ -20,19 +21,24 @@ type Basis<const P: usize, const M: usize, const T: usize> = [SMatrix<f64, P, M>
 /// The bases of all blocks of a point, `T` tangents each, and the form's factor.
 pub(super) struct Tangents<const P: usize, const M: usize, const T: usize> {
     symbolic: Symbolic,
-    factor: Factor<T>,
+    factor: Factor<T, f32>,
     bases: Vec<Basis<P, M, T>>,
 }
 
 impl<const P: usize, const M: usize, const T: usize> Tangents<P, M, T> {
     pub(super) fn new(matrix: &ChordalMatrix<M>) -> Self {
         let symbolic = Symbolic::new(matrix.diagonal.len(), &matrix.pairs, T);
-        let factor = Factor::new(&symbolic);
+        let factor = Factor::with_memory(&symbolic, Memory::default());
         Self { symbolic, factor, bases: Vec::new() }
     }
 
+    /// Operations of a factorisation.
+    pub(super) fn flops(&self) -> f64 {
+        self.symbolic.flops()
+    }
+
     /// Factorises at the point; returns whether that succeeds.
-    pub(super) fn move_to(&mut self, matrix: &ChordalMatrix<M>, x: &Lift<P, M>) -> bool {
+    pub(super) fn move_to(&mut self, matrix: &ChordalMatrix<M>, x: &Lift<P, M>, effort: &mut Effort) -> bool {
         self.bases = x.iter().map(basis).collect();
         let reduced = |a: usize, block: &SMatrix<f64, M, M>, b: usize| {
             let left = self.bases[a].map(|element| element * block);
@@ -43,6 +49,7 @@ impl<const P: usize, const M: usize, const T: usize> Tangents<P, M, T> {
         let pairs = matrix.pairs.iter().zip(&matrix.off_diagonal);
         let off_diagonal: Vec<_> = pairs.map(|(&(a, b), block)| reduced(a, block, b)).collect();
         SHIFTS.iter().any(|share| {
+            effort.compute(self.symbolic.flops());
             let shift = share * matrix.largest();
             let mut shifted = diagonal.clone();
             for block in &mut shifted {
@@ -55,7 +62,8 @@ impl<const P: usize, const M: usize, const T: usize> Tangents<P, M, T> {
     }
 
     /// The tangent whose form with any tangent `V` is `tr(R V^T)`.
-    pub(super) fn divide(&mut self, r: &Lift<P, M>) -> Lift<P, M> {
+    pub(super) fn divide(&mut self, r: &Lift<P, M>, effort: &mut Effort) -> Lift<P, M> {
+        effort.substitute(1, T * T * size_of::<f32>() * self.symbolic.factor_blocks());
         let shares = |(r, basis): (&SMatrix<f64, P, M>, &Basis<P, M, T>)| {
             SVector::from_fn(|axis, _| r.dot(&basis[axis]))
         };

@@ -9,6 +9,8 @@ use super::manifold::{Lift, add, dot, multipliers, project, retract};
 use super::places::Places;
 use super::preconditioner::Preconditioner;
 use crate::certificate::chordal_matrix::ChordalMatrix;
+use crate::descent::truncation::Lengths;
+use crate::effort::Effort;
 
 /// Maximum numbers of steps, and of directions for one step.
 const STEPS: usize = 100;
@@ -33,10 +35,11 @@ struct Proposal<const P: usize, const M: usize> {
     is_rough: bool,
 }
 
-/// The result from this start; `None` if the matrix is singular or the cost not finite.
+/// The result from this start, or what it has come to once the effort is spent; `None` if the matrix is singular or the cost not finite.
 pub(super) fn minimise<const N: usize, const M: usize, const P: usize, const T: usize>(
     matrix: &ChordalMatrix<M>,
     start: Lift<P, M>,
+    effort: &mut Effort,
 ) -> Option<Lift<P, M>> {
     let mut places = Places::new(matrix)?;
     let mut preconditioner = Preconditioner::<P, M, T>::new(matrix)?;
@@ -50,10 +53,10 @@ pub(super) fn minimise<const N: usize, const M: usize, const P: usize, const T: 
     for _ in 0..STEPS {
         let mut gradient = x_m.clone();
         project::<N, M, P>(&x, &mut gradient);
-        if is_new && !preconditioner.move_to(matrix, &x) {
+        if effort.is_spent() || (is_new && !preconditioner.move_to(matrix, &x, effort)) {
             break;
         }
-        let first = preconditioner.divide::<N>(matrix, &x, &gradient);
+        let first = preconditioner.divide::<N>(matrix, &x, &gradient, effort);
         let size = dot(&first, &gradient);
         if !size.is_finite() {
             return None;
@@ -67,7 +70,7 @@ pub(super) fn minimise<const N: usize, const M: usize, const P: usize, const T: 
         }
         let at = Point { matrix, x: &x, multipliers: multipliers::<N, M, P>(&x, &x_m) };
         let Proposal { step, product, is_rough } =
-            at.directions(&mut preconditioner, &gradient, &first, radius);
+            at.directions(&mut preconditioner, &gradient, &first, radius, effort);
         let promised = -2.0 * dot(&gradient, &step) - dot(&step, &product);
         let mut trial = retract(&x, &step);
         places.put(matrix, &mut trial);
@@ -79,7 +82,7 @@ pub(super) fn minimise<const N: usize, const M: usize, const P: usize, const T: 
         } else if gain > GOOD {
             radius *= 2.0;
         }
-        let comes_closer = is_rough && preconditioner.come_closer(matrix);
+        let comes_closer = is_rough && preconditioner.come_closer(matrix, effort);
         if comes_closer {
             // Lengths have another unit from here on.
             radius = f64::NAN;
@@ -125,6 +128,7 @@ impl<const N: usize, const M: usize, const P: usize> Point<'_, N, M, P> {
         gradient: &Lift<P, M>,
         first: &Lift<P, M>,
         radius: f64,
+        effort: &mut Effort,
     ) -> Proposal<P, M> {
         let zero = vec![SMatrix::<f64, P, M>::zeros(); self.x.len()];
         let mut found = Proposal { step: zero.clone(), product: zero, is_rough: true };
@@ -132,17 +136,12 @@ impl<const N: usize, const M: usize, const P: usize> Point<'_, N, M, P> {
         let mut decrease = dot(first, &residual);
         let enough = REDUCTION * decrease;
         let mut direction: Lift<P, M> = first.iter().map(|block| -block).collect();
-        // Squared length of the step, its product with the direction, and the direction's squared length.
-        let (mut step_step, mut step_direction, mut direction_direction) = (0.0, 0.0, decrease);
+        let mut lengths = Lengths::new(decrease, radius);
         for _ in 0..DIRECTIONS {
             let product = self.hessian(&direction);
             let curvature = dot(&direction, &product);
             let length = decrease / curvature;
-            let next = step_step + 2.0 * length * step_direction + length * length * direction_direction;
-            if !(curvature > 0.0) || next >= radius * radius {
-                let rest = direction_direction * (radius * radius - step_step);
-                let root = (step_direction * step_direction + rest).sqrt();
-                let to_boundary = (root - step_direction) / direction_direction;
+            if let Some(to_boundary) = lengths.boundary(length, curvature) {
                 add(&mut found.step, to_boundary, &direction);
                 add(&mut found.product, to_boundary, &product);
                 found.is_rough = false;
@@ -151,8 +150,7 @@ impl<const N: usize, const M: usize, const P: usize> Point<'_, N, M, P> {
             add(&mut found.step, length, &direction);
             add(&mut found.product, length, &product);
             add(&mut residual, length, &product);
-            step_step = next;
-            let preconditioned = preconditioner.divide::<N>(self.matrix, self.x, &residual);
+            let preconditioned = preconditioner.divide::<N>(self.matrix, self.x, &residual, effort);
             let next = dot(&preconditioned, &residual);
             if !(next > enough) {
                 found.is_rough = false;
@@ -163,8 +161,7 @@ impl<const N: usize, const M: usize, const P: usize> Point<'_, N, M, P> {
             for (direction, preconditioned) in direction.iter_mut().zip(&preconditioned) {
                 *direction = *direction * ratio - preconditioned;
             }
-            step_direction = ratio * (step_direction + length * direction_direction);
-            direction_direction = decrease + ratio * ratio * direction_direction;
+            lengths.turn(length, decrease, ratio);
         }
         found
     }

@@ -24,5 +24,6 @@ mod noisy_rotations;
 mod priors;
 mod scale;
 mod several_projections;
+mod slow_descents;
 mod solutions;
 mod stage;
