@@ -15,17 +15,18 @@ impl Effort {
         Self { left: operations }
     }
 
+    /// Whether nothing is left.
     pub(crate) fn is_spent(&self) -> bool {
         self.left <= 0.0
     }
 
     /// How often something of this many operations may be done, up to a limit.
     pub(crate) fn affords(&self, operations: f64, limit: usize) -> usize {
-        // Also 0 of what is not positive; a ratio above the limit saturates.
+        // The cast saturates: at 0 if nothing is left.
         ((self.left / operations) as usize).min(limit)
     }
 
-    /// Counts operations on numbers that are near.
+    /// Counts operations on numbers in the caches.
     pub(crate) fn compute(&mut self, operations: f64) {
         self.left -= operations;
     }

@@ -26,13 +26,13 @@ impl<const P: usize, const M: usize, const T: usize> Preconditioner<P, M, T> {
 
     /// Takes the close one from now on, if the effort affords it; returns whether that is a change.
     pub(super) fn come_closer(&mut self, matrix: &ChordalMatrix<M>, effort: &Effort) -> bool {
-        let Self::Blocks(_) = self else { return false };
-        let tangents = Tangents::new(matrix);
-        let affords = effort.affords(tangents.flops(), FACTORISATIONS) == FACTORISATIONS;
-        if affords {
-            *self = Self::Tangents(Box::new(tangents));
+        let operations = matrix.symbolic.flops() * (T as f64 / M as f64).powi(3);
+        let changes =
+            matches!(self, Self::Blocks(_)) && effort.affords(operations, FACTORISATIONS) == FACTORISATIONS;
+        if changes {
+            *self = Self::Tangents(Box::new(Tangents::new(matrix)));
         }
-        affords
+        changes
     }
 
     /// Goes to a point; returns whether it can be factorised there.

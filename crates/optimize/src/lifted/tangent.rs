@@ -32,11 +32,6 @@ impl<const P: usize, const M: usize, const T: usize> Tangents<P, M, T> {
         Self { symbolic, factor, bases: Vec::new() }
     }
 
-    /// Operations of a factorisation.
-    pub(super) fn flops(&self) -> f64 {
-        self.symbolic.flops()
-    }
-
     /// Factorises at the point; returns whether that succeeds.
     pub(super) fn move_to(&mut self, matrix: &ChordalMatrix<M>, x: &Lift<P, M>, effort: &mut Effort) -> bool {
         self.bases = x.iter().map(basis).collect();
