@@ -33,13 +33,9 @@ impl Effort {
 
     /// Counts triangular solves with a factor of this many bytes.
     pub(crate) fn substitute(&mut self, solves: usize, bytes: usize) {
-        self.left -= substitution(bytes) * solves as f64;
+        // Each solve reads the factor twice.
+        self.left -= 2.0 * OPERATIONS_OF_A_BYTE * (solves * bytes) as f64;
     }
-}
-
-/// The operations that take as long as a solve with both triangles of a factor, which is read twice.
-fn substitution(bytes: usize) -> f64 {
-    2.0 * OPERATIONS_OF_A_BYTE * bytes as f64
 }
 
 #[cfg(test)]

@@ -23,7 +23,8 @@ const DAMPING_FLOOR: f64 = 1e-9;
 /// A direction softer than this, as a share of the diagonal, is rounding.
 const SOFTEST: f64 = 1e-14;
 
-/// Factorisations after which a descent may count as slow, if nothing is known of the graph.
+/// Factorisations after which a descent may count as slow, if nothing is known of the graph: not before it counts as hard
+/// (`batch::component`).
 const PATIENCE: usize = 20;
 
 /// Memory of the iteration, reserved once.
