@@ -2,8 +2,7 @@
 
 use super::greedy::{Preference, contractions};
 use super::kernighan_lin::kernighan_lin_with_joins;
-use super::local_search::fuse;
-use super::node_moves::move_nodes;
+use super::local_search::{Polish, fuse};
 use crate::budget::Budget;
 use crate::graph::signed_graph::SignedGraph;
 
@@ -32,7 +31,7 @@ pub(crate) fn contract(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
         if budget.is_over() || other.iter().all(|&label| label == 0) {
             continue;
         }
-        let fused = fuse(graph, &best, &other, move_nodes, budget);
+        let fused = fuse(graph, &best, &other, Polish::Moves, budget);
         let value = graph.objective(&fused);
         if value < objective {
             (best, objective) = (fused, value);
@@ -64,7 +63,7 @@ pub(crate) fn contract_and_move(graph: &SignedGraph, budget: &mut Budget) -> Vec
         kernighan_lin_with_joins(graph, &mut labels, budget);
         let mut candidates = vec![labels];
         if let Some((_, best)) = &best {
-            candidates.push(fuse(graph, best, &candidates[0], kernighan_lin_with_joins, budget));
+            candidates.push(fuse(graph, best, &candidates[0], Polish::KernighanLin, budget));
         }
         for labels in candidates {
             let objective = graph.objective(&labels);

@@ -8,7 +8,7 @@ use crate::graph::signed_graph::SignedGraph;
 use crate::heuristics::band_order::band_order;
 use crate::heuristics::kernighan_lin::kernighan_lin_with_joins;
 use crate::heuristics::linear_arrangement::shorten;
-use crate::heuristics::local_search::{fuse, fuse_proposals, solve_contracted};
+use crate::heuristics::local_search::{Fusions, Polish, fuse, fuse_proposals, solve_contracted};
 use crate::heuristics::segmentation::segment;
 use crate::heuristics::start::contract_and_move;
 
@@ -31,8 +31,12 @@ const POOR: f64 = 0.02;
 /// In a huge kernel, an order whose segments miss more than this share of the negative costs is no band, and not shortened.
 const ROUGH: f64 = 0.15;
 
-/// Proposals for the clusters where the gap is.
+/// Fusion moves on the clusters where the gap is.
 const PROPOSALS: usize = 4;
+
+/// Most fusion moves where a large graph is no band, and how much four of them must gain, as a share of the payment.
+const FUSIONS: usize = 24;
+const WORTH: f64 = 0.01;
 
 /// Shares of an edge's cost below this count as used up.
 const SPARE: f64 = 1e-6;
@@ -64,13 +68,14 @@ pub(crate) fn tighten(graph: &SignedGraph, state: &mut State, budget: &mut Budge
         return;
     }
     let kernel = Kernel::new(graph);
-    if kernel.edge_count() <= HUGE {
-        let mut labels = segments(graph, budget);
-        // Where the graph is no band, segments are too poor to be worth polishing.
-        if graph.objective(&labels) <= state.objective + POOR * state.objective.abs() {
-            kernighan_lin_with_joins(graph, &mut labels, budget);
-            offer_both(graph, state, labels, budget);
-        }
+    let band = offer_segments(graph, state, budget);
+    let polish = if band { Polish::KernighanLin } else { Polish::of(graph) };
+    if polish == Polish::Moves {
+        let worth = WORTH * (state.objective - kernel.negative_sum());
+        let mut labels = state.labels.clone();
+        let moves = Fusions { first: 0, most: FUSIONS, worth, polish, seed: 0 };
+        fuse_proposals(graph, &mut labels, &moves, budget);
+        state.offer(graph, labels);
     }
     let mean = kernel.costs.iter().map(|cost| cost.abs()).sum::<f64>() / kernel.edge_count() as f64;
     let (mut idle, mut halvings) = (0, 0);
@@ -90,9 +95,9 @@ pub(crate) fn tighten(graph: &SignedGraph, state: &mut State, budget: &mut Budge
                 kernel.costs[edge] > 0.0 && residual[edge] > SPARE * kernel.costs[edge]
             })
         };
-        let labels = solve_contracted(graph, left, kernighan_lin_with_joins, budget);
-        offer_both(graph, state, labels, budget);
-        let labels = focus(graph, &kernel, state, round as u64, budget);
+        let labels = solve_contracted(graph, left, polish, budget);
+        offer_both(graph, state, labels, polish, budget);
+        let labels = focus(graph, &kernel, state, round, polish, budget);
         state.offer(graph, labels);
         let better = state.objective < objective || state.packing().bound > bound;
         idle = if better { 0 } else { idle + 1 };
@@ -104,6 +109,22 @@ pub(crate) fn tighten(graph: &SignedGraph, state: &mut State, budget: &mut Budge
             halvings = (halvings + 1).min(HALVINGS);
         }
     }
+}
+
+/// Offers the best segmentation of an order along the band, and whether it is good: where the graph is no band, segments are too
+/// poor to be worth polishing.
+fn offer_segments(graph: &SignedGraph, state: &mut State, budget: &mut Budget) -> bool {
+    // Segments are the start of huge bands.
+    if is_huge_band(graph, state.objective) {
+        return true;
+    }
+    let mut labels = segments(graph, budget);
+    if graph.objective(&labels) > state.objective + POOR * state.objective.abs() {
+        return false;
+    }
+    kernighan_lin_with_joins(graph, &mut labels, budget);
+    offer_both(graph, state, labels, Polish::KernighanLin, budget);
+    true
 }
 
 /// The best segmentation of an order along the band.
@@ -118,19 +139,26 @@ fn segments(graph: &SignedGraph, budget: &mut Budget) -> Vec<u32> {
 }
 
 /// Offers a solution, and its fusion with the best one.
-fn offer_both(graph: &SignedGraph, state: &mut State, labels: Vec<u32>, budget: &mut Budget) {
+fn offer_both(graph: &SignedGraph, state: &mut State, labels: Vec<u32>, polish: Polish, budget: &mut Budget) {
     if budget.is_over() {
         state.offer(graph, labels);
         return;
     }
-    let fused = fuse(graph, &labels, &state.labels, kernighan_lin_with_joins, budget);
+    let fused = fuse(graph, &labels, &state.labels, polish, budget);
     state.offer(graph, labels);
     state.offer(graph, fused);
 }
 
 /// Improves the clusters near paid edges with capacity left by fusion moves. By complementary slackness, only there the
 /// solution or the packing can be better.
-fn focus(graph: &SignedGraph, kernel: &Kernel, state: &State, seed: u64, budget: &mut Budget) -> Vec<u32> {
+fn focus(
+    graph: &SignedGraph,
+    kernel: &Kernel,
+    state: &State,
+    round: usize,
+    polish: Polish,
+    budget: &mut Budget,
+) -> Vec<u32> {
     let labels = &state.labels;
     let clusters = labels.iter().max().map_or(0, |&label| label as usize + 1);
     let mut chosen = vec![false; clusters];
@@ -165,7 +193,10 @@ fn focus(graph: &SignedGraph, kernel: &Kernel, state: &State, seed: u64, budget:
     });
     let part = SignedGraph::new(nodes.len(), inside);
     let mut inner: Vec<u32> = nodes.iter().map(|&node| labels[node as usize]).collect();
-    fuse_proposals(&part, &mut inner, PROPOSALS, seed, budget);
+    // The first ones begin where those on the whole kernel ended at the latest.
+    let first = FUSIONS + round * PROPOSALS;
+    let moves = Fusions { first, most: PROPOSALS, worth: 0.0, polish, seed: round as u64 };
+    fuse_proposals(&part, &mut inner, &moves, budget);
     let mut labels = labels.clone();
     for (&node, &label) in nodes.iter().zip(&inner) {
         labels[node as usize] = clusters as u32 + label;

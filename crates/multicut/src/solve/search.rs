@@ -14,7 +14,7 @@ use crate::graph::kernel::Kernel;
 use crate::graph::signed_graph::SignedGraph;
 use crate::graph::sum::Sum;
 use crate::heuristics::kernighan_lin::kernighan_lin_with_joins;
-use crate::heuristics::local_search::{fuse_proposals, solve_contracted};
+use crate::heuristics::local_search::{Fusions, Polish, fuse_proposals, solve_contracted};
 use crate::heuristics::start::contract;
 use crate::options::Solver;
 use crate::reduce::decomposition::decompose;
@@ -146,6 +146,9 @@ pub(crate) fn survey(
     state
 }
 
+/// Number of the first fusion move where the plain contractions are known.
+const AFTER_CONTRACTIONS: usize = 4;
+
 /// Improves the solution of a kernel by local search.
 pub(crate) fn improve(graph: &SignedGraph, state: &mut State, rounds: usize, seed: u64, budget: &mut Budget) {
     if budget.is_over() {
@@ -157,13 +160,15 @@ pub(crate) fn improve(graph: &SignedGraph, state: &mut State, rounds: usize, see
         let edge = kernel.edge(tail, head).map_or(0, |edge| edge as usize);
         kernel.costs[edge] > 0.0 && state.packing.residual[edge] > 1e-6 * kernel.costs[edge]
     };
-    let labels = solve_contracted(graph, left, kernighan_lin_with_joins, budget);
+    let labels = solve_contracted(graph, left, Polish::KernighanLin, budget);
     state.offer(graph, labels);
     if state.is_closed() {
         return;
     }
     let mut labels = state.labels.clone();
-    fuse_proposals(graph, &mut labels, rounds, seed, budget);
+    let polish = Polish::of(graph);
+    let moves = Fusions { first: AFTER_CONTRACTIONS, most: rounds, worth: 0.0, polish, seed };
+    fuse_proposals(graph, &mut labels, &moves, budget);
     state.offer(graph, labels);
 }
 

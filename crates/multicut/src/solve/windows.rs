@@ -6,8 +6,7 @@ use crate::budget::Budget;
 use crate::certificate::proof::{Cutout, Proof};
 use crate::graph::kernel::Kernel;
 use crate::graph::signed_graph::SignedGraph;
-use crate::heuristics::kernighan_lin::kernighan_lin_with_joins;
-use crate::heuristics::local_search::solve_contracted;
+use crate::heuristics::local_search::{Polish, solve_contracted};
 
 /// Kernels with fewer edges are closed as a whole.
 const SMALL: usize = 1_500;
@@ -172,7 +171,7 @@ fn applied(
         changed[node as usize] = fresh + label;
     }
     let same = |tail: u32, head: u32| changed[tail as usize] == changed[head as usize];
-    solve_contracted(graph, same, kernighan_lin_with_joins, budget)
+    solve_contracted(graph, same, Polish::KernighanLin, budget)
 }
 
 #[cfg(test)]
