@@ -25,8 +25,11 @@ const BEST: usize = 2;
 /// Amplitudes of the noise on costs, used in turn.
 const NOISE: [f64; 4] = [0.3, 1.0, 0.1, 0.6];
 
+/// Number of the first fusion move whose proposal is made with noise.
+pub(crate) const NOISY: usize = WAYS.len();
+
 /// Number of edges above which a graph is large.
-const LARGE: usize = 200_000;
+pub(crate) const LARGE: usize = 200_000;
 
 /// A way to make a proposal.
 #[derive(Debug, Clone, Copy)]
@@ -47,7 +50,7 @@ impl Way {
 /// A sequence of fusion moves.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Fusions {
-    /// Number of the first move. The first four proposals take the costs as they are, later ones with noise.
+    /// Number of the first move. Proposals before [`NOISY`] take the costs as they are, later ones with noise.
     pub(crate) first: usize,
     /// Most moves.
     pub(crate) most: usize,
@@ -76,7 +79,7 @@ pub(crate) fn fuse_proposals(
         }
         let ways = if moves.polish == Polish::Moves { WAYS.len() } else { BEST };
         let way = WAYS[round % ways];
-        let mut proposal = if round < WAYS.len() {
+        let mut proposal = if round < NOISY {
             way.propose(graph, budget)
         } else {
             way.propose(&noisy(graph, NOISE[round % NOISE.len()], &mut random), budget)
@@ -193,8 +196,8 @@ mod tests {
     use super::*;
     use crate::generate::{Family, generate};
 
-    fn drawn(family: Family, viewpoints: u32, seed: u64) -> SignedGraph {
-        let instance = generate(family, viewpoints, 0.5, seed).unwrap();
+    fn drawn(seed: u64) -> SignedGraph {
+        let instance = generate(Family::Aliased, 1000, 0.5, seed).unwrap();
         let edges = instance.edges().iter().map(|edge| (edge.tail, edge.head, edge.cost));
         SignedGraph::new(instance.node_count(), edges)
     }
@@ -209,7 +212,7 @@ mod tests {
     #[test]
     fn fusions_gain_more_than_kernighan_lin_from_one_contraction() {
         for seed in 1..4 {
-            let graph = drawn(Family::Aliased, 1000, seed);
+            let graph = drawn(seed);
             let mut alone = fused(&graph, Polish::Moves, 0, 0.0);
             kernighan_lin_with_joins(&graph, &mut alone, &mut Budget::new(None, None));
             for polish in [Polish::Moves, Polish::KernighanLin] {
@@ -221,7 +224,7 @@ mod tests {
 
     #[test]
     fn fusions_end_after_four_that_gain_too_little() {
-        let graph = drawn(Family::Aliased, 1000, 1);
+        let graph = drawn(1);
         let four = fused(&graph, Polish::Moves, 4, 0.0);
         assert_eq!(fused(&graph, Polish::Moves, 40, f64::INFINITY), four);
         let more = fused(&graph, Polish::Moves, 40, 0.5);

@@ -2,19 +2,16 @@
 
 use super::greedy::{Preference, contractions};
 use super::kernighan_lin::kernighan_lin_with_joins;
-use super::local_search::{Polish, fuse};
+use super::local_search::{LARGE, Polish, fuse};
 use crate::budget::Budget;
 use crate::graph::signed_graph::SignedGraph;
-
-/// Number of edges above which a kernel is contracted in one way only.
-const LARGE: usize = 200_000;
 
 /// Number of edges up to which Kernighan-Lin also starts from a single cluster. Splitting that repeatedly is slow.
 const SMALL: usize = 10_000;
 
 static PREFERENCES: [Preference; 3] = [Preference::Age, Preference::Degree, Preference::Balance];
 
-/// The preferences to contract a kernel with.
+/// The preferences to contract a kernel with: one only if it is large.
 fn preferences(large: bool) -> &'static [Preference] {
     if large { &PREFERENCES[..1] } else { &PREFERENCES }
 }

@@ -14,7 +14,7 @@ use crate::graph::kernel::Kernel;
 use crate::graph::signed_graph::SignedGraph;
 use crate::graph::sum::Sum;
 use crate::heuristics::kernighan_lin::kernighan_lin_with_joins;
-use crate::heuristics::local_search::{Fusions, Polish, fuse_proposals, solve_contracted};
+use crate::heuristics::local_search::{Fusions, NOISY, Polish, fuse_proposals, solve_contracted};
 use crate::heuristics::start::contract;
 use crate::options::Solver;
 use crate::reduce::decomposition::decompose;
@@ -146,9 +146,6 @@ pub(crate) fn survey(
     state
 }
 
-/// Number of the first fusion move where the plain contractions are known.
-const AFTER_CONTRACTIONS: usize = 4;
-
 /// Improves the solution of a kernel by local search.
 pub(crate) fn improve(graph: &SignedGraph, state: &mut State, rounds: usize, seed: u64, budget: &mut Budget) {
     if budget.is_over() {
@@ -167,7 +164,8 @@ pub(crate) fn improve(graph: &SignedGraph, state: &mut State, rounds: usize, see
     }
     let mut labels = state.labels.clone();
     let polish = Polish::of(graph);
-    let moves = Fusions { first: AFTER_CONTRACTIONS, most: rounds, worth: 0.0, polish, seed };
+    // The plain contractions are known.
+    let moves = Fusions { first: NOISY, most: rounds, worth: 0.0, polish, seed };
     fuse_proposals(graph, &mut labels, &moves, budget);
     state.offer(graph, labels);
 }
