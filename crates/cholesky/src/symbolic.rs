@@ -20,7 +20,7 @@ use super::ordering::nested_dissection::nested_dissection;
 use crate::Adjacency;
 use elimination::{ROOT, elimination_tree, postorder};
 use front::{Entry, front_flops};
-use supernodes::{Supernode, amalgamate, maximal};
+use supernodes::{Supernodes, amalgamate, maximal};
 
 pub(crate) use front::{Front, NO_PARENT, Stretch};
 pub(crate) use subtrees::Subtree;
@@ -90,11 +90,11 @@ impl Symbolic {
 
     /// Makes a front of each supernode, one panel after the other, so that the factor is one piece of memory in the order in
     /// which fronts are eliminated. Links between fronts are still missing.
-    fn of_supernodes(order: Vec<usize>, supernodes: &[Supernode]) -> Self {
+    fn of_supernodes(order: Vec<usize>, supernodes: &Supernodes) -> Self {
         let mut symbolic = Self {
             position: Vec::new(),
-            fronts: Vec::with_capacity(supernodes.len()),
-            rows: Vec::new(),
+            fronts: Vec::with_capacity(supernodes.runs.len()),
+            rows: Vec::with_capacity(supernodes.rows.len()),
             relative: Vec::new(),
             children: Vec::new(),
             entries: Vec::new(),
@@ -107,9 +107,9 @@ impl Symbolic {
             flops: 0.0,
             order,
         };
-        for supernode in supernodes {
+        for supernode in &supernodes.runs {
             let start = symbolic.rows.len();
-            symbolic.rows.extend_from_slice(&supernode.rows);
+            symbolic.rows.extend_from_slice(&supernodes.rows[supernode.rows.clone()]);
             let index = symbolic.fronts.len();
             symbolic.front_of[supernode.first..supernode.first + supernode.columns].fill(index);
             let front = Front {

@@ -12,7 +12,8 @@ pub enum Initialisation {
     /// Rotations by the chordal relaxation, then translations.
     Chordal,
     /// The relaxation, then every other start that costs less than its result. With robust kernels, the start with the lowest
-    /// cost comes first. The lowest result is kept.
+    /// cost comes first. The lowest result is kept. In the plane, given poses that miss their edges by little more than noise and lie in the
+    /// right basin of rotations replace the relaxation.
     #[default]
     Best,
 }

@@ -13,7 +13,7 @@ use crate::certificate::{self, Certificate};
 use crate::covariance::at_solution;
 use crate::covariance::marginals::{Joint, Marginals};
 use crate::effort::Effort;
-use crate::initialisation::{alignment, chordal};
+use crate::initialisation::{alignment, chordal, windings};
 use crate::lifted;
 use crate::model::lanes::LaneGroup;
 use crate::model::prior::Prior;
@@ -32,6 +32,10 @@ pub trait PoseGroup<const DOF: usize>: LaneGroup<DOF> {
         held: &[Self],
         anchor: &Self,
     ) -> Option<Vec<Self>>;
+
+    /// Whether poses surely lie in the basin of rotations that the cycles of the edges point to. In space, never.
+    #[doc(hidden)]
+    fn is_unwound(edges: &[Edge<Self, DOF>], poses: &[Self]) -> bool;
 
     /// The rigid motion that moves poses to their priors.
     #[doc(hidden)]
@@ -119,6 +123,10 @@ impl PoseGroup<3> for SE2 {
         memory.factor.lend(|factor| chordal::poses::<Self, 3, 2>(pattern, edges, held, anchor, factor))
     }
 
+    fn is_unwound(edges: &[Edge<Self, 3>], poses: &[Self]) -> bool {
+        windings::is_unwound(edges, poses)
+    }
+
     fn aligning(priors: &[Prior<Self, 3>], poses: &[Self]) -> Self {
         alignment::aligning::<Self, 3, 2>(priors, poses)
     }
@@ -143,6 +151,10 @@ impl PoseGroup<6> for SE3 {
     ) -> Option<Vec<Self>> {
         let pattern = memory.pattern;
         memory.factor.lend(|factor| chordal::poses::<Self, 6, 3>(pattern, edges, held, anchor, factor))
+    }
+
+    fn is_unwound(_: &[Edge<Self, 6>], _: &[Self]) -> bool {
+        false
     }
 
     fn aligning(priors: &[Prior<Self, 6>], poses: &[Self]) -> Self {

@@ -186,8 +186,17 @@ fn open<'a, const D: usize, S: Stored>(
     let height = front.height() * D;
     let columns = front.columns * D;
     let local = &mut local[..height];
-    local[..columns].copy_from_slice(places.of::<D>(front));
+    copy_blocks::<D>(&mut local[..columns], places.of::<D>(front));
     (&panels[front.panel * D * D..][..columns * height], local)
+}
+
+/// Copies values block by block: most fronts have few columns, and a call of the system's routine would take longer than the copy.
+#[inline(always)]
+fn copy_blocks<const D: usize>(to: &mut [f64], from: &[f64]) {
+    let (to, from) = (to.as_chunks_mut::<D>().0, from.as_chunks::<D>().0);
+    for (to, from) in to.iter_mut().zip(from) {
+        *to = *from;
+    }
 }
 
 /// The reciprocals of a block's pivots. They do not wait for the values that are solved for, as quotients would.
@@ -225,7 +234,7 @@ pub(crate) fn forward<const D: usize, S: Stored>(
             std::array::from_fn(|column| &block[column * height + start + D..][..target.len()]);
         subtract_columns(target, &sources, &solved);
     }
-    places.of::<D>(front).copy_from_slice(&local[..columns]);
+    copy_blocks::<D>(places.of::<D>(front), &local[..columns]);
     places.reborrow().below::<D>(front, &mut local[columns..], |values, targets| {
         for (target, value) in targets.iter_mut().zip(values) {
             *target += *value;
@@ -262,5 +271,5 @@ pub(crate) fn backward<const D: usize, S: Stored>(
             local[start + column] = sum * reciprocals[column];
         }
     }
-    places.of::<D>(front).copy_from_slice(&local[..columns]);
+    copy_blocks::<D>(places.of::<D>(front), &local[..columns]);
 }

@@ -1,7 +1,16 @@
 //! Supernodes: runs of columns of the factor with (almost) the same structure, eliminated together as one dense front.
 
+use std::ops::Range;
+
 use super::elimination::{ROOT, children};
 use crate::Adjacency;
+
+/// The supernodes of a factor in the order of their columns.
+pub(crate) struct Supernodes {
+    pub(crate) runs: Vec<Supernode>,
+    /// The rows below each run, ascending. One piece of memory: a piece for each run would cost more than what is in it.
+    pub(crate) rows: Vec<usize>,
+}
 
 /// A run of columns and the block rows below it.
 pub(crate) struct Supernode {
@@ -9,8 +18,8 @@ pub(crate) struct Supernode {
     pub(crate) first: usize,
     /// Number of columns.
     pub(crate) columns: usize,
-    /// Rows below the last column, ascending.
-    pub(crate) rows: Vec<usize>,
+    /// Where the rows below the last column are.
+    pub(crate) rows: Range<usize>,
     /// Explicit zeros that amalgamation has put into the run's lower trapezoid.
     zeros: usize,
 }
@@ -24,7 +33,7 @@ impl Supernode {
 /// Rows of each column of the factor below its diagonal, merged into maximal supernodes without extra zeros.
 ///
 /// `upper` lists neighbours with larger positions; positions must be a postorder of the elimination tree `parent`.
-pub(crate) fn maximal(parent: &[usize], upper: &Adjacency) -> Vec<Supernode> {
+pub(crate) fn maximal(parent: &[usize], upper: &Adjacency) -> Supernodes {
     let vertices = parent.len();
     let children = children(parent);
     let mut marked = vec![ROOT; vertices];
@@ -34,7 +43,8 @@ pub(crate) fn maximal(parent: &[usize], upper: &Adjacency) -> Vec<Supernode> {
     let mut starts: Vec<usize> = vec![0; vertices];
     let mut rows: Vec<usize> = Vec::new();
     let mut before = 0;
-    let mut supernodes: Vec<Supernode> = Vec::new();
+    let mut runs: Vec<Supernode> = Vec::new();
+    let mut below: Vec<usize> = Vec::new();
     for column in 0..vertices {
         // The structure of a column is the union of the matrix's rows and its children's rows, without the children
         // themselves: all further rows of a child are also rows of its parent.
@@ -54,29 +64,35 @@ pub(crate) fn maximal(parent: &[usize], upper: &Adjacency) -> Vec<Supernode> {
         // fronts are then one, without extra zeros.
         let continues = column > 0 && parent[column - 1] == column && before == rows.len() + 1;
         before = rows.len();
-        match supernodes.last_mut() {
-            Some(last) if continues => {
+        let continued = runs.last_mut().filter(|_| continues);
+        let start = continued.as_ref().map_or(below.len(), |last| last.rows.start);
+        below.truncate(start);
+        below.extend_from_slice(&rows);
+        let end = below.len();
+        match continued {
+            Some(last) => {
                 last.columns += 1;
-                last.rows.clone_from(&rows);
+                last.rows.end = end;
             }
-            _ => supernodes.push(Supernode { first: column, columns: 1, rows: rows.clone(), zeros: 0 }),
+            None => runs.push(Supernode { first: column, columns: 1, rows: start..end, zeros: 0 }),
         }
     }
-    for supernode in &mut supernodes {
-        supernode.rows.sort_unstable();
+    for run in &runs {
+        below[run.rows.clone()].sort_unstable();
     }
-    supernodes
+    Supernodes { runs, rows: below }
 }
 
 /// Merges a supernode into its parent if the two are adjacent and this adds few zeros: larger fronts cost some arithmetic and
 /// save much bookkeeping. The rule is CHOLMOD's (Chen, Davis, Hager, Rajamanickam, 2008); its limits, on numbers of scalar
 /// columns, were set by measurement. `block` is the number of scalars in a block.
-pub(crate) fn amalgamate(supernodes: Vec<Supernode>, block: usize) -> Vec<Supernode> {
+pub(crate) fn amalgamate(supernodes: Supernodes, block: usize) -> Supernodes {
+    let Supernodes { runs, rows } = supernodes;
     // Right to left, so that a parent is complete before its last child asks to join it.
-    let mut merged: Vec<Supernode> = Vec::with_capacity(supernodes.len());
-    for child in supernodes.into_iter().rev() {
+    let mut merged: Vec<Supernode> = Vec::with_capacity(runs.len());
+    for child in runs.into_iter().rev() {
         match merged.last_mut() {
-            Some(parent) if joins(&child, parent, block) => {
+            Some(parent) if joins(&child, rows[child.rows.clone()].first(), parent, block) => {
                 let new_zeros = child.columns * (child.columns + parent.height() - child.height());
                 parent.first = child.first;
                 parent.columns += child.columns;
@@ -86,13 +102,12 @@ pub(crate) fn amalgamate(supernodes: Vec<Supernode>, block: usize) -> Vec<Supern
         }
     }
     merged.reverse();
-    merged
+    Supernodes { runs: merged, rows }
 }
 
-/// Whether a supernode should join the one right after it.
-fn joins(child: &Supernode, parent: &Supernode, block: usize) -> bool {
-    let is_parent =
-        child.rows.first().is_some_and(|&row| row >= parent.first && row < parent.first + parent.columns);
+/// Whether a supernode, with its first row, should join the one right after it.
+fn joins(child: &Supernode, row: Option<&usize>, parent: &Supernode, block: usize) -> bool {
+    let is_parent = row.is_some_and(|&row| row >= parent.first && row < parent.first + parent.columns);
     if !is_parent {
         return false;
     }

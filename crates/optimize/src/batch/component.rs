@@ -1,19 +1,18 @@
 //! From one connected component to its minimum: a start, and a descent from it.
 
 use std::cmp::Ordering;
-use std::collections::VecDeque;
 
 use super::continuation::{Found, continued};
 use super::solution::{ComponentReport, Start};
+use super::starts::{Candidate, candidates, first_candidates, may_be_lifted, others};
 use crate::descent::phases::{Phases, timed};
 use crate::descent::workspace::Workspace;
-use crate::initialisation::tree::spanning_tree_from;
-use crate::model::cost::{cost, exceeds};
+use crate::model::cost::cost;
 use crate::model::magnitude::Magnitude;
 use crate::model::problem::Problem;
 use crate::normal_equations::{Pattern, System};
 use crate::options::{Initialisation, Options};
-use crate::pose_group::{PoseGroup, Relaxation};
+use crate::pose_group::PoseGroup;
 use posecut_cholesky::Memory;
 
 /// A descent from the relaxation that takes more steps than this has probably begun in the wrong basin.
@@ -21,15 +20,25 @@ const HARD: usize = 20;
 /// Factorisations after which the descents after it may count as slow.
 const RESUMED: usize = 5;
 
-/// Whether SE-Sync's cost stands for the cost of the graph: without kernels and priors, and with at most one held node.
-fn may_be_lifted<G: PoseGroup<DOF>, const DOF: usize>(part: &Problem<G, DOF>, held: usize) -> bool {
-    held <= 1 && part.priors().is_empty() && part.edges().iter().all(|edge| edge.kernel.is_none())
-}
-
 /// Start, result, report and system of a component.
 pub(super) type Solved<G, const DOF: usize> = (Vec<G>, Vec<G>, ComponentReport, Option<System<DOF>>);
 
+/// Whether a hard descent from the relaxation may halt for another start. Who allows no more steps than [`HARD`] does not pay for that.
+fn allows_detour<G: PoseGroup<DOF>, const DOF: usize>(
+    part: &Problem<G, DOF>,
+    held: usize,
+    options: &Options,
+) -> bool {
+    options.initialisation == Initialisation::Best
+        && options.graduated.is_none()
+        && options.max_iterations > HARD
+        && may_be_lifted(part, held)
+}
+
 /// Chooses a start of a connected graph whose first `held` nodes keep their poses, and solves from it.
+///
+/// If the given poses are [near](super::starts::is_near), they are the start; if the descent from there is hard, the others are tried as if
+/// they were not.
 ///
 /// Without kernels the relaxation is tried first: the cost of a start says little about its basin if a few stiff edges
 /// dominate. If the descent from it is hard, it halts, and the start of [`continuation`](super::continuation) is tried; it goes on if it is
@@ -58,16 +67,11 @@ pub(super) fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
     let mut workspace =
         Workspace::new(&pattern, Magnitude::of(edges.iter()), memory).with_priors(part.priors());
     let mut best: Option<(Vec<G>, Vec<G>)> = None;
-    let starts = timed(&mut phases.start, || {
-        candidates(part, &mut workspace, options.initialisation, report.cost_given)
+    let (mut starts, mut near) = timed(&mut phases.start, || {
+        first_candidates(part, &mut workspace, options.initialisation, report.cost_given)
     });
-    let mut starts = VecDeque::from(starts);
     let mut others_known = options.initialisation != Initialisation::Best || starts.len() > 1;
-    // Who allows no more steps than that does not pay for a detour.
-    let detour = options.initialisation == Initialisation::Best
-        && options.graduated.is_none()
-        && options.max_iterations > HARD
-        && may_be_lifted(part, held);
+    let detour = allows_detour(part, held, options);
     loop {
         if starts.is_empty() && !others_known {
             others_known = true;
@@ -81,11 +85,17 @@ pub(super) fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
             continue;
         }
         let may_halt = detour && candidate.start == Start::Chordal && candidate.halted.is_none();
-        let steps = if may_halt { HARD } else { options.max_iterations };
+        let steps = if may_halt || near { HARD.min(options.max_iterations) } else { options.max_iterations };
         let mut result = candidate.halted.take().map_or_else(|| candidate.poses.clone(), |(poses, _)| poses);
         let limited = Options { max_iterations: steps, ..*options };
         let outcome = workspace.minimise(edges, &mut result, &limited);
         report.count(&outcome);
+        if std::mem::take(&mut near) && !outcome.termination.converged() {
+            starts.extend(timed(&mut phases.start, || {
+                candidates(part, &mut workspace, options.initialisation, report.cost_given)
+            }));
+            continue;
+        }
         if !known {
             candidate.cost = outcome.initial;
             report.cost_given = outcome.initial;
@@ -118,108 +128,4 @@ pub(super) fn solve_component<G: PoseGroup<DOF>, const DOF: usize>(
 /// Whether a component has nothing to optimise.
 pub(super) fn is_settled<G: PoseGroup<DOF>, const DOF: usize>(part: &Problem<G, DOF>, held: usize) -> bool {
     (part.edges().is_empty() && part.priors().is_empty()) || held == part.poses().len()
-}
-
-/// A start that edges alone gave, moved to the priors if no node is held.
-pub(super) fn aligned<G: PoseGroup<DOF>, const DOF: usize>(
-    part: &Problem<G, DOF>,
-    held: usize,
-    mut poses: Vec<G>,
-) -> Vec<G> {
-    if held == 0 {
-        let motion = G::aligning(part.priors(), &poses);
-        for pose in &mut poses {
-            *pose = motion.compose(pose);
-        }
-    }
-    poses
-}
-
-/// A proposed start.
-struct Candidate<G> {
-    start: Start,
-    poses: Vec<G>,
-    cost: f64,
-    /// The poses that a descent had reached when it halted, and the cost by which it is compared.
-    halted: Option<(Vec<G>, f64)>,
-}
-
-impl<G> Candidate<G> {
-    fn new(start: Start, cost: f64, poses: Vec<G>) -> Self {
-        Self { start, poses, cost, halted: None }
-    }
-
-    /// The lowest cost known from here.
-    fn reached(&self) -> f64 {
-        self.halted.as_ref().map_or(self.cost, |(_, cost)| *cost)
-    }
-}
-
-/// The starts asked for, in the order in which they should be tried; at least one.
-fn candidates<G: PoseGroup<DOF>, const DOF: usize>(
-    part: &Problem<G, DOF>,
-    workspace: &mut Workspace<'_, G, DOF>,
-    initialisation: Initialisation,
-    cost_given: f64,
-) -> Vec<Candidate<G>> {
-    let edges = part.edges();
-    let propose = |start: Start, poses: Vec<G>| Candidate::new(start, cost(part, &poses), poses);
-    let given = || Candidate::new(Start::Given, cost_given, part.poses().to_vec());
-    let first = workspace.pattern.held;
-    let tree = || {
-        let poses = spanning_tree_from(first, part.poses(), edges);
-        propose(Start::SpanningTree, aligned(part, first, poses))
-    };
-    let mut relaxed = || {
-        let mut memory = Relaxation { pattern: workspace.pattern, factor: &mut workspace.factor };
-        let held = &part.poses()[..memory.pattern.held];
-        G::chordal_poses(&mut memory, edges, held, &part.poses()[0])
-            .map(|poses| propose(Start::Chordal, aligned(part, first, poses)))
-            .filter(|candidate| candidate.cost.is_finite())
-    };
-    match initialisation {
-        Initialisation::Given => vec![given()],
-        Initialisation::SpanningTree => vec![tree()],
-        // If the relaxation is singular, the tree replaces it.
-        Initialisation::Chordal => vec![relaxed().unwrap_or_else(tree)],
-        Initialisation::Best => {
-            let robust = edges.iter().any(|edge| edge.kernel.is_some())
-                || part.priors().iter().any(|prior| prior.kernel.is_some());
-            let mut relaxed = relaxed();
-            // The other starts come after the descent from the relaxation: its cost mostly excludes them early.
-            if let Some(relaxed) = relaxed.take_if(|_| !robust) {
-                return vec![relaxed];
-            }
-            let mut others = vec![given(), tree()];
-            others.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-            let mut all: Vec<_> = relaxed.into_iter().chain(others).collect();
-            if robust {
-                all.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-            }
-            // NaN is not comparable: with it, the other starts would not be tried.
-            if all.iter().any(|candidate| candidate.cost.is_finite()) {
-                all.retain(|candidate| candidate.cost.is_finite());
-            }
-            all
-        }
-    }
-}
-
-/// The given poses and the spanning tree, if they cost less than the result so far; the cheaper one first.
-fn others<G: PoseGroup<DOF>, const DOF: usize>(
-    part: &Problem<G, DOF>,
-    held: usize,
-    report: &ComponentReport,
-) -> Vec<Candidate<G>> {
-    let mut all = Vec::new();
-    if report.cost_given < report.cost {
-        all.push(Candidate::new(Start::Given, report.cost_given, part.poses().to_vec()));
-    }
-    let tree = aligned(part, held, spanning_tree_from(held, part.poses(), part.edges()));
-    if !exceeds(part.edges(), &tree, report.cost) {
-        all.push(Candidate::new(Start::SpanningTree, cost(part, &tree), tree));
-    }
-    all.retain(|candidate| candidate.cost < report.cost);
-    all.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    all
 }

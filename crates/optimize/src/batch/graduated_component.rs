@@ -1,8 +1,9 @@
 //! Graduation of one connected component, from several starts.
 
-use super::component::{Solved, aligned, is_settled, solve_component};
+use super::component::{Solved, is_settled, solve_component};
 use super::graduated::{set_landmark_kernels, set_prior_kernels, with_kernels};
 use super::solution::Start;
+use super::starts::aligned;
 use crate::descent::outcome::Outcome;
 use crate::descent::phases::timed;
 use crate::descent::workspace::Workspace;

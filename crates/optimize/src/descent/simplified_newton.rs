@@ -19,6 +19,8 @@ const SLOW: f64 = 0.2;
 /// A first step with the old factor that is longer than the step before fails more often than not; after a long one, where it is longer than
 /// this share.
 const FIRST_SHARE: f64 = 0.25;
+/// After a step with a longer component (shares of the graph's length, radians), not even the first step with the old factor pays.
+const FAR: f64 = 1.0;
 /// Time of a step with a new factor, in steps with the old one: 3 to 7 on the benchmark graphs.
 const STEPS_PER_FACTOR: f64 = 4.0;
 
@@ -42,6 +44,9 @@ impl<G: LaneGroup<DOF>, const DOF: usize> Workspace<'_, G, DOF> {
         // Whether the last step went beyond the minimum along it.
         let mut overshot = false;
         self.is_near = false;
+        if last.largest > FAR {
+            return None;
+        }
         while outcome.iterations < options.max_iterations {
             outcome.gradient = self.cosine(outcome.cost);
             if outcome.gradient <= options.gradient_tolerance {

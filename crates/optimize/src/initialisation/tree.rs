@@ -29,11 +29,16 @@ pub(crate) fn spanning_tree_from<G: LieGroup<DOF>, const DOF: usize>(
     for kind in [EdgeKind::Odometry, EdgeKind::Landmark] {
         tree.extend(edges.iter().filter(|edge| edge.kind == kind && forest.join(edge.from, edge.to)));
     }
-    let arcs = tree.iter().enumerate().flat_map(|(index, edge)| [(edge.from, index), (edge.to, index)]);
-    let neighbours = Adjacency::new(poses.len(), arcs);
     let mut result = poses.to_vec();
     let mut visited = vec![false; poses.len()];
+    // Most trees list their edges along the chains. From one node the paths are unique, so any order of composition gives the same poses.
+    if held <= 1 && composed_in_order(&tree, &mut result, &mut visited) {
+        return result;
+    }
+    visited.fill(false);
     visited[..held].fill(true);
+    let arcs = tree.iter().enumerate().flat_map(|(index, edge)| [(edge.from, index), (edge.to, index)]);
+    let neighbours = Adjacency::new(poses.len(), arcs);
     let mut queue: VecDeque<usize> = (0..held).collect();
     for first in 0..poses.len() {
         if !visited[first] {
@@ -57,4 +62,29 @@ pub(crate) fn spanning_tree_from<G: LieGroup<DOF>, const DOF: usize>(
         }
     }
     result
+}
+
+/// Composes the measurements of a tree's edges in their order, from the first node on. False at the first edge that does not continue what
+/// is composed by then.
+fn composed_in_order<G: LieGroup<DOF>, const DOF: usize>(
+    tree: &[&Edge<G, DOF>],
+    result: &mut [G],
+    visited: &mut [bool],
+) -> bool {
+    if let Some(first) = visited.first_mut() {
+        *first = true;
+    }
+    tree.iter().all(|edge| {
+        let (known, next, step) = if visited[edge.from] {
+            (edge.from, edge.to, edge.measurement)
+        } else {
+            (edge.to, edge.from, edge.measurement.inverse())
+        };
+        let continues = visited[known];
+        if continues {
+            visited[next] = true;
+            result[next] = result[known].compose(&step);
+        }
+        continues
+    })
 }

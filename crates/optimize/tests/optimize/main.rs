@@ -20,6 +20,7 @@ mod ill_posed;
 mod long_routes;
 mod marginals;
 mod metamorphic;
+mod near_starts;
 mod noisy_rotations;
 mod priors;
 mod scale;
