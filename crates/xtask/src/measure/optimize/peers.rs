@@ -2,6 +2,7 @@
 
 mod starts;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
@@ -18,6 +19,11 @@ use crate::numbers::{general, scientific};
 use starts::starts;
 
 const SOLVERS: [&str; 6] = ["posecut", "arael", "factrs", "apex", "tiny", "gtsam"];
+/// The solvers whose times come close. Other work on the machine slows some seconds down, so these run in several rounds, in turn.
+const FASTEST: [&str; 2] = ["posecut", "arael"];
+const ROUNDS: usize = 5;
+/// Runs in a process, fewer if they take more than three seconds.
+const REPEATS: &str = "10";
 /// A solver has found the minimum if its cost is at most this share above the best known one. This allows for its own
 /// definition of the cost, which is not quite ours.
 const FOUND: f64 = 1e-2;
@@ -89,32 +95,44 @@ fn peers_program() -> anyhow::Result<PathBuf> {
 pub(super) fn measure(name: &str, results: &mut Results) -> anyhow::Result<()> {
     let (peers, gtsam) = (peers_program()?, python(&["gtsam"])?);
     for (start, path) in starts(name)? {
-        for solver in SOLVERS {
-            let target = work().join(format!("{name}.{start}.{solver}.g2o"));
-            let repeats = if ["posecut", "arael"].contains(&solver) { "10" } else { "3" };
-            // The others lack the relaxation, so posecut too starts from its result as given.
-            let word = if (solver, start) == ("posecut", "chordal") { "posecut-given" } else { solver };
-            let command = match solver {
-                "gtsam" => Pinned::new(&gtsam, 1).path(script("gtsam")),
-                _ => Pinned::new(&peers, 1).words(&[word]),
-            };
-            let entry = match command.path(&path).path(&target).words(&[repeats]).run()? {
-                Err(why) => json!({"failed": why}),
-                Ok(run) => {
-                    let output = String::from_utf8_lossy(&run.output);
-                    let last = output.lines().last().unwrap_or_default();
-                    let mut said: Value =
-                        serde_json::from_str(last).with_context(|| format!("{solver} on {name}: {last}"))?;
-                    said["megabytes"] = json!(run.peak as f64 / f64::from(1 << 20));
-                    said["cost"] = json!(cost_of(&target)?);
-                    said
+        let mut least: BTreeMap<&str, Value> = BTreeMap::new();
+        for round in 0..ROUNDS {
+            for solver in SOLVERS.into_iter().filter(|solver| round == 0 || FASTEST.contains(solver)) {
+                // The others lack the relaxation, so posecut too starts from its result as given.
+                let word = if (solver, start) == ("posecut", "chordal") { "posecut-given" } else { solver };
+                let command = match solver {
+                    "gtsam" => Pinned::new(&gtsam, 1).path(script("gtsam")),
+                    _ => Pinned::new(&peers, 1).words(&[word]),
+                };
+                let entry = run(command, name, &path, &format!("{name}.{start}.{solver}"))?;
+                println!("{name} {start} {solver} {entry}");
+                let seconds = |entry: &Value| entry["seconds"].as_f64().unwrap_or(f64::INFINITY);
+                if least.get(solver).is_none_or(|before| seconds(&entry) < seconds(before)) {
+                    least.insert(solver, entry);
                 }
-            };
-            println!("{name} {start} {solver} {entry}");
+            }
+        }
+        for (solver, entry) in least {
             results.keep(&["peers", name, start, solver], entry)?;
         }
     }
     Ok(())
+}
+
+/// What a solver says of its runs on one file, and the cost of what it writes to the file of this `label`.
+fn run(command: Pinned, name: &str, path: &Path, label: &str) -> anyhow::Result<Value> {
+    let target = work().join(format!("{label}.g2o"));
+    let run = match command.path(path).path(&target).words(&[REPEATS]).run()? {
+        Err(why) => return Ok(json!({"failed": why})),
+        Ok(run) => run,
+    };
+    let output = String::from_utf8_lossy(&run.output);
+    let last = output.lines().last().unwrap_or_default();
+    let mut said: Value =
+        serde_json::from_str(last).with_context(|| format!("{label}, a run on {name}: {last}"))?;
+    said["megabytes"] = json!(run.peak as f64 / f64::from(1 << 20));
+    said["cost"] = json!(cost_of(&target)?);
+    Ok(said)
 }
 
 /// The cost of a g2o graph's poses in the log convention; `None` if they are not finite.
