@@ -1,10 +1,10 @@
 # Tests, checks, generated documents, installation, data.
 # The contract tests run the programs, so these are built too, at once. Optimised, because tests run real experiments,
-# and because `make table` has built most of it already. Of the examples, tests run two; `make check` compiles all.
+# and because `make table` has built most of it already. Of the examples, tests run two and CI two more; `make check` compiles all.
 # Many tests wait for programs that they started: with two tests a processor, no processor waits with them.
 test:
 	scripts/check-makefile.sh
-	cargo build --release --workspace --bins --tests --example failing_calls --example planted --locked
+	cargo build --release --workspace --bins --tests --example failing_calls --example planted --example fuzz --example pages --locked
 	RUST_TEST_THREADS=$${RUST_TEST_THREADS:-$$((2 * $$(getconf _NPROCESSORS_ONLN)))} \
 		cargo test --release --workspace --tests --locked
 	cargo test --release --workspace --doc --locked
