@@ -51,7 +51,8 @@ fn is_near<G: PoseGroup<DOF>, const DOF: usize>(
     let edges = part.edges();
     // With one node held, what noise leaves of the cost at the minimum on average.
     let expected = (edges.len() * DOF).saturating_sub((part.poses().len() - 1) * DOF) as f64;
-    may_be_lifted(part, held) && cost_given <= NEAR * expected && G::is_unwound(edges, part.poses())
+    // The cheapest condition first: most graphs fail it.
+    cost_given <= NEAR * expected && may_be_lifted(part, held) && G::is_unwound(edges, part.poses())
 }
 
 /// The starts to try first, and whether they are the given poses since those are near.

@@ -47,12 +47,7 @@ pub(crate) fn spanning_tree_from<G: LieGroup<DOF>, const DOF: usize>(
         }
         while let Some(node) = queue.pop_front() {
             for &index in neighbours.of(node) {
-                let edge = tree[index];
-                let (next, step) = if edge.from == node {
-                    (edge.to, edge.measurement)
-                } else {
-                    (edge.from, edge.measurement.inverse())
-                };
+                let (next, step) = across(tree[index], node);
                 if !visited[next] {
                     visited[next] = true;
                     result[next] = result[node].compose(&step);
@@ -75,16 +70,18 @@ fn composed_in_order<G: LieGroup<DOF>, const DOF: usize>(
         *first = true;
     }
     tree.iter().all(|edge| {
-        let (known, next, step) = if visited[edge.from] {
-            (edge.from, edge.to, edge.measurement)
-        } else {
-            (edge.to, edge.from, edge.measurement.inverse())
-        };
+        let known = if visited[edge.from] { edge.from } else { edge.to };
         let continues = visited[known];
         if continues {
+            let (next, step) = across(edge, known);
             visited[next] = true;
             result[next] = result[known].compose(&step);
         }
         continues
     })
+}
+
+/// The other end of an edge, and the measured way there from `node`.
+fn across<G: LieGroup<DOF>, const DOF: usize>(edge: &Edge<G, DOF>, node: usize) -> (usize, G) {
+    if edge.from == node { (edge.to, edge.measurement) } else { (edge.from, edge.measurement.inverse()) }
 }
