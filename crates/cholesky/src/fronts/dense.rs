@@ -5,22 +5,21 @@
     reason = "loops take the vector instructions of the caller they are inlined into"
 )]
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::matmul::triangular::{BlockStructure, matmul};
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Accum, MatMut, Par};
+use faer::Par;
+use faer::dyn_stack::MemBuffer;
+use faer::linalg::cholesky::llt::factor::cholesky_in_place_scratch;
 
 use super::large_front;
 use super::product::{self, Rows, Target};
 use super::stored::Stored;
 use super::view::FrontView;
 
-/// From this number of operations on, kernels that copy their operands to panels are worth that, and their calls.
-const LARGE_FRONT: usize = 60_000;
+/// From this number of operations on, copying operands of products to panels is worth that.
+const LARGE_FRONT: usize = 100_000;
 
-/// From this number of operations on, posecut's own products are faster than faer's.
-const OWN_PRODUCTS: usize = 1_000_000;
+/// Columns of a large front that are eliminated before the rest is updated. Fewer need more passes over the rest; more take longer, since
+/// products of copied panels are twice as fast as those of columns.
+const BLOCK: usize = 72;
 
 /// From this number of operations on, a front is divided among threads. Only the front decides, not the number of threads,
 /// since the two methods round differently.
@@ -42,11 +41,7 @@ impl Scratch {
 
 /// How much memory for panels elimination of a front takes: none for a small one.
 pub(super) fn panel_size(height: usize, columns: usize) -> usize {
-    if operations(columns, height - columns) < OWN_PRODUCTS {
-        0
-    } else {
-        product::panel_size(height, columns)
-    }
+    if operations(columns, height - columns) < LARGE_FRONT { 0 } else { product::panel_size(height, columns) }
 }
 
 fn operations(columns: usize, below: usize) -> usize {
@@ -64,60 +59,46 @@ pub fn scratch(columns: usize) -> Scratch {
 #[inline(always)]
 pub fn eliminate<const D: usize>(front: FrontView<'_>, memory: &mut Scratch) -> Result<(), usize> {
     let operations = operations(front.columns, front.below());
-    if operations < LARGE_FRONT {
-        eliminate_small::<D>(front)
-    } else if operations < LARGEST_FRONT {
-        eliminate_large(front, memory)
+    if operations < LARGEST_FRONT {
+        eliminate_by_blocks::<D>(front, operations >= LARGE_FRONT, &mut memory.panels)
     } else {
         large_front::eliminate(front, memory)
     }
 }
 
-/// Eliminates the columns of a front by faer's dense kernels, and by [`product`] if that is faster.
-pub(super) fn eliminate_large(front: FrontView<'_>, memory: &mut Scratch) -> Result<(), usize> {
+/// Eliminates the columns of a front, left-looking by `D` columns. In a large front, [`BLOCK`] columns are eliminated like that, then
+/// subtracted from all later ones.
+///
+/// Left-looking loads and stores columns once. Right-looking would rewrite all later columns every time, and memory accesses, not
+/// arithmetic, limit the speed of small fronts.
+#[inline(always)]
+pub(super) fn eliminate_by_blocks<const D: usize>(
+    front: FrontView<'_>,
+    large: bool,
+    panels: &mut Vec<f64>,
+) -> Result<(), usize> {
     let below = front.below();
     let FrontView { panel, height, columns, update, fresh } = front;
-    let (mut diagonal, mut rest) =
-        MatMut::from_column_major_slice_mut(&mut *panel, height, columns).split_at_row_mut(columns);
-    let stack = MemStack::new(&mut memory.cholesky);
-    cholesky_in_place(diagonal.as_mut(), faer::prelude::default(), Par::Seq, stack, faer::prelude::default())
-        .map_err(|faer::linalg::cholesky::llt::factor::LltError::NonPositivePivot { index }| index)?;
-    if below > 0 {
-        solve_lower_triangular_in_place(diagonal.as_ref(), rest.as_mut().transpose_mut(), Par::Seq);
-        if operations(columns, below) < OWN_PRODUCTS {
-            matmul(
-                MatMut::from_column_major_slice_mut(update, below, below),
-                BlockStructure::TriangularLower,
-                if fresh { Accum::Replace } else { Accum::Add },
-                rest.as_ref(),
-                BlockStructure::Rectangular,
-                rest.as_ref().transpose(),
-                BlockStructure::Rectangular,
-                -1.0,
-                Par::Seq,
-            );
-        } else {
-            let mut target = Target { values: update, height: below, first: 0, fresh };
-            let rows = Rows { values: panel, height, first: columns };
-            product::subtract(&mut target, rows, &mut memory.panels, false);
+    let width = if large { BLOCK } else { columns };
+    for first in (0..columns).step_by(width.max(1)) {
+        let end = columns.min(first + width);
+        for start in (first..end).step_by(D) {
+            let (done, later) = panel.split_at_mut(start * height);
+            let block = &mut later[..D * height];
+            subtract_products::<D>(block, height, start, &done[first * height..], height, start);
+            factor_block::<D>(block, height, start)?;
+        }
+        if end < columns {
+            let (done, later) = panel.split_at_mut(end * height);
+            let rows = Rows { values: &done[first * height..], height, first: end };
+            let mut target = Target { values: later, height, first: end, fresh: false };
+            product::subtract(&mut target, rows, panels, false);
         }
     }
-    Ok(())
-}
-
-/// Eliminates the columns of a front, left-looking by blocks of `D` columns, without function calls.
-///
-/// Left-looking loads and stores each block of columns once. Right-looking would rewrite all later columns for every block,
-/// and memory accesses, not arithmetic, limit the speed of small fronts.
-#[inline(always)]
-fn eliminate_small<const D: usize>(front: FrontView<'_>) -> Result<(), usize> {
-    let below = front.below();
-    let FrontView { panel, height, columns, update, fresh } = front;
-    for start in (0..columns).step_by(D) {
-        let (done, later) = panel.split_at_mut(start * height);
-        let block = &mut later[..D * height];
-        subtract_products::<D>(block, height, start, done, height, start);
-        factor_block::<D>(block, height, start)?;
+    if large {
+        let mut target = Target { values: update, height: below, first: 0, fresh };
+        product::subtract(&mut target, Rows { values: panel, height, first: columns }, panels, false);
+        return Ok(());
     }
     if fresh {
         update.fill(0.0);
@@ -284,4 +265,59 @@ pub fn products<const D: usize, const W: usize, S: Stored>(columns: &[&[S]; D], 
         let rest = columns[index][whole..].iter().zip(&vector[whole..]);
         sums[index].iter().sum::<f64>() + rest.map(|(entry, value)| entry.widened() * value).sum::<f64>()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// With and without a right-hand side as the last column, with columns of one block and of several.
+    #[test]
+    fn blocks_give_what_one_piece_does() {
+        for (height, columns) in
+            [(BLOCK, BLOCK), (BLOCK + 7, 6), (BLOCK + 30, BLOCK + 6), (3 * BLOCK + 1, 2 * BLOCK)]
+        {
+            let below = height - columns;
+            let mut values = vec![0.0; height * columns];
+            for column in 0..columns {
+                for row in column..height {
+                    values[column * height + row] = ((row * 37 + column * 101) as f64 * 0.7).sin()
+                        + if row == column { 300.0 } else { 0.0 };
+                }
+            }
+            let start: Vec<f64> = (0..below * below).map(|index| (index as f64 * 0.3).cos()).collect();
+            for fresh in [false, true] {
+                let eliminated = |large: bool| {
+                    let (mut panel, mut update) = (values.clone(), start.clone());
+                    let front = FrontView { panel: &mut panel, height, columns, update: &mut update, fresh };
+                    eliminate_by_blocks::<6>(front, large, &mut Vec::new())
+                        .expect("the matrix is dominated by its diagonal");
+                    // Values above the diagonal mean nothing.
+                    let lower = |values: Vec<f64>, order: usize| -> Vec<f64> {
+                        let columns = values.chunks(order.max(1)).enumerate();
+                        columns.flat_map(|(column, values)| values[column.min(order)..].to_vec()).collect()
+                    };
+                    [lower(panel, height), lower(update, below)].concat()
+                };
+                let (found, expected) = (eliminated(true), eliminated(false));
+                let apart = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                assert!(
+                    found.len() == expected.len() && apart < 1e-11,
+                    "{height} {columns} {fresh}: {apart}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_first_pivot_that_is_not_positive_is_named() {
+        let (height, columns) = (2 * BLOCK, 2 * BLOCK);
+        for large in [false, true] {
+            let mut panel = vec![0.0; height * columns];
+            panel.iter_mut().step_by(height + 1).for_each(|pivot| *pivot = 2.0);
+            panel[(BLOCK + 5) * (height + 1)] = -1.0;
+            let front = FrontView { panel: &mut panel, height, columns, update: &mut [], fresh: true };
+            assert_eq!(eliminate_by_blocks::<6>(front, large, &mut Vec::new()), Err(BLOCK + 5));
+        }
+    }
 }

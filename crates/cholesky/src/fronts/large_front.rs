@@ -92,7 +92,8 @@ mod tests {
             let (mut expected, mut update) = (panel.clone(), start.clone());
             let mut memory = dense::scratch(columns);
             let front = FrontView { panel: &mut expected, height, columns, update: &mut update, fresh };
-            dense::eliminate_large(front, &mut memory).expect("the matrix is dominated by its diagonal");
+            dense::eliminate_by_blocks::<3>(front, true, &mut memory.panels)
+                .expect("the matrix is dominated by its diagonal");
             let (found, found_update) = solve(1, fresh);
             let lower = |matrix: &[f64], order: usize, columns: usize| -> Vec<f64> {
                 (0..columns)

@@ -26,9 +26,6 @@ const GROUP: usize = 384;
 const STRIP: usize = 192;
 /// Rows that one piece of work copies to panels.
 const COPIED: usize = 64;
-/// Vectors of rows in a tile: three of eight numbers with eight columns fill the registers of AVX-512, three of four with four
-/// columns those of AVX2.
-const VECTORS: usize = 3;
 
 /// Rows of a column-major matrix from `first` on.
 #[derive(Clone, Copy)]
@@ -157,21 +154,24 @@ struct Multiply<'a> {
 impl WithSimd for Multiply<'_> {
     type Output = ();
 
+    /// A tile has as many vectors of rows as registers hold. Three of eight numbers with eight columns leave four of AVX-512's 32
+    /// registers free. AVX2 has 16: three vectors with four columns would just fit, but the compiler loads two factors at a time, keeps
+    /// sums in memory instead, and takes twice the time. The eight sums of two vectors are as many as its arithmetic can work on at once.
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         match S::F64_LANES {
-            8 => self.multiply::<S, 8>(simd),
-            4 => self.multiply::<S, 4>(simd),
-            2 => self.multiply::<S, 2>(simd),
-            _ => self.multiply::<S, 1>(simd),
+            8 => self.multiply::<S, 3, 8>(simd),
+            4 => self.multiply::<S, 2, 4>(simd),
+            2 => self.multiply::<S, 3, 2>(simd),
+            _ => self.multiply::<S, 3, 1>(simd),
         }
     }
 }
 
 impl Multiply<'_> {
-    /// For vectors of `N` numbers.
+    /// For tiles of `V` vectors of `N` numbers.
     #[inline(always)]
-    fn multiply<S: Simd, const N: usize>(self, simd: S) {
+    fn multiply<S: Simd, const V: usize, const N: usize>(self, simd: S) {
         let Self { strip: Target { values, height, first, fresh }, start, panels, count, depth } = self;
         let panel = |index: usize| &panels[index * N * depth..][..N * depth];
         let (begin, end) = (start / N, (start + values.len() / height).div_ceil(N));
@@ -185,10 +185,10 @@ impl Multiply<'_> {
                     let from = first + row * N;
                     let mut tile =
                         Tile { values: &mut values[(column - begin) * N * height..], height, from, fresh };
-                    if row + VECTORS <= group_end {
+                    if row + V <= group_end {
                         let rows = std::array::from_fn(|vector| panel(row + vector));
-                        tile.subtract::<S, VECTORS, N>(simd, rows, panel(column));
-                        row += VECTORS;
+                        tile.subtract::<S, V, N>(simd, rows, panel(column));
+                        row += V;
                     } else {
                         tile.subtract::<S, 1, N>(simd, [panel(row)], panel(column));
                         row += 1;
