@@ -19,7 +19,7 @@ mod task;
 mod view;
 mod workspaces;
 
-pub use dense::{Scratch, eliminate, products, scratch};
+pub use dense::{Scratch, eliminate, products};
 pub use extend_add::{Run, extend_add, push_rows};
 pub use stored::Stored;
 pub use view::FrontView;

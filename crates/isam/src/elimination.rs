@@ -9,7 +9,7 @@ use std::collections::HashMap;
 
 use nalgebra::{SMatrix, SVector};
 use posecut_cholesky::SINGULAR;
-use posecut_cholesky::fronts::{FrontView, Run, Scratch, eliminate, extend_add, push_rows, scratch};
+use posecut_cholesky::fronts::{FrontView, Run, Scratch, eliminate, extend_add, push_rows};
 use posecut_geometry::translations;
 use posecut_optimize::model::Linearised;
 use pulp::{Simd, WithSimd};
@@ -68,7 +68,6 @@ pub(crate) struct Elimination<const D: usize> {
     clique: Vec<usize>,
     stamp: usize,
     scratch: Scratch,
-    scratch_columns: usize,
     diagonal: Vec<f64>,
     held: Vec<bool>,
     runs: Vec<Run>,
@@ -86,8 +85,7 @@ impl<const D: usize> Elimination<D> {
             place: Vec::new(),
             clique: Vec::new(),
             stamp: 0,
-            scratch: scratch(0),
-            scratch_columns: 0,
+            scratch: Scratch::default(),
             diagonal: Vec::new(),
             held: Vec::new(),
             runs: Vec::new(),
@@ -125,10 +123,6 @@ impl<const D: usize> Elimination<D> {
     ) {
         let mut clique = tree.take(index);
         let columns = clique.frontals * D;
-        if columns > self.scratch_columns {
-            self.scratch_columns = columns.next_power_of_two();
-            self.scratch = scratch(self.scratch_columns);
-        }
         self.held.clear();
         self.held.resize(columns, false);
         clique.undetermined.clear();

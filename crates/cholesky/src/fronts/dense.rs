@@ -5,9 +5,7 @@
     reason = "loops take the vector instructions of the caller they are inlined into"
 )]
 
-use faer::Par;
-use faer::dyn_stack::MemBuffer;
-use faer::linalg::cholesky::llt::factor::cholesky_in_place_scratch;
+use std::ops::Range;
 
 use super::large_front;
 use super::product::{self, Rows, Target};
@@ -18,24 +16,25 @@ use super::view::FrontView;
 const LARGE_FRONT: usize = 100_000;
 
 /// Columns of a large front that are eliminated before the rest is updated. Fewer need more passes over the rest; more take longer, since
-/// products of copied panels are twice as fast as those of columns.
-const BLOCK: usize = 72;
+/// products of copied panels are twice as fast as those of columns. A multiple of every order of a variable.
+pub(super) const BLOCK: usize = 72;
 
 /// From this number of operations on, a front is divided among threads. Only the front decides, not the number of threads,
 /// since the two methods round differently.
 const LARGEST_FRONT: usize = 40_000_000;
 
 /// Working memory of the dense kernels.
+#[derive(Debug, Default)]
 pub struct Scratch {
-    pub(super) cholesky: MemBuffer,
     pub(super) panels: Vec<f64>,
+    pub(super) strips: Vec<f64>,
 }
 
 impl Scratch {
     /// Reserves memory for the panels of products.
-    pub(super) fn with_panels(self, size: usize) -> Self {
+    pub(super) fn with_panels(size: usize) -> Self {
         // Pages that the system has zeroed, and that nothing touches before the first product.
-        Self { panels: vec![0.0; size], ..self }
+        Self { panels: vec![0.0; size], ..Self::default() }
     }
 }
 
@@ -48,13 +47,6 @@ fn operations(columns: usize, below: usize) -> usize {
     columns * (columns * columns / 3 + columns * below + below * below)
 }
 
-/// Working memory of the dense kernels for fronts of up to `columns` eliminated columns.
-pub fn scratch(columns: usize) -> Scratch {
-    let cholesky =
-        MemBuffer::new(cholesky_in_place_scratch::<f64>(columns, Par::Seq, faer::prelude::default()));
-    Scratch { cholesky, panels: Vec::new() }
-}
-
 /// Eliminates the columns of a front. On failure returns the column whose pivot was not positive.
 #[inline(always)]
 pub fn eliminate<const D: usize>(front: FrontView<'_>, memory: &mut Scratch) -> Result<(), usize> {
@@ -62,12 +54,12 @@ pub fn eliminate<const D: usize>(front: FrontView<'_>, memory: &mut Scratch) -> 
     if operations < LARGEST_FRONT {
         eliminate_by_blocks::<D>(front, operations >= LARGE_FRONT, &mut memory.panels)
     } else {
-        large_front::eliminate(front, memory)
+        large_front::eliminate::<D>(front, memory)
     }
 }
 
-/// Eliminates the columns of a front, left-looking by `D` columns. In a large front, [`BLOCK`] columns are eliminated like that, then
-/// subtracted from all later ones.
+/// Eliminates the columns of a front left-looking. In a large front, [`BLOCK`] columns are eliminated like that, then subtracted from all
+/// later ones.
 ///
 /// Left-looking loads and stores columns once. Right-looking would rewrite all later columns every time, and memory accesses, not
 /// arithmetic, limit the speed of small fronts.
@@ -82,12 +74,7 @@ pub(super) fn eliminate_by_blocks<const D: usize>(
     let width = if large { BLOCK } else { columns };
     for first in (0..columns).step_by(width.max(1)) {
         let end = columns.min(first + width);
-        for start in (first..end).step_by(D) {
-            let (done, later) = panel.split_at_mut(start * height);
-            let block = &mut later[..D * height];
-            subtract_products::<D>(block, height, start, &done[first * height..], height, start);
-            factor_block::<D>(block, height, start)?;
-        }
+        eliminate_columns::<D>(panel, height, first..end)?;
         if end < columns {
             let (done, later) = panel.split_at_mut(end * height);
             let rows = Rows { values: &done[first * height..], height, first: end };
@@ -114,6 +101,23 @@ pub(super) fn eliminate_by_blocks<const D: usize>(
             subtract_products::<1>(target, below, column, panel, height, columns + column);
             column += 1;
         }
+    }
+    Ok(())
+}
+
+/// Eliminates some columns, from which all earlier ones have been subtracted, left-looking by `D` columns.
+#[inline(always)]
+pub(super) fn eliminate_columns<const D: usize>(
+    panel: &mut [f64],
+    height: usize,
+    columns: Range<usize>,
+) -> Result<(), usize> {
+    let first = columns.start;
+    for start in columns.step_by(D) {
+        let (done, later) = panel.split_at_mut(start * height);
+        let block = &mut later[..D * height];
+        subtract_products::<D>(block, height, start, &done[first * height..], height, start);
+        factor_block::<D>(block, height, start)?;
     }
     Ok(())
 }

@@ -1,65 +1,111 @@
 //! Partial Cholesky factorisation of one very large dense front, by all threads.
 //!
-//! Right-looking by blocks of columns. A thread takes strips of fixed size, so that every number is the same sum in the same
-//! order at any number of threads.
+//! By blocks of columns, as that of any large front. Threads take strips of a block's rows, and strips of columns of the products. The strips
+//! have fixed sizes, so every number is the same sum in the same order at any number of threads.
 
-use faer::dyn_stack::MemStack;
-use faer::linalg::cholesky::llt::factor::{LltError, cholesky_in_place};
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{MatMut, MatRef, Par};
+#![allow(
+    clippy::inline_always,
+    reason = "loops take the vector instructions of the caller they are inlined into"
+)]
 
-use super::dense::Scratch;
+use std::ops::Range;
+
+use pulp::{Simd, WithSimd};
+use rayon::prelude::*;
+
+use super::dense::{BLOCK, Scratch, eliminate_columns};
 use super::product::{self, Rows, Target};
 use super::view::FrontView;
+use crate::instructions::for_small_blocks;
 
-/// Columns eliminated at a time. One thread factorises the diagonal block, so wider blocks leave the other threads idle;
-/// narrower ones need more passes over the rest of the front.
-const BLOCK: usize = 128;
-/// Rows of a thread's strip: one of this many rows and [`BLOCK`] columns, 200 kB, stays in a processor's cache.
-/// The size is fixed, independent of the number of threads, so that the strips give the same sums.
-const STRIP: usize = 192;
+/// Rows of a block that a thread eliminates at a time, beside the diagonal block. With [`BLOCK`] columns they fit a second-level cache.
+const STRIP: usize = 384;
 
 /// As `dense::eliminate`, up to rounding.
-pub(super) fn eliminate(front: FrontView<'_>, memory: &mut Scratch) -> Result<(), usize> {
+pub(super) fn eliminate<const D: usize>(front: FrontView<'_>, memory: &mut Scratch) -> Result<(), usize> {
     let below = front.below();
     let FrontView { panel, height, columns, update, fresh } = front;
-    for start in (0..columns).step_by(BLOCK) {
-        let width = BLOCK.min(columns - start);
-        let (done, later) = panel.split_at_mut((start + width) * height);
-        let block = MatMut::from_column_major_slice_mut(&mut done[start * height..], height, width);
-        let (mut diagonal, rest) = block.split_at_row_mut(start).1.split_at_row_mut(width);
-        let stack = MemStack::new(&mut memory.cholesky);
-        cholesky_in_place(
-            diagonal.as_mut(),
-            faer::prelude::default(),
-            Par::Seq,
-            stack,
-            faer::prelude::default(),
-        )
-        .map_err(|LltError::NonPositivePivot { index }| start + index)?;
-        solve_by_strips(diagonal.as_ref(), rest);
-        let rows = Rows { values: &done[start * height..], height, first: start + width };
-        let mut target = Target { values: later, height, first: start + width, fresh: false };
-        product::subtract(&mut target, rows, &mut memory.panels, true);
+    let Scratch { panels, strips } = memory;
+    for first in (0..columns).step_by(BLOCK) {
+        let end = columns.min(first + BLOCK);
+        let (done, later) = panel.split_at_mut(end * height);
+        let block = &mut done[first * height..];
+        eliminate_by_strips::<D>(block, height, first, strips).map_err(|column| first + column)?;
+        let mut target = Target { values: later, height, first: end, fresh: false };
+        product::subtract(&mut target, Rows { values: block, height, first: end }, panels, true);
     }
-    let rows = Rows { values: panel, height, first: columns };
     let mut target = Target { values: update, height: below, first: 0, fresh };
-    product::subtract(&mut target, rows, &mut memory.panels, true);
+    product::subtract(&mut target, Rows { values: panel, height, first: columns }, panels, true);
     Ok(())
 }
 
-/// `rest = rest L^-T`.
-fn solve_by_strips(diagonal: MatRef<'_, f64>, rest: MatMut<'_, f64>) {
-    let rows = rest.nrows();
-    if rows <= STRIP {
-        if rows > 0 {
-            solve_lower_triangular_in_place(diagonal, rest.transpose_mut(), Par::Seq);
-        }
-        return;
+/// Eliminates all columns of `block`, whose diagonal begins in row `first`. On failure returns the column.
+///
+/// Every strip is copied below the diagonal block, which is eliminated again for each: a tenth more arithmetic, and no strip waits.
+fn eliminate_by_strips<const D: usize>(
+    block: &mut [f64],
+    height: usize,
+    first: usize,
+    memory: &mut Vec<f64>,
+) -> Result<(), usize> {
+    let width = block.len() / height;
+    let below = first + width;
+    let count = (height - below).div_ceil(STRIP).max(1);
+    let size = (width + STRIP) * width;
+    if memory.len() < count * size {
+        memory.resize(count * size, 0.0);
     }
-    let half = (rows / STRIP).div_ceil(2) * STRIP;
-    let (first, second) = rest.split_at_row_mut(half);
-    rayon::join(|| solve_by_strips(diagonal, first), || solve_by_strips(diagonal, second));
+    let rows = |strip: usize| below + strip * STRIP..height.min(below + (strip + 1) * STRIP);
+    let source = &*block;
+    memory.par_chunks_mut(size).take(count).enumerate().try_for_each(|(index, strip)| {
+        for_small_blocks(Strip::<D> {
+            source,
+            height,
+            diagonal: first..below,
+            rows: rows(index),
+            target: strip,
+        })
+    })?;
+    let memory = &*memory;
+    block.par_chunks_exact_mut(height).enumerate().for_each(|(column, values)| {
+        for (index, strip) in memory.chunks_exact(size).take(count).enumerate() {
+            let rows = rows(index);
+            let (diagonal, strip) = strip[column * (width + rows.len())..].split_at(width);
+            if index == 0 {
+                values[first..below].copy_from_slice(diagonal);
+            }
+            let count = rows.len();
+            values[rows].copy_from_slice(&strip[..count]);
+        }
+    });
+    Ok(())
+}
+
+/// Copies the diagonal block and some rows, and eliminates them. Not a closure: a closure would not be inlined.
+struct Strip<'a, const D: usize> {
+    source: &'a [f64],
+    height: usize,
+    diagonal: Range<usize>,
+    rows: Range<usize>,
+    target: &'a mut [f64],
+}
+
+impl<const D: usize> WithSimd for Strip<'_, D> {
+    type Output = Result<(), usize>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let Self { source, height, diagonal, rows, target } = self;
+        let width = diagonal.len();
+        let target_height = width + rows.len();
+        let target = &mut target[..width * target_height];
+        for (target, source) in target.chunks_exact_mut(target_height).zip(source.chunks_exact(height)) {
+            let (top, bottom) = target.split_at_mut(width);
+            top.copy_from_slice(&source[diagonal.clone()]);
+            bottom.copy_from_slice(&source[rows.clone()]);
+        }
+        eliminate_columns::<D>(target, target_height, 0..width)
+    }
 }
 
 #[cfg(test)]
@@ -83,14 +129,15 @@ mod tests {
         let solve = |threads: usize, fresh: bool| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
             let (mut panel, mut update) = (panel.clone(), start.clone());
-            let mut memory = dense::scratch(columns);
+            let mut memory = Scratch::default();
             let front = FrontView { panel: &mut panel, height, columns, update: &mut update, fresh };
-            pool.install(|| eliminate(front, &mut memory)).expect("the matrix is dominated by its diagonal");
+            pool.install(|| eliminate::<3>(front, &mut memory))
+                .expect("the matrix is dominated by its diagonal");
             (panel, update)
         };
         for fresh in [false, true] {
             let (mut expected, mut update) = (panel.clone(), start.clone());
-            let mut memory = dense::scratch(columns);
+            let mut memory = Scratch::default();
             let front = FrontView { panel: &mut expected, height, columns, update: &mut update, fresh };
             dense::eliminate_by_blocks::<3>(front, true, &mut memory.panels)
                 .expect("the matrix is dominated by its diagonal");
@@ -109,10 +156,10 @@ mod tests {
         }
         let mut indefinite = panel.clone();
         indefinite[200 * height + 200] = -1e6;
-        let mut memory = dense::scratch(columns);
+        let mut memory = Scratch::default();
         let front =
             FrontView { panel: &mut indefinite, height, columns, update: &mut start.clone(), fresh: true };
-        let outcome = eliminate(front, &mut memory);
+        let outcome = eliminate::<3>(front, &mut memory);
         assert_eq!(outcome, Err(200));
     }
 }

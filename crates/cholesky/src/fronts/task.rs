@@ -63,11 +63,10 @@ pub(super) struct Worker {
 impl Worker {
     pub(super) fn new<const D: usize>(symbolic: &Symbolic, stretch: &Stretch) -> Self {
         let fronts = || stretch.fronts.iter().map(|&front| &symbolic.fronts[front]);
-        let columns = fronts().map(|front| front.columns).max().unwrap_or(0);
         let panels =
             fronts().map(|front| dense::panel_size(front.height() * D, front.columns * D)).max().unwrap_or(0);
         Self {
-            memory: dense::scratch(columns * D).with_panels(panels),
+            memory: Scratch::with_panels(panels),
             runs: Vec::with_capacity(fronts().map(Front::height).max().unwrap_or(0)),
             smallest_pivot: SmallestPivot::default(),
         }
