@@ -155,8 +155,9 @@ impl WithSimd for Multiply<'_> {
     type Output = ();
 
     /// A tile has as many vectors of rows as registers hold. Three of eight numbers with eight columns leave four of AVX-512's 32
-    /// registers free. AVX2 has 16: three vectors with four columns would just fit, but the compiler loads two factors at a time, keeps
-    /// sums in memory instead, and takes twice the time. The eight sums of two vectors are as many as its arithmetic can work on at once.
+    /// registers free. AVX2 has 16: three vectors with four columns would just fit, but in a crate of several code generation units the
+    /// compiler loads two factors at a time, keeps sums in memory instead, and takes twice the time. The eight sums of two vectors are as
+    /// many as its arithmetic can work on at once.
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         match S::F64_LANES {
