@@ -8,19 +8,14 @@
 use std::ops::Range;
 
 use super::large_front;
-use super::product::{self, Rows, Target};
+use super::product;
 use super::stored::Stored;
 use super::view::FrontView;
 
 /// From this number of operations on, copying operands of products to panels is worth that.
 const LARGE_FRONT: usize = 100_000;
 
-/// Columns of a large front that are eliminated before the rest is updated. Fewer need more passes over the rest; more take longer, since
-/// products of copied panels are twice as fast as those of columns. A multiple of every order of a variable.
-pub(super) const BLOCK: usize = 72;
-
-/// From this number of operations on, a front is divided among threads. Only the front decides, not the number of threads,
-/// since the two methods round differently.
+/// From this number of operations on, a front is divided among threads.
 const LARGEST_FRONT: usize = 40_000_000;
 
 /// Working memory of the dense kernels.
@@ -51,42 +46,19 @@ fn operations(columns: usize, below: usize) -> usize {
 #[inline(always)]
 pub fn eliminate<const D: usize>(front: FrontView<'_>, memory: &mut Scratch) -> Result<(), usize> {
     let operations = operations(front.columns, front.below());
-    if operations < LARGEST_FRONT {
-        eliminate_by_blocks::<D>(front, operations >= LARGE_FRONT, &mut memory.panels)
+    if operations < LARGE_FRONT {
+        eliminate_small::<D>(front)
     } else {
-        large_front::eliminate::<D>(front, memory)
+        large_front::eliminate::<D>(front, memory, operations >= LARGEST_FRONT)
     }
 }
 
-/// Eliminates the columns of a front left-looking. In a large front, [`BLOCK`] columns are eliminated like that, then subtracted from all
-/// later ones.
-///
-/// Left-looking loads and stores columns once. Right-looking would rewrite all later columns every time, and memory accesses, not
-/// arithmetic, limit the speed of small fronts.
+/// Eliminates the columns of a front without function calls.
 #[inline(always)]
-pub(super) fn eliminate_by_blocks<const D: usize>(
-    front: FrontView<'_>,
-    large: bool,
-    panels: &mut Vec<f64>,
-) -> Result<(), usize> {
+pub(super) fn eliminate_small<const D: usize>(front: FrontView<'_>) -> Result<(), usize> {
     let below = front.below();
     let FrontView { panel, height, columns, update, fresh } = front;
-    let width = if large { BLOCK } else { columns };
-    for first in (0..columns).step_by(width.max(1)) {
-        let end = columns.min(first + width);
-        eliminate_columns::<D>(panel, height, first..end)?;
-        if end < columns {
-            let (done, later) = panel.split_at_mut(end * height);
-            let rows = Rows { values: &done[first * height..], height, first: end };
-            let mut target = Target { values: later, height, first: end, fresh: false };
-            product::subtract(&mut target, rows, panels, false);
-        }
-    }
-    if large {
-        let mut target = Target { values: update, height: below, first: 0, fresh };
-        product::subtract(&mut target, Rows { values: panel, height, first: columns }, panels, false);
-        return Ok(());
-    }
+    eliminate_columns::<D>(panel, height, 0..columns)?;
     if fresh {
         update.fill(0.0);
     }
@@ -106,6 +78,9 @@ pub(super) fn eliminate_by_blocks<const D: usize>(
 }
 
 /// Eliminates some columns, from which all earlier ones have been subtracted, left-looking by `D` columns.
+///
+/// Left-looking loads and stores columns once. Right-looking would rewrite all later columns every time, and memory accesses, not
+/// arithmetic, limit the speed of small fronts.
 #[inline(always)]
 pub(super) fn eliminate_columns<const D: usize>(
     panel: &mut [f64],
@@ -269,59 +244,4 @@ pub fn products<const D: usize, const W: usize, S: Stored>(columns: &[&[S]; D], 
         let rest = columns[index][whole..].iter().zip(&vector[whole..]);
         sums[index].iter().sum::<f64>() + rest.map(|(entry, value)| entry.widened() * value).sum::<f64>()
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// With and without a right-hand side as the last column, with columns of one block and of several.
-    #[test]
-    fn blocks_give_what_one_piece_does() {
-        for (height, columns) in
-            [(BLOCK, BLOCK), (BLOCK + 7, 6), (BLOCK + 30, BLOCK + 6), (3 * BLOCK + 1, 2 * BLOCK)]
-        {
-            let below = height - columns;
-            let mut values = vec![0.0; height * columns];
-            for column in 0..columns {
-                for row in column..height {
-                    values[column * height + row] = ((row * 37 + column * 101) as f64 * 0.7).sin()
-                        + if row == column { 300.0 } else { 0.0 };
-                }
-            }
-            let start: Vec<f64> = (0..below * below).map(|index| (index as f64 * 0.3).cos()).collect();
-            for fresh in [false, true] {
-                let eliminated = |large: bool| {
-                    let (mut panel, mut update) = (values.clone(), start.clone());
-                    let front = FrontView { panel: &mut panel, height, columns, update: &mut update, fresh };
-                    eliminate_by_blocks::<6>(front, large, &mut Vec::new())
-                        .expect("the matrix is dominated by its diagonal");
-                    // Values above the diagonal mean nothing.
-                    let lower = |values: Vec<f64>, order: usize| -> Vec<f64> {
-                        let columns = values.chunks(order.max(1)).enumerate();
-                        columns.flat_map(|(column, values)| values[column.min(order)..].to_vec()).collect()
-                    };
-                    [lower(panel, height), lower(update, below)].concat()
-                };
-                let (found, expected) = (eliminated(true), eliminated(false));
-                let apart = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-                assert!(
-                    found.len() == expected.len() && apart < 1e-11,
-                    "{height} {columns} {fresh}: {apart}"
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn the_first_pivot_that_is_not_positive_is_named() {
-        let (height, columns) = (2 * BLOCK, 2 * BLOCK);
-        for large in [false, true] {
-            let mut panel = vec![0.0; height * columns];
-            panel.iter_mut().step_by(height + 1).for_each(|pivot| *pivot = 2.0);
-            panel[(BLOCK + 5) * (height + 1)] = -1.0;
-            let front = FrontView { panel: &mut panel, height, columns, update: &mut [], fresh: true };
-            assert_eq!(eliminate_by_blocks::<6>(front, large, &mut Vec::new()), Err(BLOCK + 5));
-        }
-    }
 }
