@@ -14,24 +14,21 @@ git ls-files -z | tar --null --files-from=- -cf - | tar -xf - -C "$copy"
 cp -R "$copy/crates/oracle" "$copy/crates/echo"
 find "$copy/crates/echo" -type f -exec sed -i 's/oracle/echo/g' {} +
 
-# Own crates are compiled without optimisation, each by several threads: that they build is what matters here.
-for manifest in "$copy"/crates/*/Cargo.toml; do
-  name=$(sed -n 's/^name = "\(.*\)"$/\1/p' "$manifest" | head -n 1)
-  printf '\n[profile.release.package.%s]\nopt-level = 0\ncodegen-units = 16\n' "$name"
-done >>"$copy/.cargo/config.toml"
-
-# What other people's crates were built to is the same in the copy; own crates lie elsewhere, and are built anew.
+# What was built for the workspace is what the copy needs, except for crates that contain the path of the workspace. What Cargo writes in
+# place is copied, the rest linked.
 built=${CARGO_TARGET_DIR:-target}/release
-if [ ! -d "$place/target" ]; then
-  mkdir -p "$place/target/release"
-  for folder in deps build .fingerprint; do [ ! -d "$built/$folder" ] || cp -al "$built/$folder" "$place/target/release/"; done
-  find "$place/target" -depth \( -name 'posecut*' -o -name 'libposecut*' -o -name 'xtask*' -o -name 'libxtask*' \) -exec rm -rf {} +
-fi
+rm -rf "$place/target"
+mkdir -p "$place/target/release"
+for folder in deps build; do [ ! -d "$built/$folder" ] || cp -al "$built/$folder" "$place/target/release/"; done
+[ ! -d "$built/.fingerprint" ] || cp -a "$built/.fingerprint" "$place/target/release/"
+for own in xtask contract; do
+  find "$place/target/release" -depth -name "*$own-*" -exec rm -rf {} +
+done
 
 export CARGO_TARGET_DIR="$place/target" POSECUT_CONTRACT_ONLY=echo
 cd "$copy"
-# Programs that make the samples of the tests, or that some of the tests are about. The whole workspace with a test, because cargo chooses
-# the features of other people's crates by what it builds: for other targets, it would build them anew.
+# The same targets as for all tests, because Cargo chooses the features of other people's crates by what it builds: for other targets, it
+# would build them anew.
 cargo build --release --offline --quiet --workspace --bins --test contract
 cargo test --release --offline --quiet --workspace --test contract -- table:: standard_output:: threads::
 programs=$CARGO_TARGET_DIR/release

@@ -258,7 +258,7 @@ fn impossible_requests_to_construct_are_refused() {
         (&["--radius", "0.000001"], "no two viewpoints"),
         (
             &["--incorrect-rate", "0.9", "--radius", "8", "--incorrect-distance", "100000"],
-            "0 of 1359 (--incorrect-rate 0.9, --incorrect-kind uniform, --incorrect-distance 100000); decrease",
+            "0 of 54 (--incorrect-rate 0.9, --incorrect-kind uniform, --incorrect-distance 100000); decrease",
         ),
         (&["--split", "none"], "no two viewpoints"),
         (&[&session], "in two of the graphs"),

@@ -65,7 +65,7 @@ const TABLE: &[Row] = &[
 
 /// A random graph in which every edge has its own information matrix and every node has a pose.
 fn drawn<G: LieGroup<DOF>, const DOF: usize>(falsehood: Falsehood) -> PoseGraph {
-    let mut graph = Scenario { candidates: 200, outliers: 0.4, falsehood, seed: 6 }.draw::<G, DOF>();
+    let mut graph = Scenario { candidates: 120, outliers: 0.4, falsehood, seed: 6 }.draw::<G, DOF>();
     for place in 0..graph.edges.len() {
         let information = graph.information(&graph.edges[place]).map(<[f64]>::to_vec);
         graph.edges[place].information = information;
