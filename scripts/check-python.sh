@@ -1,5 +1,5 @@
 #!/bin/sh
-# Builds the wheel of the Python package, installs it into a fresh environment, runs its tests and mypy there, and compares the output
+# Builds the wheel of the Python package, installs it into an environment of its own, runs its tests and mypy there, and compares the output
 # of the examples in docs/python.md and docs/other-tools.md with these pages (--write puts the output there).
 # Skipped if Python is missing or its packages cannot be installed. Without gtsam or evo, their tests are skipped.
 # Usage: scripts/check-python.sh [--write]
@@ -12,12 +12,15 @@ command -v python3 >/dev/null || { echo 'skipped: there is no python3'; exit 0; 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-python3 -m venv "$work/environment" || { echo 'skipped: python3 has no venv'; exit 0; }
-python=$work/environment/bin/python
-"$python" -m pip install --quiet numpy pytest mypy || { echo 'skipped: pytest and mypy cannot be installed here'; exit 0; }
+# The environment of the scripts has other people's packages; this one adds the wheel.
+installed=$(scripts/python-environment.sh numpy pytest mypy) || { echo 'skipped: pytest and mypy cannot be installed here'; exit 0; }
 for package in gtsam evo; do
-  "$python" -m pip install --quiet "$package" || echo "skipped: $package cannot be installed here"
+  scripts/python-environment.sh "$package" >/dev/null || echo "skipped: $package cannot be installed here"
 done
+"$installed" -m venv "$work/environment"
+python=$work/environment/bin/python
+packages='import sysconfig; print(sysconfig.get_path("purelib"))'
+(cd / && "$root/$installed" -c "$packages") >"$("$python" -c "$packages")/installed.pth"
 
 # Shares its build with the tests and with make, which compile the same crates.
 POSECUT_SHARED_BUILD=1 "$python" -m pip wheel --quiet --no-deps --wheel-dir "$work" .
