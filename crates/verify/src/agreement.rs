@@ -27,7 +27,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
     }
 
     /// Whether the map holds at least half of a hypothesis.
-    fn has_half_of(&self, hypothesis: &Hypothesis) -> bool {
+    pub(crate) fn has_half_of(&self, hypothesis: &Hypothesis) -> bool {
         let accepted = hypothesis.members.iter().filter(|&&member| self.accepted[member]).count();
         2 * accepted >= hypothesis.members.len()
     }

@@ -33,7 +33,8 @@ pub enum Ingredient {
     Breaks,
     /// Groups of edges that the map contradicts, if a map with them agrees with other groups
     Trials,
-    /// Short groups of edges that wait while a rival has comparable evidence; without it, the heavier group is accepted
+    /// Short groups of edges that wait while a rival has comparable evidence, or the map contradicts more groups like them than it
+    /// accepts; without it, the heavier group is accepted
     Rivals,
     /// The score that a front end gives a candidate, with a weight learnt from the graph
     Score,

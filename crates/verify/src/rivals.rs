@@ -26,10 +26,13 @@ pub struct Rival {
     pub evidence: f64,
     /// The evidence of the accepted edges between the same chains, nats; 0 if nothing joins these chains.
     pub accepted: f64,
+    /// Whether nothing joins these chains, and no other hypothesis of comparable evidence could: the map contradicts too many groups as
+    /// short as this one.
+    pub lone: bool,
 }
 
 impl Rival {
-    /// Whether nothing joins these chains, because the map cannot tell which rival is correct.
+    /// Whether nothing joins these chains, because the map cannot tell whether, or which, rivals are correct.
     pub fn is_open(&self) -> bool {
         self.accepted == 0.0
     }
@@ -50,15 +53,21 @@ pub(crate) fn rivals<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, ju
             *most = most.max(hypothesis.evidence);
         }
     }
-    (1..)
+    let others: Vec<(usize, &Hypothesis, f64)> = (1..)
         .zip(judged.others())
         .filter(|(_, other)| !model.same_chain(other.members[0]))
-        .filter_map(|(hypothesis, other)| {
+        .filter_map(|(number, other)| {
             let accepted = held.get(&group(other)).copied();
             let compared = accepted.or_else(|| heaviest.get(&group(other)).copied())?;
-            let evidence = other.evidence;
-            let (edges, accepted) = (other.members.len(), accepted.unwrap_or(0.0));
-            (evidence >= COMPARABLE * compared).then_some(Rival { hypothesis, edges, evidence, accepted })
+            (other.evidence >= COMPARABLE * compared).then_some((number, other, accepted.unwrap_or(0.0)))
+        })
+        .collect();
+    let alike = |one: &Hypothesis| others.iter().filter(|(_, other, _)| group(other) == group(one)).count();
+    others
+        .iter()
+        .map(|&(hypothesis, other, accepted)| {
+            let lone = accepted == 0.0 && alike(other) == 1;
+            Rival { hypothesis, edges: other.members.len(), evidence: other.evidence, accepted, lone }
         })
         .collect()
 }
@@ -94,7 +103,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
     }
 
     /// Whether the members of a hypothesis lie within a short stretch of both chains.
-    fn is_short(&self, hypothesis: &Hypothesis) -> bool {
+    pub(crate) fn is_short(&self, hypothesis: &Hypothesis) -> bool {
         let ends: Vec<_> = hypothesis.members.iter().map(|&member| self.model.ends(member)).collect();
         [0, 1].into_iter().all(|side| {
             let places = || ends.iter().map(|end| end[side].1);
@@ -105,7 +114,12 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
     }
 
     /// Whether a condition holds for the evidence of most loops through a member of each hypothesis.
-    fn is_mostly(&self, one: &Hypothesis, other: &Hypothesis, holds: impl Fn(f64) -> bool) -> bool {
+    pub(crate) fn is_mostly(
+        &self,
+        one: &Hypothesis,
+        other: &Hypothesis,
+        holds: impl Fn(f64) -> bool,
+    ) -> bool {
         let others = other.witnesses();
         let pairs = one.witnesses().into_iter().flat_map(|one| others.iter().map(move |&other| (one, other)));
         let weights: Vec<f64> = pairs

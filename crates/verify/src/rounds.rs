@@ -1,5 +1,6 @@
 //! Rounds of map and verdicts.
 
+use std::collections::BTreeSet;
 use std::mem::replace;
 
 use petgraph::unionfind::UnionFind;
@@ -84,11 +85,12 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         let mut number = 0;
         let mut next = self.accepted.clone();
         let mut before = self.ratio.clone();
-        self.join(&mut next);
         if self.model.without(Ingredient::Rounds) {
+            self.join(&mut next, true);
             self.accepted = next;
             return Ok(number);
         }
+        self.join(&mut next, false);
         loop {
             let mut settling = 0;
             while settling < ROUNDS && number < ROUNDS_IN_ALL {
@@ -103,9 +105,13 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
                 settling += usize::from(size(&next) < GROWTH * size(&self.accepted));
             }
             self.agree(&next, &before);
+            next.clone_from(&self.accepted);
+            if self.join(&mut next, true) {
+                self.poses = None;
+                continue;
+            }
             if !self.strict && !self.model.without(Ingredient::Local) {
                 self.strict = true;
-                next.clone_from(&self.accepted);
                 for (closure, stays) in next.iter_mut().enumerate() {
                     *stays &= self.precise(closure);
                 }
@@ -238,7 +244,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
                 next[member] = true;
             }
         }
-        let joined = self.join(&mut next);
+        let joined = self.join(&mut next, false);
         // If nothing was joined, the next map is nearly the same: start from this one.
         self.poses = (!joined).then_some(poses);
         Ok(next)
@@ -368,20 +374,31 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         (2 * members.len() > hypothesis.members.len()).then_some(members)
     }
 
-    /// Joins components by the hypotheses of most evidence, each component at most once a round, so that the next round
-    /// judges the other hypotheses by the larger map. Between rivals only a user can choose. Returns whether it joined any.
-    fn join(&mut self, next: &mut [bool]) -> bool {
+    /// Joins components by the hypotheses of most evidence, each component at most once a round, so that the next round judges the other
+    /// hypotheses by the larger map. Between rivals only a user can choose. Lone ones wait until rounds have `settled`, since only a
+    /// map shows whether they are doubtful. Returns whether it joined any.
+    fn join(&mut self, next: &mut [bool], settled: bool) -> bool {
         let part = self.parts.clone().into_labeling();
         let mut busy = vec![false; part.len()];
+        let mut waiting = BTreeSet::new();
         for hypothesis in self.hypotheses.iter().filter(|hypothesis| hypothesis.is_strong()) {
             let span = self.model.span(hypothesis.members[0]);
             let (a, b) = (part[span.a], part[span.b]);
-            if a == b || busy[a] || busy[b] {
+            if a == b || busy[a] || busy[b] || waiting.contains(&(a.min(b), a.max(b))) {
                 continue;
             }
             let is_preferred = self.preferred.is_some_and(|members| members == hypothesis.members);
-            if !is_preferred && !self.model.without(Ingredient::Rivals) && self.has_rival(hypothesis) {
-                continue;
+            if !is_preferred && !self.model.without(Ingredient::Rivals) {
+                if self.has_rival(hypothesis) {
+                    continue;
+                }
+                if self.is_lone(hypothesis) && (!settled || self.is_doubtful(hypothesis)) {
+                    // What has less evidence does not take its place meanwhile.
+                    if !settled {
+                        waiting.insert((a.min(b), a.max(b)));
+                    }
+                    continue;
+                }
             }
             (busy[a], busy[b]) = (true, true);
             self.parts.union(span.a, span.b);

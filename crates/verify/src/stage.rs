@@ -118,7 +118,11 @@ fn report(verification: &Verification) {
         let number = rival.hypothesis;
         let named =
             format!("hypothesis {number} ({}, {:.0} nats)", counted(rival.edges, "edge"), rival.evidence);
-        if rival.is_open() {
+        if rival.lone {
+            warn!(
+                "undecided hypothesis: {named} alone joins its chains, on a short stretch, and the map contradicts more groups like it than it accepts; --hypothesis {number} applies it"
+            );
+        } else if rival.is_open() {
             warn!(
                 "undecided hypotheses: {named} joins chains that nothing else joins, and another one of comparable evidence joins them differently; --hypothesis {number} applies it"
             );

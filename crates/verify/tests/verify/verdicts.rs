@@ -192,10 +192,10 @@ fn by_odometry(graph: &PoseGraph) -> HashMap<u64, SE2> {
     poses
 }
 
-/// Makes a landmark edge claim that the second session is 30 m to the side.
-fn put_aside(edge: &mut Edge, from: &SE2) {
+/// Makes a landmark edge claim that the session of its second node is some metres to the side.
+fn put_aside(edge: &mut Edge, from: &SE2, metres: f64) {
     let measured = SE2::from_components(edge.measurement.as_ref().unwrap()).unwrap();
-    let aside = SE2::new(0.0, 30.0, 0.0);
+    let aside = SE2::new(0.0, metres, 0.0);
     edge.measurement = Some(from.inverse().compose(&aside).compose(from).compose(&measured).components());
     edge.truth = Some(EdgeTruth { correct: Some(false), ..EdgeTruth::default() });
 }
@@ -207,7 +207,7 @@ fn two_alignments() -> PoseGraph {
     for (turn, edge) in graph.edges.iter_mut().filter(|edge| edge.kind == EdgeKind::Landmark).enumerate() {
         if turn % 5 >= 3 {
             let from = poses[&edge.from];
-            put_aside(edge, &from);
+            put_aside(edge, &from, 30.0);
         }
     }
     graph
@@ -231,7 +231,7 @@ fn two_short_groups(correct: usize, false_ones: usize) -> PoseGraph {
     graph.edges.retain(|edge| edge.kind == EdgeKind::Odometry || among(early, edge) || among(late, edge));
     for edge in graph.edges.iter_mut().filter(|edge| among(late, edge)) {
         let from = poses[&edge.from];
-        put_aside(edge, &from);
+        put_aside(edge, &from, 30.0);
     }
     graph
 }
@@ -258,6 +258,42 @@ fn of_two_short_groups_neither_is_accepted_unless_one_is_much_heavier() {
     assert_eq!(accepted(&without), 8);
     let heavier = verify::<SE2, 3>(&two_short_groups(16, 4)).unwrap();
     assert_eq!((accepted(&heavier), heavier.rivals.len()), (16, 0));
+}
+
+/// Puts groups of six edges into the first session that contradict its odometry and each other.
+fn add_false_groups(graph: &mut PoseGraph, groups: usize) {
+    let poses = by_odometry(graph);
+    let like = graph.edges.iter().find(|edge| edge.kind == EdgeKind::Landmark).unwrap().clone();
+    for group in 0..groups {
+        for place in 0..6 {
+            let (from, to) = ((20 * group + place) as u64, (20 * group + 100 + place) as u64);
+            let measurement = Some(poses[&from].inverse().compose(&poses[&to]).components());
+            let id = graph.edges.iter().map(|edge| edge.id).max().unwrap() + 1;
+            let mut edge = Edge { id, from, to, measurement, ..like.clone() };
+            put_aside(&mut edge, &poses[&from], 30.0 * (group + 1) as f64);
+            graph.edges.push(edge);
+        }
+    }
+}
+
+/// Where the map contradicted group after group, one like these that nothing could contradict was accepted with probability 1.
+#[test]
+fn a_group_that_alone_joins_two_sessions_is_as_credible_as_other_groups() {
+    let accepted = |verification: &Verification| verification.count(Verdict::Accepted);
+    let graph = |false_groups: usize| {
+        let mut graph = two_short_groups(8, 0);
+        add_false_groups(&mut graph, false_groups);
+        graph
+    };
+    let alone = verify::<SE2, 3>(&graph(1)).unwrap();
+    assert_eq!((accepted(&alone), alone.rivals.len()), (8, 0));
+    let among = graph(2);
+    let found = verify::<SE2, 3>(&among).unwrap();
+    let [waiting] = found.rivals.as_slice() else { panic!("one group, not {:?}", found.rivals) };
+    assert_eq!((accepted(&found), waiting.edges, waiting.lone), (0, 8, true));
+    let chosen = verify_by::<SE2, 3>(&among, waiting.hypothesis, &[]).unwrap();
+    assert_eq!(accepted(&chosen), 8);
+    assert_eq!(accepted(&verify_by::<SE2, 3>(&among, 0, &[Ingredient::Rivals]).unwrap()), 8);
 }
 
 #[test]

@@ -1,0 +1,38 @@
+//! Groups of edges on a short stretch that alone join two components.
+//!
+//! Nothing else is a witness for such a group, and edges from one mistaken place agree with each other as well as correct ones do. But
+//! elsewhere the map judges groups that are as short: how often these are wrong says how far to trust the lone one.
+
+use crate::islands::Hypothesis;
+use crate::model::Motion;
+use crate::rivals::COMPARABLE;
+use crate::rounds::Rounds;
+
+impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
+    /// Whether a hypothesis is short, and no other one between the same chains agrees with it.
+    pub(crate) fn is_lone(&self, hypothesis: &Hypothesis) -> bool {
+        let group = |hypothesis: &Hypothesis| self.model.group(hypothesis.members[0]);
+        let others = || {
+            self.hypotheses
+                .iter()
+                .filter(|other| group(other) == group(hypothesis) && other.members != hypothesis.members)
+        };
+        self.is_short(hypothesis)
+            && !others().any(|other| self.is_mostly(hypothesis, other, |weight| weight > 0.0))
+    }
+
+    /// Whether, of the short hypotheses with comparable evidence that the map judges, it holds fewer than it does not hold, even if
+    /// this one were among those that it holds.
+    pub(crate) fn is_doubtful(&self, hypothesis: &Hypothesis) -> bool {
+        let part = self.parts.clone().into_labeling();
+        let is_judged = |other: &&Hypothesis| {
+            let span = self.model.span(other.members[0]);
+            part[span.a] == part[span.b]
+                && other.evidence >= COMPARABLE * hypothesis.evidence
+                && self.is_short(other)
+        };
+        let judged = self.hypotheses.iter().filter(is_judged);
+        let (held, others): (Vec<_>, Vec<_>) = judged.partition(|other| self.has_half_of(other));
+        held.len() + 1 < others.len()
+    }
+}
