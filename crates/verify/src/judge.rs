@@ -29,6 +29,8 @@ pub(crate) struct Judged {
     pub(crate) odds: Vec<f64>,
     /// Odds of a local error of each closure against a correct closure.
     pub(crate) local: Vec<f64>,
+    /// The probability that its group is correct, for each closure of a group that nothing but itself speaks for.
+    pub(crate) credibility: Vec<Option<f64>>,
     pub(crate) factors: Factors,
     pub(crate) rounds: usize,
     pub(crate) hypotheses: Vec<Hypothesis>,
@@ -120,6 +122,8 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     };
     let (number, breaks) = settle(graph, &mut rounds, &within)?;
     let odds = rounds.odds();
+    let without = model.without(Ingredient::Rivals);
+    let credibility = if without { vec![None; count] } else { rounds.credibility() };
     let Rounds { accepted, ratio, local, hypotheses, random, .. } = rounds;
     let local = local.iter().map(|ratio| ratio.map_or(0.0, |ratio| random.wrong(ratio))).collect();
     let joinable = joined(model, |_| true).1;
@@ -129,6 +133,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
         ratio,
         odds,
         local,
+        credibility,
         factors,
         rounds: number,
         hypotheses,

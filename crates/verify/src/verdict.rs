@@ -110,8 +110,13 @@ pub(crate) fn findings<G: Motion<DOF>, const DOF: usize>(
 }
 
 /// The posterior probability of a mixture. The prior odds are those of candidates about which the map is equally informative,
-/// or `alone` where there is no evidence. The odds of undecided candidates are calibrated.
+/// or `alone` where there is no evidence. The odds of undecided candidates are calibrated. Closures of a group that nothing else speaks
+/// for are as credible as the group: it is correct or wrong as a whole.
 fn probability(closure: usize, verdict: Verdict, judged: &Judged, alone: f64) -> f64 {
+    let group = judged.credibility[closure];
+    if let Some(credibility) = group.filter(|_| verdict == Verdict::Undecided) {
+        return credibility;
+    }
     let odds = match judged.ratio[closure] {
         Some(ratio) => ratio.clamp(-CLIP, CLIP).exp() * judged.odds[closure],
         // It was accepted with a hypothesis, and nothing else supports it.
@@ -120,7 +125,7 @@ fn probability(closure: usize, verdict: Verdict, judged: &Judged, alone: f64) ->
     };
     let against = 1.0 / odds + judged.local[closure];
     let calibrated = if verdict == Verdict::Undecided { against / UNDECIDED_ODDS } else { against };
-    1.0 / (1.0 + calibrated)
+    group.unwrap_or(1.0) / (1.0 + calibrated)
 }
 
 /// For each candidate, how many others contradict it. At most one of two that contradict each other can be correct.
