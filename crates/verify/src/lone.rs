@@ -22,14 +22,15 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             && !others().any(|other| self.is_mostly(hypothesis, other, |weight| weight > 0.0))
     }
 
-    /// Whether, of the short hypotheses with comparable evidence that the map judges, it holds fewer than it does not hold, even if
-    /// this one were among those that it holds.
+    /// Whether, of the short hypotheses with comparable evidence that the map judges, it holds fewer than it does not hold, even with
+    /// this one among those that it holds.
     pub(crate) fn is_doubtful(&self, hypothesis: &Hypothesis) -> bool {
         let (held, others) = self.like(hypothesis);
-        held + 1 < others
+        held < others
     }
 
-    /// Of the other short hypotheses with comparable evidence that the map judges, how many it holds, and how many it does not hold.
+    /// Of the other short hypotheses with comparable evidence that the map judges, how many it holds, with this one, and how many it
+    /// does not hold. This one counts because most are correct in most graphs.
     fn like(&self, hypothesis: &Hypothesis) -> (usize, usize) {
         let part = self.parts.clone().into_labeling();
         let is_judged = |other: &&Hypothesis| {
@@ -41,11 +42,12 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         };
         let judged = self.hypotheses.iter().filter(is_judged);
         let (held, others): (Vec<_>, Vec<_>) = judged.partition(|other| self.has_half_of(other));
-        (held.len(), others.len())
+        (held.len() + 1, others.len())
     }
 
     /// The probability that a lone hypothesis is correct: the share of those like it that the map holds, by Laplace's rule of
-    /// succession. For each closure of one that alone joins, or would join, two components.
+    /// succession. For each closure of one that alone joins, or would join, two components. Where the map finds none like it false,
+    /// nothing gives reason to doubt it.
     pub(crate) fn credibility(&self) -> Vec<Option<f64>> {
         let mut found = vec![None; self.accepted.len()];
         for hypothesis in self.hypotheses.iter().filter(|hypothesis| hypothesis.is_strong()) {
@@ -55,8 +57,8 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
                 && !self.has_rival(hypothesis)
             {
                 let (held, others) = self.like(hypothesis);
-                let share = (held + 1) as f64 / (held + others + 2) as f64;
-                hypothesis.members.iter().for_each(|&member| found[member] = Some(share));
+                let share = (others > 0).then(|| (held + 1) as f64 / (held + others + 2) as f64);
+                hypothesis.members.iter().for_each(|&member| found[member] = share);
             }
         }
         found
