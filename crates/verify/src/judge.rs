@@ -122,8 +122,7 @@ pub(crate) fn judge<G: Motion<DOF>, const DOF: usize>(
     };
     let (number, breaks) = settle(graph, &mut rounds, &within)?;
     let odds = rounds.odds();
-    let without = model.without(Ingredient::Rivals);
-    let credibility = if without { vec![None; count] } else { rounds.credibility() };
+    let credibility = rounds.credibility();
     let Rounds { accepted, ratio, local, hypotheses, random, .. } = rounds;
     let local = local.iter().map(|ratio| ratio.map_or(0.0, |ratio| random.wrong(ratio))).collect();
     let joinable = joined(model, |_| true).1;

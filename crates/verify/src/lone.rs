@@ -3,6 +3,7 @@
 //! Nothing else is a witness for such a group, and edges from one mistaken place agree with each other as well as correct ones do. But
 //! elsewhere the map judges groups that are as short: how often these are wrong says how far to trust the lone one.
 
+use crate::ingredients::Ingredient;
 use crate::islands::Hypothesis;
 use crate::judge::joined;
 use crate::model::Motion;
@@ -50,6 +51,9 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
     /// nothing gives reason to doubt it.
     pub(crate) fn credibility(&self) -> Vec<Option<f64>> {
         let mut found = vec![None; self.accepted.len()];
+        if self.model.without(Ingredient::Rivals) {
+            return found;
+        }
         for hypothesis in self.hypotheses.iter().filter(|hypothesis| hypothesis.is_strong()) {
             if self.is_short(hypothesis)
                 && self.alone_joins(hypothesis)
