@@ -26,8 +26,7 @@ pub struct Rival {
     pub evidence: f64,
     /// The evidence of the accepted edges between the same chains, nats; 0 if nothing joins these chains.
     pub accepted: f64,
-    /// Whether nothing joins these chains, and no other hypothesis of comparable evidence could: the map contradicts too many groups as
-    /// short as this one.
+    /// Whether it would join these chains alone, on a short stretch, and the map contradicts more groups like it than it holds.
     pub lone: bool,
 }
 
@@ -53,21 +52,17 @@ pub(crate) fn rivals<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, ju
             *most = most.max(hypothesis.evidence);
         }
     }
-    let others: Vec<(usize, &Hypothesis, f64)> = (1..)
+    (1..)
         .zip(judged.others())
         .filter(|(_, other)| !model.same_chain(other.members[0]))
-        .filter_map(|(number, other)| {
+        .filter_map(|(hypothesis, other)| {
             let accepted = held.get(&group(other)).copied();
             let compared = accepted.or_else(|| heaviest.get(&group(other)).copied())?;
-            (other.evidence >= COMPARABLE * compared).then_some((number, other, accepted.unwrap_or(0.0)))
-        })
-        .collect();
-    let alike = |one: &Hypothesis| others.iter().filter(|(_, other, _)| group(other) == group(one)).count();
-    others
-        .iter()
-        .map(|&(hypothesis, other, accepted)| {
-            let lone = accepted == 0.0 && alike(other) == 1;
-            Rival { hypothesis, edges: other.members.len(), evidence: other.evidence, accepted, lone }
+            let evidence = other.evidence;
+            let (edges, accepted) = (other.members.len(), accepted.unwrap_or(0.0));
+            let lone = judged.credibility[other.members[0]].is_some_and(|credibility| credibility < 0.5);
+            let rival = Rival { hypothesis, edges, evidence, accepted, lone };
+            (evidence >= COMPARABLE * compared).then_some(rival)
         })
         .collect()
 }
