@@ -1,6 +1,6 @@
 #!/bin/sh
-# Builds the wheel of the Python package, installs it into an environment of its own, runs its tests and mypy there, and compares the output
-# of the examples in docs/python.md and docs/other-tools.md with these pages (--write puts the output there).
+# Builds the wheel of the Python package, installs it into an environment of its own, runs its tests and mypy there, and compares the
+# output of the examples in docs/python.md and docs/other-tools.md with these pages (--write puts the output there).
 # Skipped if Python is missing or its packages cannot be installed. Without gtsam or evo, their tests are skipped.
 # Usage: scripts/check-python.sh [--write]
 set -eu
@@ -20,7 +20,7 @@ done
 "$installed" -m venv "$work/environment"
 python=$work/environment/bin/python
 packages='import sysconfig; print(sysconfig.get_path("purelib"))'
-(cd / && "$root/$installed" -c "$packages") >"$("$python" -c "$packages")/installed.pth"
+"$root/$installed" -c "$packages" >"$("$python" -c "$packages")/installed.pth"
 
 # Shares its build with the tests and with make, which compile the same crates.
 POSECUT_SHARED_BUILD=1 "$python" -m pip wheel --quiet --no-deps --wheel-dir "$work" .

@@ -86,6 +86,22 @@ impl Samples {
     }
 }
 
+/// Makes a session of this length in metres (`2012-01-22/`), its graph (`session.jsonl`), and the same with landmark edges, three in ten
+/// of them incorrect (`graph.jsonl`).
+///
+/// # Panics
+/// If a program fails, or the path is not UTF-8.
+pub fn session_with_landmarks(folder: &Path, length: &str, seed: &str) {
+    let path = |name: &str| folder.join(name).to_str().expect("temporary paths are UTF-8").to_owned();
+    let (session, single, graph) = (path("2012-01-22"), path("session.jsonl"), path("graph.jsonl"));
+    succeed("simulate", &["--length", length, "--rate", "5", "-o", &session], b"");
+    let sigmas = ["--sigma-translation", "0.1", "--sigma-rotation", "0.02"];
+    succeed("ingest", &[&[session.as_str(), "-o", &single][..], &sigmas].concat(), b"");
+    let wrong = ["--incorrect-rate", "0.3", "--seed", seed];
+    let edges = [&[single.as_str(), "--radius", "8", "--heading", "60", "-o", &graph][..], &wrong];
+    succeed("construct", &edges.concat(), b"");
+}
+
 /// The samples, made once by the programs themselves: `2012-01-22/` (a session), `session.jsonl`, `graph.jsonl`,
 /// `optimized.jsonl`, `marginals.jsonl`, `robot.log` (a log with laser scans), `scans.jsonl` (its graph), `x.result.json`, `four.mc` (a signed graph) and `four.proof`. `paper.toml` and
 /// `stages.toml` come from `pipelines/`.
@@ -97,16 +113,9 @@ pub fn samples() -> &'static Samples {
     SAMPLES.get_or_init(|| {
         let samples = Samples { folder: tempfile::tempdir().expect("a temporary directory") };
         let path = |name: &str| samples.path(name);
-        let session = path("2012-01-22");
-        succeed("simulate", &["--length", "200", "--rate", "5", "-o", &session], b"");
-        let (graph, optimized) = (path("graph.jsonl"), path("optimized.jsonl"));
-        let single = path("session.jsonl");
-        let sigmas = ["--sigma-translation", "0.1", "--sigma-rotation", "0.02"];
-        succeed("ingest", &[&[session.as_str(), "-o", &single][..], &sigmas].concat(), b"");
         // A short session, and a seed with whose graph the optimisers need no search: the tests run each program hundreds of times.
-        let wrong = ["--incorrect-rate", "0.3", "--seed", "3"];
-        let edges = [&[single.as_str(), "--radius", "8", "--heading", "60", "-o", &graph][..], &wrong];
-        succeed("construct", &edges.concat(), b"");
+        session_with_landmarks(samples.folder.path(), "200", "3");
+        let (graph, optimized) = (path("graph.jsonl"), path("optimized.jsonl"));
         succeed("optimize", &[&graph, "-o", &optimized], b"");
         succeed("optimize", &[&graph, "--marginals", "landmark", "-o", &path("marginals.jsonl")], b"");
         succeed("evaluate", &[&optimized, "--label", "method=all", "-o", &path("x.result.json")], b"");

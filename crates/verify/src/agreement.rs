@@ -9,25 +9,42 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
     /// The prior odds against a hypothesis: among those with comparable evidence, the number that the map does not hold for
     /// each one that it holds. Never below one, because a group that agrees with itself may always consist of false edges.
     fn odds_against(&self, hypothesis: &Hypothesis) -> f64 {
-        let comparable =
-            self.hypotheses.iter().filter(|other| other.evidence >= COMPARABLE * hypothesis.evidence);
+        let (held, others) = self.held_and_others(hypothesis, |_| true);
+        ((others + 1) as f64 / (held + 1) as f64).max(1.0)
+    }
+
+    /// Of the hypotheses with comparable evidence for which a condition holds, the number that the map holds and that it does not hold.
+    pub(crate) fn held_and_others(
+        &self,
+        hypothesis: &Hypothesis,
+        holds: impl Fn(&Hypothesis) -> bool,
+    ) -> (usize, usize) {
+        let comparable = self
+            .hypotheses
+            .iter()
+            .filter(|other| other.evidence >= COMPARABLE * hypothesis.evidence && holds(other));
         let (held, others): (Vec<_>, Vec<_>) = comparable.partition(|other| self.has_half_of(other));
-        ((others.len() + 1) as f64 / (held.len() + 1) as f64).max(1.0)
+        (held.len(), others.len())
+    }
+
+    /// Whether each hypothesis lies within one component of the graph.
+    pub(crate) fn within(&self) -> impl Fn(&Hypothesis) -> bool {
+        let part = self.parts.clone().into_labeling();
+        move |hypothesis| {
+            let span = self.model.span(hypothesis.members[0]);
+            part[span.a] == part[span.b]
+        }
     }
 
     /// The numbers of hypotheses within components of the graph that the map does not hold.
     pub(crate) fn open(&self) -> Vec<usize> {
-        let part = self.parts.clone().into_labeling();
-        let within = |hypothesis: &Hypothesis| {
-            let span = self.model.span(hypothesis.members[0]);
-            part[span.a] == part[span.b]
-        };
+        let within = self.within();
         let is_open = |hypothesis: &Hypothesis| within(hypothesis) && !self.has_half_of(hypothesis);
         (0..self.hypotheses.len()).filter(|&number| is_open(&self.hypotheses[number])).collect()
     }
 
     /// Whether the map holds at least half of a hypothesis.
-    pub(crate) fn has_half_of(&self, hypothesis: &Hypothesis) -> bool {
+    fn has_half_of(&self, hypothesis: &Hypothesis) -> bool {
         let accepted = hypothesis.members.iter().filter(|&&member| self.accepted[member]).count();
         2 * accepted >= hypothesis.members.len()
     }

@@ -13,7 +13,7 @@
 //! - `usual`, `bridges`: the usual motion of a robot, where odometry is missing.
 //! - `breaks`: broken odometry, which correct edges contradict; `slips`, `spans`: the same where no accepted loop spans it.
 //! - `ingredients`: the ingredients that can be left out, to measure their worth.
-//! - `rivals`, `lone`: other ways to join two chains, and groups that alone join them.
+//! - `joins`, `rivals`, `lone`: which hypotheses join components, other ways to join two chains, and groups that alone join them.
 //! - [`verdict`], [`stage`]: the verdict on every edge, and the stage on a pose graph.
 
 mod agreement;
@@ -30,6 +30,7 @@ mod factors;
 mod first_pass;
 mod ingredients;
 mod islands;
+mod joins;
 mod judge;
 mod likelihoods;
 mod lone;

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::islands::Hypothesis;
 use crate::judge::{Judged, joined};
+use crate::lone::DOUBTFUL;
 use crate::model::{Model, Motion};
 use crate::rounds::{CONTRADICTED, Rounds};
 
@@ -60,7 +61,7 @@ pub(crate) fn rivals<G: Motion<DOF>, const DOF: usize>(model: &Model<G, DOF>, ju
             let compared = accepted.or_else(|| heaviest.get(&group(other)).copied())?;
             let evidence = other.evidence;
             let (edges, accepted) = (other.members.len(), accepted.unwrap_or(0.0));
-            let lone = judged.credibility[other.members[0]].is_some_and(|credibility| credibility < 0.5);
+            let lone = judged.credibility[other.members[0]].is_some_and(|credibility| credibility < DOUBTFUL);
             let rival = Rival { hypothesis, edges, evidence, accepted, lone };
             (evidence >= COMPARABLE * compared).then_some(rival)
         })
@@ -76,12 +77,7 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         if !self.is_short(hypothesis) {
             return false;
         }
-        let group = |hypothesis: &Hypothesis| self.model.group(hypothesis.members[0]);
-        let others = || {
-            self.hypotheses.iter().filter(|other| {
-                other.is_strong() && group(other) == group(hypothesis) && other.members != hypothesis.members
-            })
-        };
+        let others = || self.others_between(hypothesis).filter(|other| other.is_strong());
         // Only these can have a share of the whole.
         let comparable = others().filter(|other| other.evidence >= COMPARABLE * hypothesis.evidence);
         let against = comparable
@@ -95,6 +91,13 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             .filter(|other| self.is_mostly(hypothesis, other, |weight| weight > 0.0))
             .fold(hypothesis.evidence, |sum, other| sum + other.evidence);
         against >= COMPARABLE * evidence
+    }
+
+    /// The other hypotheses between the same chains.
+    pub(crate) fn others_between(&self, hypothesis: &Hypothesis) -> impl Iterator<Item = &Hypothesis> {
+        let group = |hypothesis: &Hypothesis| self.model.group(hypothesis.members[0]);
+        let own = group(hypothesis);
+        self.hypotheses.iter().filter(move |other| group(other) == own && other.members != hypothesis.members)
     }
 
     /// Whether the members of a hypothesis lie within a short stretch of both chains.

@@ -1,6 +1,5 @@
 //! Rounds of map and verdicts.
 
-use std::collections::BTreeSet;
 use std::mem::replace;
 
 use petgraph::unionfind::UnionFind;
@@ -124,7 +123,6 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
             if placed.is_empty() {
                 return Ok(number);
             }
-            next.clone_from(&self.accepted);
             for closure in placed {
                 let span = self.model.span(closure);
                 self.parts.union(span.a, span.b);
@@ -372,42 +370,5 @@ impl<G: Motion<DOF>, const DOF: usize> Rounds<'_, G, DOF> {
         let is_left_out = |member: &usize| !self.accepted[*member] && self.ratio[*member].is_some();
         let members: Vec<usize> = hypothesis.members.iter().copied().filter(is_left_out).collect();
         (2 * members.len() > hypothesis.members.len()).then_some(members)
-    }
-
-    /// Joins components by the hypotheses of most evidence, each component at most once a round, so that the next round judges the other
-    /// hypotheses by the larger map. Between rivals only a user can choose. Lone ones wait until rounds have `settled`, since only a
-    /// map shows whether they are doubtful. Returns whether it joined any.
-    fn join(&mut self, next: &mut [bool], settled: bool) -> bool {
-        let part = self.parts.clone().into_labeling();
-        let mut busy = vec![false; part.len()];
-        let mut waiting = BTreeSet::new();
-        for hypothesis in self.hypotheses.iter().filter(|hypothesis| hypothesis.is_strong()) {
-            let span = self.model.span(hypothesis.members[0]);
-            let (a, b) = (part[span.a], part[span.b]);
-            if a == b || busy[a] || busy[b] || waiting.contains(&(a.min(b), a.max(b))) {
-                continue;
-            }
-            let is_preferred = self.preferred.is_some_and(|members| members == hypothesis.members);
-            if !is_preferred && !self.model.without(Ingredient::Rivals) {
-                if self.has_rival(hypothesis) {
-                    continue;
-                }
-                if self.is_lone(hypothesis) && (!settled || self.is_doubtful(hypothesis)) {
-                    // What has less evidence does not take its place meanwhile.
-                    if !settled {
-                        waiting.insert((a.min(b), a.max(b)));
-                    }
-                    continue;
-                }
-            }
-            (busy[a], busy[b]) = (true, true);
-            self.parts.union(span.a, span.b);
-            // If a bridge between the sessions contradicts some members, leave those out: the map may confirm the bridge.
-            let whole = hypothesis.contradicted(&self.begun);
-            for &member in &hypothesis.members {
-                next[member] = whole || self.begun[member].is_none_or(|begun| begun.weight() > CONTRADICTED);
-            }
-        }
-        busy.contains(&true)
     }
 }

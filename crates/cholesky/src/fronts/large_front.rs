@@ -18,8 +18,8 @@ use super::product::{self, Rows, Target};
 use super::view::FrontView;
 use crate::instructions::for_small_blocks;
 
-/// Columns that are eliminated before the rest is updated, at most. Fewer need more passes over the rest; more take longer, since products of copied
-/// panels are twice as fast as those of columns.
+/// Columns that are eliminated before the rest is updated, at most. Fewer need more passes over the rest; more take longer, since
+/// products of copied panels are twice as fast as those of columns.
 const BLOCK: usize = 72;
 
 /// Rows of a block that a thread eliminates at a time, beside the diagonal block. With [`BLOCK`] columns they fit a second-level cache.

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 
-use posecut_contract::succeed;
+use posecut_contract::{session_with_landmarks, succeed};
 use posecut_graph::PoseGraph;
 use posecut_report::consistency::matrix;
 
@@ -23,18 +23,9 @@ fn pairs(dimacs: &str) -> BTreeSet<(u64, u64)> {
 #[test]
 fn the_matrix_is_the_graph_that_pcm_wrote() {
     let folder = tempfile::tempdir().unwrap();
-    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     // Longer than the samples, with enough landmark edges that the options matter.
-    let (session, single, graph) = (path("2012-01-22"), path("session.jsonl"), path("graph.jsonl"));
-    succeed("simulate", &["--length", "800", "--rate", "5", "-o", &session], b"");
-    let sigmas = ["--sigma-translation", "0.1", "--sigma-rotation", "0.02"];
-    succeed("ingest", &[&[session.as_str(), "-o", &single][..], &sigmas].concat(), b"");
-    let wrong = ["--incorrect-rate", "0.3", "--seed", "10"];
-    succeed(
-        "construct",
-        &[&[&single, "--radius", "8", "--heading", "60", "-o", &graph][..], &wrong].concat(),
-        b"",
-    );
+    session_with_landmarks(folder.path(), "800", "10");
+    let graph = folder.path().join("graph.jsonl").to_str().unwrap().to_owned();
     let dimacs = folder.path().join("graph.dimacs");
     let mut seen = BTreeSet::new();
     for options in [
