@@ -20,6 +20,9 @@ pub struct GroundTruth {
     pub rmse: f64,
     /// RMSE of the reference, metres.
     pub reference_rmse: f64,
+    /// RMSE of the estimate, metres, where the poses that its own edges in use connect share an alignment. It measures the map that
+    /// the estimate claims: a false join counts even if no correct edge joins the same parts, and a join that is missing does not.
+    pub joined_rmse: f64,
 }
 
 impl GroundTruth {
@@ -31,18 +34,19 @@ impl GroundTruth {
         freedom: Freedom,
         scope: Scope,
     ) -> Option<Self> {
-        let compared = |side: usize| {
-            pairs(estimate, reference, |node| {
+        let compared = |side: usize, components: &PoseGraph| {
+            pairs(estimate, components, |node| {
                 let known = reference.nodes.get(reference.node_index(node.id)?)?;
                 let both = [node.pose.as_deref()?, known.pose.as_deref()?];
                 Some([both[side], node.truth.as_ref()?.pose.as_deref()?])
             })
         };
-        let own = compared(0);
+        let own = compared(0, reference);
         Some(Self {
             poses: own.len(),
             rmse: rmse(&own, freedom, scope)?,
-            reference_rmse: rmse(&compared(1), freedom, scope)?,
+            reference_rmse: rmse(&compared(1, reference), freedom, scope)?,
+            joined_rmse: rmse(&compared(0, estimate), freedom, Scope::PerComponent)?,
         })
     }
 }

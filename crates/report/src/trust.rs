@@ -6,6 +6,7 @@
 //! - [`summary`]: a method's results on one family, or on all of them.
 //! - [`reliability`]: how well probabilities of edges are calibrated.
 //! - [`tables`], [`comparison`], [`recommendation`]: the tables, and the recommendation in sentences.
+//! - [`joined`]: how far from the ground truth what a method joins is.
 //! - [`misses`]: the runs beyond the bound, beside the ground truth.
 //! - [`document`]: tables and recommendation as the sections of docs/trust.md.
 
@@ -13,6 +14,7 @@ pub mod benchmark;
 pub mod bootstrap;
 pub mod comparison;
 pub mod document;
+pub mod joined;
 pub mod misses;
 pub mod recommendation;
 pub mod records;

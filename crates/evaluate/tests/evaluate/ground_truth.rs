@@ -45,6 +45,27 @@ fn the_truth_is_compared_over_the_same_groups_as_the_reference() {
     assert!(of(Scope::Joint).reference_rmse < 1e-9);
 }
 
+/// Two parts that nothing joins in the reference, one of which is where it should not be. That counts only if the estimate joins them.
+#[test]
+fn what_an_estimate_joins_is_measured_by_its_own_edges() {
+    let (apart, reference) = (line([0.0, 1.0, 7.0, 8.0]), line([0.0, 1.0, 2.0, 3.0]));
+    let mut joined = apart.clone();
+    let mut edge = joined.edges[0].clone();
+    (edge.id, edge.from, edge.to) = (2, 1, 2);
+    edge.measurement = Some(vec![6.0, 0.0, 0.0]);
+    joined.edges.push(edge);
+    let of = |estimate: &PoseGraph, scope| {
+        let options = Options { scope, ..Options::DEFAULT };
+        evaluate(estimate, Some(&reference), &options).unwrap().ground_truth.unwrap()
+    };
+    for scope in [Scope::Joint, Scope::PerComponent] {
+        assert!(of(&apart, scope).joined_rmse < 1e-9, "a join that is missing does not count");
+        // By hand: the mean of the errors 0, 0, 5 and 5 m is aligned away.
+        assert!((of(&joined, scope).joined_rmse - 2.5).abs() < 1e-9, "a false join counts");
+    }
+    assert!(of(&joined, Scope::PerComponent).rmse < 1e-9, "the parts of the reference do not see it");
+}
+
 #[test]
 fn without_a_reference_or_a_truth_there_is_no_comparison() {
     let estimate = line([0.0, 1.0, 2.0, 3.0]);

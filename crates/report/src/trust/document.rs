@@ -2,6 +2,7 @@
 
 use super::benchmark::Benchmark;
 use super::comparison::comparison;
+use super::joined::joined;
 use super::misses::misses;
 use super::recommendation::{answer, recommended};
 use super::records::Half;
@@ -14,30 +15,40 @@ use super::tables::{self, Table};
 /// If no method can be recommended.
 pub fn sections(benchmark: &Benchmark, diagram: Option<&str>) -> anyhow::Result<Vec<(&'static str, String)>> {
     let half = Half::Test;
-    let joined = |tables: Vec<Table>| -> String { tables.iter().map(Table::markdown).collect() };
+    let all = |tables: Vec<Table>| -> String { tables.iter().map(Table::markdown).collect() };
     Ok(vec![
         ("answer", answer(benchmark)?),
-        ("comparison", joined(vec![comparison(benchmark, half, recommended(benchmark)?)])),
-        ("misses", joined(vec![misses(benchmark, half, recommended(benchmark)?)])),
-        ("overall", joined(vec![tables::overall(benchmark, half), tables::matrix(benchmark, half)])),
-        ("counts", joined(vec![tables::counts(benchmark)])),
-        ("families", joined(tables::families(benchmark, half))),
+        ("comparison", all(vec![comparison(benchmark, half, recommended(benchmark)?)])),
+        ("misses", all(vec![misses(benchmark, half, recommended(benchmark)?)])),
+        ("joined", joined_parts(benchmark, half)),
+        ("overall", all(vec![tables::overall(benchmark, half), tables::matrix(benchmark, half)])),
+        ("counts", all(vec![tables::counts(benchmark)])),
+        ("families", all(tables::families(benchmark, half))),
         ("reliability", calibration(benchmark, half, diagram)),
         (
             "failures",
-            joined(
-                std::iter::once(tables::failures(benchmark, half))
-                    .chain(tables::doubts(benchmark, half))
-                    .collect(),
-            ),
+            all(std::iter::once(tables::failures(benchmark, half))
+                .chain(tables::doubts(benchmark, half))
+                .collect()),
         ),
-        ("tuning", joined(vec![tables::overall(benchmark, Half::Tuning)])),
+        ("tuning", all(vec![tables::overall(benchmark, Half::Tuning)])),
         (
             "time",
             tables::time(benchmark, half)
                 .map_or_else(|| "No CPU times were given (`--times`).".to_owned(), |table| table.markdown()),
         ),
     ])
+}
+
+/// The distance of what is joined from the ground truth, on both halves.
+fn joined_parts(benchmark: &Benchmark, half: Half) -> String {
+    let tables = [half, Half::Tuning].map(|half| joined(benchmark, half));
+    let text: String = tables.iter().flatten().map(Table::markdown).collect();
+    if text.is_empty() {
+        "No result has this distance (`ground_truth`, `joined_rmse`).".to_owned()
+    } else {
+        text
+    }
 }
 
 /// The calibration of probabilities: the answer, the figure and the tables.

@@ -82,6 +82,8 @@ pub struct TruthDistance {
     pub own: f64,
     /// RMSE of the optimum of the correct edges.
     pub reference: f64,
+    /// RMSE of the method's map with an alignment for each part that its edges in use connect; absent in results of older programs.
+    pub joined: Option<f64>,
 }
 
 /// Bins of `verify_probability`, each 0.1 wide.
@@ -266,7 +268,8 @@ fn truth(object: &Map<String, Value>) -> anyhow::Result<Option<TruthDistance>> {
         Some(other) => bail!("field `ground_truth`: found {other}, expected an object"),
     };
     let read = || -> anyhow::Result<TruthDistance> {
-        Ok(TruthDistance { own: number(own, "rmse")?, reference: number(own, "reference_rmse")? })
+        let joined = own.get("joined_rmse").map(|_| number(own, "joined_rmse")).transpose()?;
+        Ok(TruthDistance { own: number(own, "rmse")?, reference: number(own, "reference_rmse")?, joined })
     };
     read().context("in field `ground_truth`").map(Some)
 }

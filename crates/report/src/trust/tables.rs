@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use posecut_graph::StageDoubt;
 
 use super::benchmark::{BOUND, Benchmark, Status};
+use super::joined::joined;
 use super::records::{BINS, Half};
 use super::reliability::{Point, Reliability, reliability};
 use super::summary::{Estimate, LARGE_REGRET, Summary, median, summary};
@@ -39,6 +40,7 @@ pub(super) const NONE: &str = "–";
 /// All tables of a half, in the order of the document.
 pub fn tables(benchmark: &Benchmark, half: Half) -> Vec<Table> {
     let mut tables = vec![overall(benchmark, half), matrix(benchmark, half)];
+    tables.extend(joined(benchmark, half));
     tables.extend(families(benchmark, half));
     tables.extend(reliability(benchmark, half).iter().flat_map(calibration));
     tables.push(failures(benchmark, half));
@@ -319,7 +321,7 @@ pub(super) fn recall(own: Estimate) -> String {
 }
 
 /// A share without an interval, with three decimals.
-fn share(value: f64) -> String {
+pub(super) fn share(value: f64) -> String {
     recall(Estimate { value, interval: None })
 }
 

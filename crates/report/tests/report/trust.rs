@@ -4,6 +4,7 @@ mod bad_input;
 mod calibration;
 mod doubts;
 mod examples;
+mod joined;
 mod program;
 mod properties;
 
