@@ -17,13 +17,5 @@ trap 'rm -rf "$folder"' EXIT
 # Of the whole workspace: for one package, features differ, and its crates would be compiled again.
 cargo build --quiet --release --locked --workspace --example pages
 "${CARGO_TARGET_DIR:-target}/release/examples/pages" "$folder"
-status=0
-for page in "$folder"/*.html "$@"; do
-  shots=
-  if [ -n "${SHOTS:-}" ]; then
-    shots=$SHOTS/$(basename "$page" .html)
-    mkdir -p "$shots"
-  fi
-  CHROMIUM=$chromium PLAYWRIGHT=$environment node scripts/view/check.mjs "$page" ${shots:+"$shots"} || status=1
-done
-exit $status
+export CHROMIUM="$chromium" PLAYWRIGHT="$environment"
+printf '%s\0' "$folder"/*.html "$@" | xargs -0 -P 2 -I PAGE node scripts/view/check.mjs PAGE ${SHOTS:+"$SHOTS"}

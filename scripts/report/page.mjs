@@ -1,7 +1,10 @@
 // What the checks of a report page share: the faults found, waiting, pictures.
-import { join } from "node:path";
+import { basename, join } from "node:path";
 
-export const [file, shots] = process.argv.slice(2);
+const [opened, folder] = process.argv.slice(2);
+export const file = opened;
+// Each page has a folder of its own: several are checked at once.
+export const shots = folder && join(folder, basename(file, ".html"));
 export const faults = [];
 export const check = (holds, sentence) => {
   if (!holds) faults.push(sentence);
