@@ -51,10 +51,9 @@ trust-sample: $(EXPERIMENTS) $(REPORT)
 	@scripts/check-trust.sh $(call quoted,$(trust_results)-sample)
 
 # What each ingredient of verification is worth: docs/results/verify-ablation.md. Shares its results with `make trust`.
-ingredients    = calibration coherent short-stretches heavy-tails shift far-partners multicut rounds local prior bridges breaks trials \
-                 rivals
+ablated        = $(shell sed -n 's/^\(verify-without-[a-z-]*\) *= {.*/\1/p' pipelines/trust/methods.toml)
 ablation_files = $(trust_files) $(filter-out $(trust_files),pipelines/trust/drawn.toml)
-ablation_of    = $(ablation_files) $(trust_places) --methods $(call listed,none verify $(addprefix verify-without-,$(ingredients)))
+ablation_of    = $(ablation_files) $(trust_places) --methods $(call listed,none verify $(ablated))
 ablation: $(EXPERIMENTS)
 	@test -d $(call quoted,$(or $(DATA),missing)) || { echo 'Name the folder of graphs: make ablation DATA=DIR'; exit 2; }
 	$(marked)

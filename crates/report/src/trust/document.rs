@@ -40,10 +40,11 @@ pub fn sections(benchmark: &Benchmark, diagram: Option<&str>) -> anyhow::Result<
     ])
 }
 
-/// The distance of what is joined from the ground truth, on both halves.
+/// The distance of what is joined from the ground truth, on both halves. The first table explains both.
 fn joined_parts(benchmark: &Benchmark, half: Half) -> String {
-    let tables = [half, Half::Tuning].map(|half| joined(benchmark, half));
-    let text: String = tables.iter().flatten().map(Table::markdown).collect();
+    let tuning = joined(benchmark, Half::Tuning).map(|table| Table { note: String::new(), ..table });
+    let text: String =
+        joined(benchmark, half).into_iter().chain(tuning).map(|table| table.markdown()).collect();
     if text.is_empty() {
         "No result has this distance (`ground_truth`, `joined_rmse`).".to_owned()
     } else {
