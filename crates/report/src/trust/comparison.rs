@@ -1,6 +1,7 @@
 //! Compares the recommended method with the best other one, family by family.
 
 use super::benchmark::Benchmark;
+use super::joined::sentence;
 use super::records::Half;
 use super::summary::{Estimate, Summary, summary};
 use super::tables::{NONE, Table, recall, with_head};
@@ -73,6 +74,10 @@ pub fn brief(benchmark: &Benchmark, half: Half, chosen: usize) -> String {
         benchmark.methods.len() - 1
     );
     grid(&mut text, &with_head(&head, rows));
+    if let Some(said) = sentence(benchmark, half, chosen) {
+        text.push_str(&said);
+        text.push('\n');
+    }
     text
 }
 

@@ -8,6 +8,7 @@ use super::records::{Half, Outcome};
 use super::summary::median;
 use super::tables::{NONE, Table, share, with_head};
 use crate::table::metres;
+use posecut_stage::counted;
 
 /// The row of the optimum of the correct edges.
 const OPTIMUM: &str = "*optimum of the correct edges*";
@@ -15,9 +16,7 @@ const OPTIMUM: &str = "*optimum of the correct edges*";
 /// A row for each method, after one for the optimum of the correct edges; `None` if no result of the half has the measure, as in
 /// results without ground truth or of older programs.
 pub fn joined(benchmark: &Benchmark, half: Half) -> Option<Table> {
-    let of = |method: usize| move |run: &Run| run.outcome(method)?.truth?.joined;
-    let has = |run: &&Run| (0..benchmark.methods.len()).any(|method| of(method)(run).is_some());
-    let runs: Vec<&Run> = benchmark.of(half, None).filter(has).collect();
+    let runs = measured(benchmark, half);
     let families: Vec<&str> =
         benchmark.families_of(half).filter(|family| runs.iter().any(|run| run.family == *family)).collect();
     // One family is all families.
@@ -29,14 +28,10 @@ pub fn joined(benchmark: &Benchmark, half: Half) -> Option<Table> {
         row.extend(means.chain([mean(&all), median(&all), all.last().copied()]).map(text));
         row
     };
-    let reference = |run: &Run| {
-        (0..benchmark.methods.len()).find_map(|method| Some(run.outcome(method)?.truth?.reference))
-    };
     let optimum = [row(OPTIMUM, &reference), vec![NONE.to_owned(), NONE.to_owned()]].concat();
     let methods = benchmark.ranking(half).into_iter().map(|method| {
-        let measured = |run: &&&Run| of(method)(run).is_some();
-        let outcomes: Vec<Outcome> =
-            runs.iter().filter(measured).filter_map(|run| run.outcome(method)).collect();
+        let has = |run: &&&Run| of(method)(run).is_some();
+        let outcomes: Vec<Outcome> = runs.iter().filter(has).filter_map(|run| run.outcome(method)).collect();
         let sum = |count: fn(&Outcome) -> usize| outcomes.iter().map(count).sum::<usize>() as f64;
         let kept = sum(|outcome| outcome.correct_kept);
         let mut row = row(&benchmark.methods[method], &of(method));
@@ -53,6 +48,45 @@ pub fn joined(benchmark: &Benchmark, half: Half) -> Option<Table> {
         note: NOTE.to_owned(),
         cells: with_head(&head, std::iter::once(optimum).chain(methods)),
     })
+}
+
+/// The means of a method, of the closest other one that finished all runs, and of the optimum of the correct edges, in a sentence.
+pub fn sentence(benchmark: &Benchmark, half: Half, chosen: usize) -> Option<String> {
+    let runs = measured(benchmark, half);
+    let all = |value: &dyn Fn(&Run) -> Option<f64>| {
+        let values = values(&runs, None, value);
+        (values.len() == runs.len()).then(|| mean(&values)).flatten()
+    };
+    let own = all(&of(chosen))?;
+    let others = (0..benchmark.methods.len()).filter(|&method| method != chosen);
+    let (next, distance) = others
+        .filter_map(|method| Some((method, all(&of(method))?)))
+        .min_by(|(_, one), (_, other)| one.total_cmp(other))?;
+    Some(format!(
+        "On average, what `{}` joins is {} m from the ground truth, the optimum of the correct edges {} m, and what the next method (`{}`) joins {} m ({} with a ground truth; each joined part is aligned by itself).",
+        benchmark.methods[chosen],
+        metres(own),
+        metres(all(&reference)?),
+        benchmark.methods[next],
+        metres(distance),
+        counted(runs.len(), "run"),
+    ))
+}
+
+/// The measure of a method on a run.
+fn of(method: usize) -> impl Fn(&Run) -> Option<f64> {
+    move |run| run.outcome(method)?.truth?.joined
+}
+
+/// The distance of the optimum of the correct edges, which every result repeats.
+fn reference(run: &Run) -> Option<f64> {
+    (0..run.outcomes.len()).find_map(|method| Some(run.outcome(method)?.truth?.reference))
+}
+
+/// The runs with the measure.
+fn measured(benchmark: &Benchmark, half: Half) -> Vec<&Run> {
+    let has = |run: &&Run| (0..benchmark.methods.len()).any(|method| of(method)(run).is_some());
+    benchmark.of(half, None).filter(has).collect()
 }
 
 const HEAD_OF_ALL: [&str; 5] = ["mean, m", "median", "worst", "parts", "recall"];

@@ -1,7 +1,8 @@
 //! The distance of what methods join from the ground truth.
 
 use posecut_report::trust::Half;
-use posecut_report::trust::joined::joined;
+use posecut_report::trust::comparison::brief;
+use posecut_report::trust::joined::{joined, sentence};
 
 use super::{done, read};
 
@@ -48,6 +49,23 @@ fn several_families_have_a_mean_each() {
             "one 2 2.00 8.00 5.00 5.00 8.00 1.00 0.900",
         ]
     );
+}
+
+/// `three` does not finish every run, so it is not the next method, however close it is.
+#[test]
+fn a_sentence_compares_the_chosen_method_with_the_next() {
+    let text = beside_truth("f", 1, "one", [1.0, 2.0])
+        + &beside_truth("f", 2, "one", [2.0, 4.0])
+        + &beside_truth("f", 1, "two", [1.0, 5.0])
+        + &beside_truth("f", 2, "two", [2.0, 6.0])
+        + &beside_truth("f", 1, "three", [1.0, 0.0]);
+    let benchmark = read(&text).unwrap();
+    let chosen = benchmark.methods.iter().position(|method| method == "one").unwrap();
+    let said = sentence(&benchmark, Half::Test, chosen).unwrap();
+    let parts = ["`one` joins is 3.00 m", "(2 runs with", "(`two`) joins 5.50 m", "correct edges 1.50 m"];
+    assert!(parts.iter().all(|part| said.contains(part)), "{said}");
+    let brief = brief(&benchmark, Half::Test, chosen);
+    assert!(brief.contains(&format!("|\n\n{said}\n")), "a line of its own\n{brief}");
 }
 
 #[test]
