@@ -24,6 +24,7 @@ fn trust(folder: &Path) {
         "answer",
         "comparison",
         "misses",
+        "joined",
         "overall",
         "counts",
         "families",
