@@ -1,8 +1,7 @@
 // What the checks of a report page share: the faults found, waiting, pictures.
 import { basename, join } from "node:path";
 
-const [opened, folder] = process.argv.slice(2);
-export const file = opened;
+export const [file, folder] = process.argv.slice(2);
 // Each page has a folder of its own: several are checked at once.
 export const shots = folder && join(folder, basename(file, ".html"));
 export const faults = [];

@@ -4,9 +4,10 @@
 //! join is missing it measures the arbitrary pose of one part relative to another. This measure is the other way round.
 
 use super::benchmark::{Benchmark, Run};
+use super::bootstrap::{Part, ratio};
 use super::records::{Half, Outcome};
-use super::summary::median;
-use super::tables::{NONE, Table, share, with_head};
+use super::summary::{correct_edges, median};
+use super::tables::{NONE, Table, optional, share, with_head};
 use crate::table::metres;
 use posecut_stage::counted;
 
@@ -25,20 +26,18 @@ pub fn joined(benchmark: &Benchmark, half: Half) -> Option<Table> {
         let means = families.iter().map(|family| mean(&values(&runs, Some(family), value)));
         let all = values(&runs, None, value);
         let mut row = vec![name.to_owned(), all.len().to_string()];
-        row.extend(means.chain([mean(&all), median(&all), all.last().copied()]).map(text));
+        row.extend(means.chain([mean(&all), median(&all), all.last().copied()]).map(optional));
         row
     };
     let optimum = [row(OPTIMUM, &reference), vec![NONE.to_owned(), NONE.to_owned()]].concat();
     let methods = benchmark.ranking(half).into_iter().map(|method| {
         let has = |run: &&&Run| of(method)(run).is_some();
         let outcomes: Vec<Outcome> = runs.iter().filter(has).filter_map(|run| run.outcome(method)).collect();
-        let sum = |count: fn(&Outcome) -> usize| outcomes.iter().map(count).sum::<usize>() as f64;
-        let kept = sum(|outcome| outcome.correct_kept);
+        let parts: Vec<f64> = outcomes.iter().map(|outcome| outcome.components as f64).collect();
+        let correct: Vec<Part> = outcomes.iter().map(correct_edges).collect();
         let mut row = row(&benchmark.methods[method], &of(method));
-        let correct = kept + sum(|outcome| outcome.correct_lost);
-        let parts = sum(|outcome| outcome.components) / outcomes.len() as f64;
-        row.push(if outcomes.is_empty() { NONE.to_owned() } else { format!("{parts:.2}") });
-        row.push(if correct > 0.0 { share(kept / correct) } else { NONE.to_owned() });
+        row.push(mean(&parts).map_or_else(|| NONE.to_owned(), |parts| format!("{parts:.2}")));
+        row.push(ratio(correct.iter()).map_or_else(|| NONE.to_owned(), share));
         row
     });
     let head: Vec<&str> =
@@ -103,8 +102,4 @@ fn values(runs: &[&Run], family: Option<&str>, value: &dyn Fn(&Run) -> Option<f6
 
 fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-}
-
-fn text(value: Option<f64>) -> String {
-    value.map_or_else(|| NONE.to_owned(), metres)
 }

@@ -2,8 +2,7 @@
 
 use super::benchmark::{BOUND, Benchmark, Run};
 use super::records::{Half, Outcome, TruthDistance};
-use super::tables::{NONE, Table, with_head};
-use crate::table::metres;
+use super::tables::{NONE, Table, optional, with_head};
 
 /// One row for each run on which the method is not within the bound, the largest regret first.
 pub fn misses(benchmark: &Benchmark, half: Half, method: usize) -> Table {
@@ -41,21 +40,20 @@ fn row(benchmark: &Benchmark, run: &Run, method: usize) -> Vec<String> {
         .filter_map(|other| Some((other, run.outcome(other)?.rmse)))
         .min_by(|one, other| one.1.total_cmp(&other.1));
     let own: Option<Outcome> = run.outcome(method);
-    let text = |value: Option<f64>| value.map_or_else(|| NONE.to_owned(), metres);
     let truth = own.and_then(|own| own.truth);
     vec![
         run.family.clone(),
         run.key.short(),
-        text(own.map(|own| own.rmse)),
-        text(run.best),
+        optional(own.map(|own| own.rmse)),
+        optional(run.best),
         best.map_or_else(|| NONE.to_owned(), |(other, _)| benchmark.methods[other].clone()),
         own.map_or_else(|| NONE.to_owned(), |own| own.false_kept.to_string()),
         own.map_or_else(
             || NONE.to_owned(),
             |own| format!("{} of {}", own.correct_lost, own.correct_lost + own.correct_kept),
         ),
-        text(truth.map(|truth| truth.own)),
-        text(truth.map(|truth| truth.reference)),
-        text(truth.and_then(|truth| truth.joined)),
+        optional(truth.map(|truth| truth.own)),
+        optional(truth.map(|truth| truth.reference)),
+        optional(truth.and_then(|truth| truth.joined)),
     ]
 }

@@ -91,11 +91,7 @@ pub fn summary(benchmark: &Benchmark, half: Half, family: Option<&str>, method: 
         median: median(&errors),
         worst: errors.last().copied(),
         with_false: outcomes.iter().filter(|outcome| outcome.false_kept > 0).count(),
-        recall: estimate("recall", &|run| {
-            let outcome = run.outcome(method)?;
-            let kept = outcome.correct_kept as f64;
-            Some(Part { above: kept, below: kept + outcome.correct_lost as f64 })
-        }),
+        recall: estimate("recall", &|run| Some(correct_edges(&run.outcome(method)?))),
         regret: estimate("regret", &|run| Some(one(run.regret(method)?))),
         worst_regret: regrets.iter().copied().max_by(f64::total_cmp),
         large_regrets: regrets.iter().filter(|regret| **regret > LARGE_REGRET).count(),
@@ -103,6 +99,12 @@ pub fn summary(benchmark: &Benchmark, half: Half, family: Option<&str>, method: 
         share: estimate("share within", &|run| Some(one(f64::from(u8::from(run.within(method)))))),
         seconds,
     }
+}
+
+/// The correct edges that a run keeps, of all of them. Their ratio over runs is the pooled recall.
+pub(super) fn correct_edges(outcome: &Outcome) -> Part {
+    let kept = outcome.correct_kept as f64;
+    Part { above: kept, below: kept + outcome.correct_lost as f64 }
 }
 
 /// The median of sorted values.

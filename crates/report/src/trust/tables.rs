@@ -335,7 +335,8 @@ fn length(own: Option<Estimate>) -> String {
     }
 }
 
-fn optional(value: Option<f64>) -> String {
+/// A length, metres, or the cell of a value that does not exist.
+pub(super) fn optional(value: Option<f64>) -> String {
     value.map_or_else(|| NONE.to_owned(), metres)
 }
 
